@@ -19,6 +19,7 @@ void add_replay(CLI::App& app, Configuration& configuration, Action& action);
 void add_evaluate(CLI::App& app, Configuration& configuration, Action& action);
 void add_simulate(CLI::App& app, Action& action);
 void add_identify(CLI::App& app, Configuration& configuration, Action& action);
+void add_predict(CLI::App& app, Configuration& configuration, Action& action);
 void add_import(CLI::App& app, Action& action);
 void add_serve(CLI::App& app, Configuration& configuration, Action& action);
 void add_inspect(CLI::App& app, const Configuration& configuration, Action& action);

@@ -21,16 +21,21 @@ std::vector<OptionSection> Configuration::sections() {
   append(sections, sections_of(teleop));
   append(sections,
          {section_of(serve), section_of(serve.force), section_of(serve.haptics), section_of(live),
-          section_of(live.vibration), section_of(content), section_of(network), section_of(page),
-          section_of(devices.rate), section_of(devices.gamepad), section_of(devices.space_mouse),
-          section_of(devices.trace), section_of(devices.plugin), section_of(devices.simulated)});
+          section_of(live.vibration), section_of(live.tool), section_of(content),
+          section_of(network), section_of(page), section_of(devices.rate),
+          section_of(devices.gamepad), section_of(devices.space_mouse), section_of(devices.trace),
+          section_of(devices.plugin), section_of(devices.simulated)});
   append(sections, sections_of(evaluation));
   sections.push_back(section_of(friction_priors));
+  sections.push_back(section_of(estimator));
+  sections.push_back(section_of(estimator.averaging));
   sections.push_back(section_of(robot_identification.signals));
   sections.push_back(section_of(robot_identification.fit));
   sections.push_back(section_of(robot_identification.contact));
   sections.push_back(section_of(arm));
   sections.push_back(section_of(arm.inverse_kinematics));
+  sections.push_back(section_of(arm_drive));
+  sections.push_back(section_of(arm_query));
   sections.push_back(section_of(robot_site));
   sections.push_back(section_of(robot_site.commands));
   sections.push_back(section_of(robot_site.limits));
@@ -50,7 +55,8 @@ IdentificationOptions Configuration::identification() const {
           .onset = teleop.learning.onset,
           .limiting_friction = teleop.learning.limiting_friction,
           .sliding = teleop.learning.sliding,
-          .friction_priors = friction_priors};
+          .friction_priors = friction_priors,
+          .estimator = estimator};
 }
 
 std::vector<std::pair<std::string, std::string>> Configuration::changed() {

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "pcavr/arm/arm_queries.hpp"
 #include "pcavr/core/options.hpp"
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
@@ -43,8 +44,11 @@ struct Configuration {
   DeviceOptions devices;
   EvaluationOptions evaluation;
   FrictionPriors friction_priors;
+  EstimatorOptions<3> estimator;  ///< of the comparison in identify's report
   RobotIdentificationOptions robot_identification;
   ArmFollowerOptions arm;  ///< with the options of its inverse kinematics
+  DrivenArmOptions arm_drive;
+  ArmQueryOptions arm_query;  ///< its drive is arm_drive
   RobotSiteOptions robot_site;
   OperatorSiteOptions operator_site;
 

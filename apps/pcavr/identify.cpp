@@ -13,6 +13,7 @@
 #include "pcavr/report/report_page.hpp"
 
 #include "commands.hpp"
+#include "damping_option.hpp"
 #include "identify_robot.hpp"
 #include "output_option.hpp"
 
@@ -209,14 +210,12 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
   command->add_option("-o,--output", arguments->output, "Parameter file to write")->required();
   command->add_option("--report", arguments->report,
                       "Folder for the report; by default next to the parameter file");
-  std::vector<std::string> laws{std::string(key_of(DampingLaw::exact)), "criterion"};
-  for (const DampingLaw law : kPublishedDampingLaws) laws.emplace_back(key_of(law));
   command
       ->add_option("--damping-law", arguments->damping_law,
                    "Damping of a Hunt-Crossley contact from the restitution of impacts: the exact "
                    "relation, a published law, or criterion: the published law with the smallest "
                    "error there")
-      ->check(CLI::IsMember(laws))
+      ->check(CLI::IsMember(damping_law_names()))
       ->capture_default_str();
   command->add_flag("--force", arguments->replace,
                     "Replace an existing parameter file and report of pcavr; "

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/core/signal_cleanup.hpp"
@@ -61,14 +63,20 @@ bool has_json_flag(std::span<char* const> arguments) {
                      [](const char* argument) { return std::string_view(argument) == "--json"; });
 }
 
+/// The name by which help on the invoked command is asked for.
+std::string invoked(const CLI::App& app) {
+  std::string name = app.get_name();
+  for (const CLI::App* command : app.get_subcommands()) name += ' ' + invoked(*command);
+  return name;
+}
+
 /// Help and version are printed, too; returns the exit code.
 int report_usage(const CLI::App& app, const CLI::ParseError& error, bool as_json) {
-  if (app.exit(error) == 0) return kExitDone;
-  if (as_json) {
-    const Error usage{.message = error.what(), .hint = "see --help"};
-    std::cout << json_text(error_json(usage, kExitUsage), 2) << '\n' << std::flush;
-  }
-  return kExitUsage;
+  if (error.get_exit_code() == kExitDone) return app.exit(error);
+  std::string message = error.what();
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return report_error({.message = message, .hint = "see " + invoked(app) + " --help"}, as_json,
+                      kExitUsage);
 }
 
 /// An option or argument that was given without a value, as by an unset variable of a shell: it
@@ -77,7 +85,7 @@ std::optional<Error> find_empty_value(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     const std::vector<std::string>& values = option->results();
     if (std::find(values.begin(), values.end(), "") == values.end()) continue;
-    return Error{.message = "the name given for " + option->get_name() + " is empty",
+    return Error{.message = "the value of " + option->get_name() + " is empty",
                  .hint = "see pcavr " + command.get_name() + " --help"};
   }
   // Option groups are subcommands, too; those that were not invoked have no results.
@@ -110,6 +118,7 @@ int run_command_line(int argc, char** argv) {
   Action action;
   add_build(app, configuration, action);
   add_identify(app, configuration, action);
+  add_predict(app, configuration, action);
   add_replay(app, configuration, action);
   add_evaluate(app, configuration, action);
   add_simulate(app, action);
@@ -174,7 +183,7 @@ Expected<Recording> read_with_warnings(const std::string& folder, bool skip_bad,
 void describe_left_out(const std::vector<SkippedRows>& left_out, CommandResult& result) {
   result.json["left_out"] = nlohmann::ordered_json::array();
   for (const auto& [file, reason, count] : left_out) {
-    result.summary += "skipped    " + file + ": " + reason + ": " + std::to_string(count) + '\n';
+    result.summary += fmt::format("skipped    {}: {}: {}\n", file, reason, count);
     result.json["left_out"].push_back({{"file", file}, {"reason", reason}, {"rows", count}});
   }
 }

@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "pcavr/devices/open_device.hpp"
+#include "pcavr/pipeline/teleop_input.hpp"
 #include "pcavr/serve/operator_page.hpp"
 #include "pcavr/serve/scene_content.hpp"
 

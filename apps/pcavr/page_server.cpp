@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
@@ -18,6 +20,9 @@ namespace pcavr::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Of the device's force.
+constexpr double kMaxWeightShare = 0.5;
 
 /// Next to the executable in the build tree, or in the installation.
 Expected<fs::path> find_page() {
@@ -65,6 +70,22 @@ std::vector<std::string> addresses_of(const LiveServer& server, const ServerOpti
   return addresses;
 }
 
+/// What a device's force leaves for contacts: the hand feels the tool's weight, too.
+Expected<void> carry_tool(const PageArguments& arguments, const Configuration& configuration,
+                          double& max_force) {
+  if (arguments.device == kPageDevice) return {};
+  const double weight = configuration.live.tool.weight();
+  if (weight > kMaxWeightShare * max_force) {
+    return Error{.message = fmt::format("the tool's weight of {:.3g} N leaves too little of the "
+                                        "device's {:.3g} N for contacts",
+                                        weight, max_force),
+                 .place = "serve.tool.mass",
+                 .hint = "give a lighter tool, or the device's force with --max-force"};
+  }
+  max_force -= weight;
+  return {};
+}
+
 }  // namespace
 
 Expected<void> prepare_server(PageArguments& arguments, const Configuration& configuration) {
@@ -98,6 +119,8 @@ Expected<SceneWorld> make_page_world(const SceneManifest& scene,
   if (arguments.tool_radius > 0.0) options.tool_radius = arguments.tool_radius;
   if (arguments.device == kPageDevice) options.force.max_force = options.max_shown_force;
   if (arguments.max_force > 0.0) options.force.max_force = arguments.max_force;
+  const Expected<void> carried = carry_tool(arguments, configuration, options.force.max_force);
+  if (!carried) return carried.error();
   Expected<SceneWorld> world = make_scene_world(scene, options);
   if (!world) return world;
   for (const std::string& note : world->notes) observer.on_warning(note);

@@ -2,15 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/pipeline/replay.hpp"
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
 #include "pcavr/core/output_paths.hpp"
-#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/pipeline/augmented_frames.hpp"
 
 #include "commands.hpp"
+#include "damping_option.hpp"
 #include "link_options.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
@@ -25,6 +27,7 @@ struct ReplayArguments {
   OutputOption output;
   std::string sensor;
   std::string parameters;
+  std::string damping_law;  ///< empty: the file's damping
   std::string tracked;
   std::string video;
   bool without_corrections = false;
@@ -178,8 +181,10 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   if (arguments.without_corrections) options.teleop.with_corrections = false;
   if (arguments.keep_parameters) options.teleop.identifies = false;
   if (!arguments.tracked.empty()) options.tracked = arguments.tracked;
+  std::vector<std::string> damping_notes;
   if (!arguments.parameters.empty()) {
-    Expected<ParameterTable> parameters = read_parameters(arguments.parameters);
+    Expected<ParameterTable> parameters =
+        read_parameters_with_damping(arguments.parameters, arguments.damping_law, damping_notes);
     if (!parameters) return parameters.error();
     options.parameters = std::move(*parameters);
     options.parameters_file = arguments.parameters;
@@ -192,7 +197,11 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
   CommandResult result = describe(*run, arguments.output.folder);
-  describe_left_out(recording->left_out, result);
+  for (const std::string& note : damping_notes) result.summary += "  " + note + '\n';
+  if (!damping_notes.empty()) result.json["contact_damping"] = damping_notes;
+  std::vector<SkippedRows> left_out = recording->left_out;
+  left_out.insert(left_out.end(), run->left_out.begin(), run->left_out.end());
+  describe_left_out(left_out, result);
   if (arguments.video.empty()) return result;
   const Expected<void> video = make_video(arguments, *recording, *scene, *run, observer, result);
   if (!video) return video.error();
@@ -204,6 +213,7 @@ void add_link_options(CLI::App& command, TeleopOptions& teleop, ReplayArguments&
       "--parameters", arguments.parameters,
       "Parameter file from pcavr identify; without it both sites start from the scene's "
       "parameters and defaults");
+  add_damping_law(command, arguments.damping_law, "--parameters");
   command.add_option(
       "--tracked", arguments.tracked,
       "Run whose tracking is used instead of tracking again; by default the recording's "

@@ -11,6 +11,7 @@
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
+#include "pcavr/pipeline/teleop_input.hpp"
 #include "pcavr/simulation/simulate.hpp"
 
 #include "commands.hpp"

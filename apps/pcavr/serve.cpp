@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/arm/identified_arm.hpp"
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/object/parameters_file.hpp"
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/serve/live_world.hpp"
@@ -19,6 +19,7 @@
 #include "pcavr/serve/server.hpp"
 
 #include "commands.hpp"
+#include "damping_option.hpp"
 #include "number_option.hpp"
 #include "page_server.hpp"
 
@@ -31,6 +32,9 @@ struct ServeArguments {
   std::string scene;
   std::string recording;
   std::string tracked;
+  std::string damping_law;  ///< empty: the file's damping
+  std::string identified;   ///< report of identify robot
+  bool is_torque_driven = false;
   double time_scale = 0.0;  ///< 0: not given
   PageArguments page;
 };
@@ -68,8 +72,11 @@ Expected<ServeInputs> read_inputs(const ServeArguments& arguments,
   if (!scene) return scene.error();
   ServeInputs inputs{std::move(*scene), {}, {}};
   if (!arguments.page.parameters.empty()) {
-    Expected<ParameterTable> parameters = read_parameters(arguments.page.parameters);
+    std::vector<std::string> notes;
+    Expected<ParameterTable> parameters =
+        read_parameters_with_damping(arguments.page.parameters, arguments.damping_law, notes);
     if (!parameters) return parameters.error();
+    for (const std::string& note : notes) observer.on_warning(note);
     inputs.parameters = std::move(*parameters);
   }
   if (!arguments.recording.empty()) {
@@ -102,6 +109,50 @@ Expected<ServedContent> make_content(const ServeInputs& inputs, const ServeArgum
   return ServedContent(std::move(*scene), std::move(*shown));
 }
 
+/// With --torque-driven or --identified.
+Expected<void> drive_if_requested(const SceneArm& arm, const ServeArguments& arguments,
+                                  const Configuration& configuration, LiveArm& live) {
+  if (!arguments.identified.empty()) {
+    const Expected<IdentifiedArm> found = read_identified_arm(arguments.identified, arm.model);
+    if (!found) return found.error();
+    if (found->model.dof != arm.model.dof) {
+      return Error{.message = "identifies fewer joints than the arm has",
+                   .file = arguments.identified,
+                   .hint = "identify all joints"};
+    }
+    drive_by_torques(live, found->model, found->joints, configuration.arm_drive);
+  } else if (arguments.is_torque_driven) {
+    if (!arm.model.has_inertia()) {
+      return Error{.message = "the arm's description has no masses",
+                   .file = arm.model.file.string(),
+                   .hint = "give what pcavr identify robot found with --identified"};
+    }
+    drive_by_torques(live, arm.model, {}, configuration.arm_drive);
+  }
+  return {};
+}
+
+/// Null where the scene has no arm.
+Expected<std::unique_ptr<LiveArm>> make_served_arm(const SceneManifest& manifest,
+                                                   const SceneWorld& scene,
+                                                   const ServeArguments& arguments,
+                                                   const Configuration& configuration) {
+  const Expected<std::optional<SceneArm>> arm = read_scene_arm(manifest);
+  if (!arm) return arm.error();
+  if (!*arm) {
+    if (!arguments.is_torque_driven && arguments.identified.empty()) {
+      return std::unique_ptr<LiveArm>();
+    }
+    return Error{.message = "has no arm to drive by torques",
+                 .file = arguments.scene,
+                 .hint = "omit --torque-driven and --identified"};
+  }
+  auto live = std::make_unique<LiveArm>(make_live_arm(**arm, scene, configuration.arm));
+  const Expected<void> driven = drive_if_requested(**arm, arguments, configuration, *live);
+  if (!driven) return driven.error();
+  return live;
+}
+
 Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
                                                const SceneWorld& scene,
                                                const ServeArguments& arguments,
@@ -110,7 +161,7 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
   if (!haptic) return haptic.error();
   Expected<std::unique_ptr<Device>> device = make_device(arguments.page, configuration);
   if (!device) return device.error();
-  Expected<std::unique_ptr<LiveArm>> arm = make_arm(manifest, scene, configuration);
+  Expected<std::unique_ptr<LiveArm>> arm = make_served_arm(manifest, scene, arguments, configuration);
   if (!arm) return arm.error();
   LiveWorldOptions options = configuration.live;
   options.p_base_tool_start = scene.p_base_tool_start;
@@ -205,6 +256,7 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
       ->needs("--replay");
   command->add_option("--parameters", arguments->page.parameters,
                       "Parameter file from pcavr identify");
+  add_damping_law(*command, arguments->damping_law, "--parameters");
   add_network_options(*command, configuration.network, arguments->page);
   command
       ->add_option(
@@ -215,6 +267,13 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
              "Radius of the spherical tool tip [m]; default: the replay's, or 0.01");
   add_number(*command, "--max-force", arguments->page.max_force, ranges::kHandForce,
              "Limit of the rendered force [N]; default: 5 for a device, 100 for the page");
+  command->add_flag("--torque-driven", arguments->is_torque_driven,
+                    "The scene's arm moves by its own dynamics, and its tip is the tool: the hand "
+                    "feels what the arm touches");
+  command->add_option(
+      "--identified", arguments->identified,
+      "Report folder of pcavr identify robot: --torque-driven with its inertias and "
+      "friction instead of the description's");
   add_number(*command, "--time-scale", arguments->time_scale, kTimeScale,
              "Simulated over real time, 0.1 to 1; default: 1");
   command->callback([arguments, &configuration, &action, &app] {

@@ -3,7 +3,8 @@
 //
 // A device plugin: makes a vendor's haptic device available to pcavr as a shared library with the
 // functions below. This one simulates a device: a mass of 0.1 kg that a spring and damper pull
-// along a circle. Use it as `plugin:libround_device.so` or, for another radius in millimetres,
+// along a circle, with a handle that a spring keeps upright and that a torque tilts. Use it as
+// `plugin:libround_device.so` or, for another radius in millimetres,
 // `plugin:libround_device.so,50`.
 #include <cmath>
 #include <cstdio>
@@ -18,11 +19,14 @@ constexpr double kMass = 0.1;         // [kg]
 constexpr double kStiffness = 200.0;  // [N/m]
 constexpr double kDamping = 9.0;      // [N s/m] critical
 constexpr double kTurn = 1.0;         // [rad/s] around the circle
+constexpr double kTilt = 0.5;         // [N m/rad] of the handle's spring
+constexpr double kTiltTime = 0.05;    // [s] in which it follows a torque
 
 struct RoundDevice {
   double radius = 0.03;  // [m]
   double tip[3] = {};
   double velocity[3] = {};
+  double tilt[3] = {};  // [rad] small, about each axis
 };
 
 // A real plugin would initialise the vendor's SDK and open the device here.
@@ -52,6 +56,12 @@ int exchange(void* given, double t, double dt, const pcavr_device_feedback* feed
     device.tip[i] += dt * device.velocity[i];
     sample->tip[i] = device.tip[i];
   }
+  for (int i = 0; i < 3; ++i) {
+    device.tilt[i] += dt / kTiltTime * (feedback->torque[i] / kTilt - device.tilt[i]);
+    sample->quaternion[i] = std::sin(0.5 * device.tilt[i]);
+  }
+  const double* q = sample->quaternion;
+  sample->quaternion[3] = std::sqrt(std::fmax(0.0, 1.0 - q[0] * q[0] - q[1] * q[1] - q[2] * q[2]));
   sample->is_present = 1;
   sample->is_engaged = 1;
   return 0;

@@ -31,13 +31,13 @@ struct OutputKindInfo {
 
 const std::array<OutputKindInfo, 4>& all_kinds() {
   static const std::array<OutputKindInfo, 4> kinds{
-      OutputKindInfo{
-          OutputKind::recording,
-          "recording",
-          "recording.yaml",
-          {"pcavr-recording/"},
-          {"recording.yaml", "rgb", "rgb.txt", "depth", "depth.txt", "groundtruth.txt", "tool.csv",
-           "wrench.csv", "joints.csv", "objects", "tracked", "truth", "written.yaml"}},
+      OutputKindInfo{OutputKind::recording,
+                     "recording",
+                     "recording.yaml",
+                     {"pcavr-recording/"},
+                     {"recording.yaml", "rgb", "rgb.txt", "depth", "depth.txt", "groundtruth.txt",
+                      "tool.csv", "wrench.csv", "joints.csv", "robot.urdf", "objects", "tracked",
+                      "truth", "written.yaml"}},
       OutputKindInfo{OutputKind::scene,
                      "scene",
                      "scene.yaml",

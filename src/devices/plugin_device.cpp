@@ -105,10 +105,13 @@ std::optional<pcavr_device_sample> PluginDevice::Content::call(
   pcavr_device_feedback plugin_feedback{.size = sizeof plugin_feedback,
                                         .is_engaged = clutch.is_closed(),
                                         .force = {},
-                                        .pulse = clutch.is_closed() ? feedback.pulse : 0.0};
+                                        .pulse = clutch.is_closed() ? feedback.pulse : 0.0,
+                                        .torque = {}};
   if (clutch.is_closed()) {
     Eigen::Map<Eigen::Vector3d>(plugin_feedback.force) =
         q_base_operator.conjugate() * feedback.force_base;
+    Eigen::Map<Eigen::Vector3d>(plugin_feedback.torque) =
+        q_base_operator.conjugate() * feedback.torque_base;
   }
   pcavr_device_sample sample{};
   sample.size = sizeof sample;

@@ -6,6 +6,7 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/time_series.hpp"
 
+#include "arm_contacts.hpp"
 #include "contact_task.hpp"
 #include "evaluated_recording.hpp"
 #include "findings.hpp"
@@ -200,7 +201,8 @@ Expected<void> add_run(const ComparisonSide& reference, const ComparisonSide& su
       read_tool((reference.recording.empty() ? subject : reference).recording);
   if (!T_base_tool) return T_base_tool.error();
   add_contact_motion(*T_base_tool, recording, findings.objects, options, *findings.run);
-  return {};
+  return add_joint_loads((reference.recording.empty() ? subject : reference).recording, options,
+                         *findings.run);
 }
 
 }  // namespace pcavr

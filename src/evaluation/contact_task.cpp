@@ -22,15 +22,37 @@ Eigen::Vector3d lattice_direction(int i) {
   return {radius * std::cos(angle), radius * std::sin(angle), z};
 }
 
+/// Whether no vertex is as far along `direction` as the point.
+bool is_beyond_mesh(const TriangleMesh& mesh, const Eigen::Vector3d& point,
+                    const Eigen::Vector3d& direction) {
+  const double at_point = direction.dot(point);
+  return std::none_of(mesh.vertices.begin(), mesh.vertices.end(),
+                      [&](const Eigen::Vector3f& vertex) {
+                        return direction.dot(vertex.cast<double>()) > at_point;
+                      });
+}
+
+/// Whether the point is outside of a face of the hull. The lattice alone takes a point above the
+/// middle of a flat face for one inside: no direction of it is the face's normal.
+bool is_beyond_a_face(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
+  constexpr std::size_t kMaxFaces = 5000;  // finer meshes are round enough for the lattice
+  if (mesh.triangles.size() > kMaxFaces) return false;
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& triangle) {
+    const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
+    const Eigen::Vector3d normal = (mesh.vertices[triangle[1]].cast<double>() - a)
+                                       .cross(mesh.vertices[triangle[2]].cast<double>() - a)
+                                       .normalized();
+    // Single precision: vertices of the face itself may lie a little above it.
+    constexpr double kRounding = 1e-6;  // [m]
+    return normal.dot(point - a) > kRounding &&
+           is_beyond_mesh(mesh, point - kRounding * normal, normal);
+  });
+}
+
 bool is_in_hull(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
+  if (is_beyond_a_face(mesh, point)) return false;
   for (int i = 0; i < kHullDirections; ++i) {
-    const Eigen::Vector3d direction = lattice_direction(i);
-    const double at_point = direction.dot(point);
-    const bool is_beyond = std::none_of(mesh.vertices.begin(), mesh.vertices.end(),
-                                        [&](const Eigen::Vector3f& vertex) {
-                                          return direction.dot(vertex.cast<double>()) > at_point;
-                                        });
-    if (is_beyond) return false;
+    if (is_beyond_mesh(mesh, point, lattice_direction(i))) return false;
   }
   return true;
 }

@@ -3,13 +3,13 @@
 #include "paper_comparison.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 
 #include "pcavr/report/number_text.hpp"
 
+#include "arm_contacts.hpp"
 #include "pooled_errors.hpp"
 
 namespace pcavr {
@@ -45,20 +45,6 @@ constexpr Published kSoftError = {"B, table 4", "relative error of the peak forc
                                   "2.24 % (GADM 2.75 %, HSMM 3.12 %)"};
 constexpr Published kSlotting = {"B, hole slotting", "peak force: real, virtual, difference",
                                  "91.23 N, 93.27 N, 2.24 %"};
-
-/// B's table 3: the peak force of a contact along z by approach speed.
-struct PublishedContact {
-  double speed;     ///< [mm/s]
-  double measured;  ///< [N]
-  double rendered;  ///< [N]
-};
-constexpr std::array<PublishedContact, 7> kContactsOfB = {{{5, 22.41, 22.85},
-                                                           {10, 21.57, 21.73},
-                                                           {20, 18.97, 18.35},
-                                                           {30, 16.87, 16.60},
-                                                           {40, 19.21, 18.68},
-                                                           {50, 18.88, 19.06},
-                                                           {60, 17.49, 17.20}}};
 
 /// Where this run has no value.
 constexpr char kNoValue[] = "–";
@@ -208,6 +194,7 @@ ReportTable paper_table(const Findings& findings) {
   if (!soft.empty()) add(kSoftError, peak_error_text(soft));
   const std::vector<ContactPeak> slotting = peaks_of(run, ContactTask::slotting);
   if (!slotting.empty()) add(kSlotting, max_forces(slotting));
+  add_arm_rows(run, table);
   table.note =
       "B: haptic augmented reality with seven damping laws; C: movable objects in a point-cloud "
       "augmented virtual environment. The papers use real boxes and robots; for a run of a "
@@ -238,13 +225,6 @@ ReportTable contact_table(const Findings& findings) {
       add(object + ", from " + t + " s", peak.task,
           speed ? readable(kMillimetres * *speed) : kNoValue, peak.measured, peak.rendered);
     }
-  }
-  const std::vector<ContactPeak> presses = peaks_of(run, ContactTask::press);
-  if (std::all_of(presses.begin(), presses.end(), is_soft_press)) return table;
-  table.is_folded = false;
-  for (const PublishedContact& contact : kContactsOfB) {
-    add("paper B, table 3", ContactTask::press, fixed(contact.speed, 0), contact.measured,
-        contact.rendered);
   }
   return table;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "findings.hpp"
 #include "report.hpp"
 
@@ -11,8 +13,11 @@ namespace pcavr {
 /// people: the table shows the difference, it is no ranking.
 [[nodiscard]] ReportTable paper_table(const Findings& findings);
 
-/// The peak force of each contact, measured and rendered; where there are presses, with paper B's
-/// table 3 below.
+/// The peak force of each contact, measured and rendered.
 [[nodiscard]] ReportTable contact_table(const Findings& findings);
+
+/// Paper B's table 3 (presses by speed), table 4 (soft object) and figure 6 (damping laws), each
+/// beside this run's values, for runs that have such presses, or a restitution.
+[[nodiscard]] std::vector<ReportTable> contact_paper_tables(const Findings& findings);
 
 }  // namespace pcavr

@@ -38,6 +38,15 @@ struct CorrectionFindings {
   std::map<std::string, Settling> settling = {};  ///< of each predicted object
 };
 
+/// The torque of a contact's peak force at the arm's joint that it loads most [N m].
+struct JointLoad {
+  std::string object = {};
+  Stamp begin = {};  ///< of the contact
+  std::string joint;
+  double measured = 0.0;
+  double rendered = 0.0;
+};
+
 /// The results of a run other than its trajectories' errors.
 struct RunFindings {
   RunFiles files;
@@ -48,6 +57,7 @@ struct RunFindings {
   /// From the first arrival of parameters on; of objects that received some.
   std::map<std::string, ForceErrors> forces_with_parameters;
   std::map<std::string, std::vector<ContactPeak>> peaks;
+  std::vector<JointLoad> joint_loads = {};  ///< of the peaks, where an arm did the contacts
   std::optional<CorrectionFindings> corrections;
   Duration round_trip{};  ///< forward and backward delay
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run_report.hpp"
 
+#include "arm_contacts.hpp"
 #include "paper_comparison.hpp"
 #include "parameter_history.hpp"
 #include "pooled_errors.hpp"
@@ -207,6 +208,11 @@ std::vector<ReportSection> closing_sections(const Findings& findings) {
   papers.tables.push_back(paper_table(findings));
   ReportTable contacts = contact_table(findings);
   if (!contacts.rows.empty()) papers.tables.push_back(std::move(contacts));
+  for (ReportTable& table : contact_paper_tables(findings)) {
+    papers.tables.push_back(std::move(table));
+  }
+  ReportTable loads = joint_load_table(run, findings.origin);
+  if (!loads.rows.empty()) papers.tables.push_back(std::move(loads));
   sections.push_back(std::move(papers));
   return sections;
 }

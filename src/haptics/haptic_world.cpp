@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "pcavr/contact/contact_inertia.hpp"
 #include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/core/check.hpp"
 
@@ -16,6 +17,7 @@
 #include "haptics/friction_cone.hpp"
 #include "haptics/proxy_sphere.hpp"
 #include "haptics/supports.hpp"
+#include "haptics/tip_acceleration.hpp"
 
 namespace pcavr {
 namespace {
@@ -73,6 +75,7 @@ struct HapticWorld::Content {
 
     detail::BodyShape shape;
     double max_penetration = 0.0;  ///< [m] of the tool
+    double contact_mass = 0.0;     ///< [kg] see BodyPhysics
     bool has_support = false;      ///< initially
     bool is_under_tool = false;    ///< the proxy is in contact with it
     bool is_saturated = false;     ///< the tip is as deep in it as it may be, the hand deeper
@@ -117,6 +120,7 @@ struct HapticWorld::Content {
   detail::FloorHeights floor;  ///< what the scan shows below the supports
   detail::ProxySphere proxy;
   RenderedForce force;
+  detail::TipAcceleration acceleration;
   double gravity;
   double max_tip_speed;
   HapticWorldOptions options;
@@ -147,6 +151,7 @@ HapticWorld::Content::Content(const HapticWorldModel& model, std::unique_ptr<Pus
             model.options.support_height_tolerance),
       proxy(model.world.tool_radius),
       force(model.force),
+      acceleration(model.options.acceleration_time, model.force.max_acceleration),
       gravity(model.world.gravity),
       max_tip_speed(model.world.options.max_tip_speed),
       options(model.options),
@@ -166,6 +171,7 @@ HapticWorld::Content::Content(const HapticWorldModel& model, std::unique_ptr<Pus
   for (const WorldBody& body : model.world.bodies) {
     proxy.add_moving(body.model.mesh_object);
     Body& added = bodies.emplace_back(detail::shape_of(body));
+    added.contact_mass = body.physics.contact_mass;
     const double max_push =
         body.is_movable ? std::min(options.max_push_ratio * static_limit, options.max_push_force)
                         : options.max_push_force;
@@ -334,6 +340,7 @@ void HapticWorld::Content::release() noexcept {
   goal = hip;
   static_proxy = hip;
   scan_normal.setZero();
+  acceleration.reset();
   tip.reset();
   tip_before.reset();
   penetration.setZero();
@@ -416,6 +423,9 @@ void HapticWorld::Content::compute_force(const Eigen::Vector3d& device, double d
   for (std::size_t i = 0; i < bodies.size() && state.is_engaged; ++i) {
     const Eigen::Vector3d& tool_force = world->state()[i].tool_force_base;
     body_force -= tool_force;
+    if (bodies[i].contact_mass > 0.0) {
+      body_force -= inertial_force(acceleration.value(), tool_force, bodies[i].contact_mass);
+    }
     if (const auto answer = closest(bodies[i], hip)) out = answer->normal;
     if (!bodies[i].is_under_tool || tool_force.norm() <= max_tool_force) continue;
     max_tool_force = tool_force.norm();
@@ -450,6 +460,7 @@ void HapticWorld::Content::step(const ToolCommand& command, double dt) noexcept 
   if (state.is_engaged) {
     const double displacement = (command.p_base_tip - hip).norm();
     hip = command.p_base_tip;
+    acceleration.add(hip, dt);
     follow(displacement, dt);
     update_tip(dt);
   } else {
@@ -482,6 +493,7 @@ Expected<HapticWorld> HapticWorld::create(const HapticWorldModel& model,
                 options.scan_friction);
   PCAVR_REQUIRE(options.max_penetration_speed > 0.0 && options.catch_up_speed >= 0.0);
   PCAVR_REQUIRE(options.max_push_force > 0.0 && options.max_push_ratio > 0.0);
+  PCAVR_REQUIRE(options.acceleration_time > 0.0, options.acceleration_time);
   PCAVR_REQUIRE(bodies != nullptr && bodies->size() == model.world.bodies.size());
   return HapticWorld(std::make_unique<Content>(model, std::move(bodies)));
 }

@@ -50,7 +50,7 @@ PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& op
   const std::vector<double> force = remove_spikes(press.force).values;
   std::vector<SmoothedSample> x = smooth(press.t, press.tool, press.t, result.half_width);
   std::vector<SmoothedSample> f = smooth(press.t, force, press.t, result.half_width);
-  result.position_noise = estimate_noise_std(press.tool);
+  result.position_noise = press.tool_noise ? *press.tool_noise : estimate_noise_std(press.tool);
   result.force_noise = estimate_noise_std(force);
   const DerivativeNoise noise =
       derivative_noise(result.position_noise, result.half_width, result.interval);
@@ -61,15 +61,18 @@ PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& op
       result.force_noise / std::sqrt(correlated_samples(result.half_width, result.interval));
   auto [begin, end] = longest_contact(f, options.contact_threshold * force_noise);
   if (end > begin) result.onset = x[begin].value;
-  for (std::size_t i = begin; i < end; ++i) {
+  const auto margin = static_cast<std::size_t>(std::ceil(result.half_width / result.interval));
+  // The raw samples begin before the threshold: those above it alone have a positive error on the
+  // average, which moves the surface outwards and increases the exponent.
+  const std::size_t last = end > begin ? std::min(end + margin, count) : end;
+  for (std::size_t i = begin - std::min(begin, margin); i < last; ++i) {
     result.raw.push_back({press.tool[i], x[i].rate, x[i].acceleration, force[i]});
   }
-  // The window must not include the impact or the separation: the law is not smooth there.
-  const auto margin = static_cast<std::size_t>(std::ceil(result.half_width / result.interval));
   if (options.drift_half_width > 0.0) {
     subtract(smooth(press.t, press.tool, press.t, options.drift_half_width), x);
     subtract(smooth(press.t, force, press.t, options.drift_half_width), f);
   }
+  // The window must not include the impact or the separation: the law is not smooth there.
   for (std::size_t i = begin + margin; i + margin < end; ++i) {
     if (!x[i].is_valid || !f[i].is_valid) continue;
     result.samples.push_back({x[i].value, x[i].rate, x[i].acceleration, f[i].value});

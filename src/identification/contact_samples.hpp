@@ -22,8 +22,8 @@ inline constexpr double kExponentStd = 0.289;
 
 struct PressSamples {
   std::vector<ContactSample> samples;  ///< in contact, away from its ends
-  /// The same interval to its ends, position and force as measured (without spikes): smoothing
-  /// distorts the law where the tip penetrates within the filter's width.
+  /// The same interval to its ends and a little beyond, position and force as measured (without
+  /// spikes): smoothing distorts the law where the tip penetrates within the filter's width.
   std::vector<ContactSample> raw;
   double position_noise = 0.0;      ///< [m] standard deviations of `raw`
   double force_noise = 0.0;         ///< [N]

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -86,6 +87,30 @@ class Problem {
     if (!exponent_) sum += add_exponent_prior(theta[2], normal, rhs);
     if (normal != nullptr && exponent_) fix_exponent(*normal, *rhs);
     return sum;
+  }
+
+  /// By how much the errors' correlation in time widens the covariance of white errors: 1 + 2 sum
+  /// of the autocorrelations, with Bartlett's weights [Newey & West 1987, eq. 5]. The tip is
+  /// interpolated between samples that neighbours share, and a law that does not fit exactly errs
+  /// for a while.
+  [[nodiscard]] double correlation_factor(const Eigen::VectorXd& theta) const {
+    const double mean_count = static_cast<double>(count_) / static_cast<double>(presses_.size());
+    const auto lags = static_cast<std::size_t>(4.0 * std::pow(mean_count / 100.0, 2.0 / 9.0)) + 1;
+    double squares = 0.0, sum = 0.0;
+    for (std::size_t p = 0; p < presses_.size(); ++p) {
+      std::vector<double> errors;
+      for (const ContactSample& sample : presses_[p].raw) {
+        errors.push_back(row_of(theta, theta[surface_column(p)], sample).error);
+      }
+      for (std::size_t i = 0; i < errors.size(); ++i) {
+        squares += errors[i] * errors[i];
+        for (std::size_t lag = 1; lag <= lags && lag <= i; ++lag) {
+          const double weight = 1.0 - static_cast<double>(lag) / static_cast<double>(lags + 1);
+          sum += 2.0 * weight * errors[i] * errors[i - lag];
+        }
+      }
+    }
+    return squares > 0.0 ? std::max(1.0, 1.0 + sum / squares) : 1.0;
   }
 
   /// A given exponent is counted, too: one degree of freedom of thousands.
@@ -277,7 +302,8 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
   Eigen::VectorXd rhs;
   problem.evaluate(theta, &normal, &rhs);
   // Reduced chi squared: above 1 where the law does not fit the surface exactly.
-  const double variance = sum / static_cast<double>(problem.count() - unknowns);
+  const double variance =
+      sum / static_cast<double>(problem.count() - unknowns) * problem.correlation_factor(theta);
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(theta.size(), theta.size());
   Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
   if (problem.is_exponent_given()) covariance(2, 2) = 0.0;

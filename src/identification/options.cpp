@@ -5,7 +5,6 @@
 #include <array>
 
 #include "pcavr/core/gravity.hpp"
-#include "pcavr/identification/averaged_estimator.hpp"
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
@@ -281,9 +280,13 @@ constexpr auto kAveragingFields = std::to_array<OptionField<Averaging>>({
     {"fastest_forgetting", &Averaging::fastest_forgetting, 0.8, 0.01, 0.9999, "",
      "forgetting factor of the estimator with the shortest memory (affRLS)",
      "lower: noise after a change; higher: slow adaptation to a change"},
-    {"weight_forgetting", &Averaging::weight_forgetting, 0.98, 0.5, 1.0, "",
+    {"weight_forgetting", &Averaging::weight_forgetting, 0.985, 0.5, 1.0, "",
      "factor per sample by which earlier errors count less in the estimators' weights",
      "lower: noise changes the weights; higher: the weights follow a change late"},
+    // Chosen with weight_forgetting on ten seeds of steps, ramps and drifts.
+    {"sharpness", &Averaging::sharpness, 8.0, 0.01, 1000.0, "",
+     "factor of the estimators' errors in their weights",
+     "lower: a mean of all follows a drift late; higher: noise chooses between them"},
     {"lag", &Averaging::lag, 1.4, 0.0, 100.0, "correlated samples",
      "age of the parameters whose errors are compared",
      "lower: a short memory predicts the filtered noise and is preferred; higher: later weights"},

@@ -150,9 +150,37 @@ struct Cleaned {
   double free_time;   ///< [s] see SegmentationOptions
 };
 
+/// Std of the tip along `direction` where it is interpolated at the times `t`: that of the tip's
+/// own samples, less what the mean of two neighbours averages out. Differences of the interpolated
+/// signal would show a smaller one, or none where the tip's rate is lower than the force's.
+std::optional<double> interpolated_noise(const PathView& tip, const Eigen::Vector3d& direction,
+                                         const std::vector<double>& t) {
+  constexpr std::ptrdiff_t kMinSamples = 20;
+  if (t.empty()) return std::nullopt;
+  const std::span<const double> t_tip = tip.t();
+  const auto first = std::lower_bound(t_tip.begin(), t_tip.end(), t.front());
+  const auto last = std::upper_bound(first, t_tip.end(), t.back());
+  if (last - first < kMinSamples) return std::nullopt;
+  std::vector<double> samples;
+  for (auto at = first; at != last; ++at) samples.push_back(tip.at(*at).dot(direction));
+  double share = 0.0;  // of the samples' variance
+  auto next = first;
+  for (const double at : t) {
+    while (next != t_tip.end() && *next < at) ++next;
+    if (next == t_tip.begin() || next == t_tip.end()) {
+      share += 1.0;
+      continue;
+    }
+    const double weight = (at - *(next - 1)) / (*next - *(next - 1));
+    share += weight * weight + (1.0 - weight) * (1.0 - weight);
+  }
+  return estimate_noise_std(samples) * std::sqrt(share / static_cast<double>(t.size()));
+}
+
 /// Tool and force along `direction` at the force's timestamps in [from, to].
 struct Along {
   std::vector<double> t, tool, force;
+  std::optional<double> tool_noise;
 
   Along(const Cleaned& all, const Eigen::Vector3d& direction, double from, double to) {
     for (std::size_t i = 0; i < all.t.size(); ++i) {
@@ -162,6 +190,14 @@ struct Along {
       tool.push_back(all.tip.at(all.t[i]).dot(direction));
       force.push_back(all.force[i].dot(direction));
     }
+    tool_noise = interpolated_noise(all.tip, direction, t);
+  }
+  /// Moves the series to the episode.
+  void move_to(ContactEpisode& episode) {
+    episode.t = std::move(t);
+    episode.tool = std::move(tool);
+    episode.force = std::move(force);
+    episode.tool_noise = tool_noise;
   }
 };
 
@@ -204,9 +240,7 @@ ContactEpisode describe(const Cleaned& all, const Range& range, double free_from
   const bool is_press = std::abs(sum.z()) > sum.head<2>().norm();
   Along along(all, episode.direction_base, episode.begin - options.margin,
               episode.end + options.margin);
-  episode.t = std::move(along.t);
-  episode.tool = std::move(along.tool);
-  episode.force = std::move(along.force);
+  along.move_to(episode);
   refine_limits(all, free_from, free_to, episode);
   if (is_press) {
     episode.kind = ContactKind::press;
@@ -271,9 +305,7 @@ ContactEpisode describe_impact(const Cleaned& all, const RangedImpact& impact,
   episode.kind =
       std::abs(direction.z()) > direction.head<2>().norm() ? ContactKind::press : ContactKind::push;
   Along along(all, direction, episode.begin - options.margin, episode.end + options.margin);
-  episode.t = std::move(along.t);
-  episode.tool = std::move(along.tool);
-  episode.force = std::move(along.force);
+  along.move_to(episode);
   for (std::size_t i = 0; i < episode.t.size(); ++i) {
     if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;
     episode.peak_force = std::max(episode.peak_force, episode.force[i]);

@@ -87,15 +87,17 @@ Motion longest_motion(std::span<const TrackedPose> tracked) {
   return longest;
 }
 
-Eigen::Vector3d mean_position(std::span<const TrackedPose> tracked, double from, double to) {
+Eigen::Vector3d mean_position(std::span<const TrackedPose> tracked, const Eigen::Vector3d& p_object,
+                              double from, double to) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0.0;
   for (const TrackedPose& pose : tracked) {
     if (pose.t < from || pose.t > to) continue;
-    sum += pose.T_base_object.translation();
+    sum += pose.T_base_object * p_object;
     count += 1.0;
   }
-  return count > 0.0 ? Eigen::Vector3d(sum / count) : tracked.front().T_base_object.translation();
+  return count > 0.0 ? Eigen::Vector3d(sum / count)
+                     : Eigen::Vector3d(tracked.front().T_base_object * p_object);
 }
 
 }  // namespace
@@ -130,9 +132,14 @@ TimeOffset motion_offset(const InputBody& body, const PathView& tip,
   // The slow start and end of a motion are below the noise.
   const double begin = tracked[motion.begin].t - kAroundMotion;
   const double end = tracked[motion.end].t + kAroundMotion;
-  const Eigen::Vector3d from = mean_position(tracked, begin, begin + kAroundMotion - kMotionRange);
+  // Of the point that is pushed: an object that turns takes its other points along faster or
+  // slower.
+  const TrackedPose& first = tracked[motion.begin];
+  const Eigen::Vector3d p_object = first.T_base_object.inverse() * tip.at(first.t);
+  const Eigen::Vector3d from =
+      mean_position(tracked, p_object, begin, begin + kAroundMotion - kMotionRange);
   const Eigen::Vector3d displacement =
-      mean_position(tracked, end - kAroundMotion + kMotionRange, end) - from;
+      mean_position(tracked, p_object, end - kAroundMotion + kMotionRange, end) - from;
   if (displacement.head<2>().norm() < kMinPushDisplacement) return {};
   const Eigen::Vector3d along =
       Eigen::Vector3d(displacement.x(), displacement.y(), 0.0).normalized();
@@ -158,7 +165,7 @@ TimeOffset motion_offset(const InputBody& body, const PathView& tip,
   for (const TrackedPose& pose : tracked) {
     if (pose.t < begin || pose.t > end) continue;
     t_seen.push_back(pose.t);
-    seen.push_back((pose.T_base_object.translation() - from).dot(along));
+    seen.push_back((pose.T_base_object * p_object - from).dot(along));
   }
   TimeOffsetOptions options;
   options.range = kMotionRange;

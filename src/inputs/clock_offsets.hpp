@@ -22,7 +22,7 @@ namespace pcavr {
 
 /// Clock offset: the delay of the force's stamps against the tool's. During a press, and while a
 /// push is released, the object is at rest, so that the tip's position is
-///     q(t - offset) = surface + c u + e u q',  u = F^(1/n),
+///     q(t - offset) = surface + a (F / (1 + c q'))^(1/n),
 /// by the contact law with damping. The offset with the smallest residual is found by a grid search
 /// over +-0.25 s on smoothed signals, then refined by Gauss-Newton: on the measured signals where
 /// there are presses, else on the smoothed ones. n is 1, 1.5 or 2, by the residual.

@@ -9,29 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include "model/file_start.hpp"
+
 namespace pcavr::model {
 namespace fs = std::filesystem;
 namespace {
-
-/// [byte] No exporter writes a longer PLY header.
-constexpr std::size_t kMaxHeader = 64 * 1024;
-
-/// The start of a file, and the size of the whole file.
-struct FileStart {
-  std::string text;
-  std::uintmax_t size = 0;
-};
-
-FileStart start_of(const fs::path& file) {
-  FileStart start{.text = std::string(kMaxHeader, '\0')};
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(start.text.data(), static_cast<std::streamsize>(start.text.size()));
-  start.text.resize(static_cast<std::size_t>(stream.gcount()));
-  std::error_code code;
-  start.size = fs::file_size(file, code);
-  if (code) start.size = start.text.size();
-  return start;
-}
 
 std::vector<std::string_view> header_words(std::string_view line) {
   constexpr std::string_view kBlanks = " \t\r";
@@ -185,10 +167,10 @@ bool is_nested_too_deeply(const fs::path& file, std::uintmax_t begin, std::uintm
 }  // namespace
 
 std::optional<std::string> find_size_mismatch(const fs::path& file, const std::string& extension) {
-  if (extension == ".ply") return find_ply_mismatch(start_of(file));
-  if (extension == ".stl") return find_stl_mismatch(start_of(file));
+  if (extension == ".ply") return find_ply_mismatch(read_file_start(file));
+  if (extension == ".stl") return find_stl_mismatch(read_file_start(file));
   if (extension != ".glb" && extension != ".gltf") return std::nullopt;
-  const FileStart start = start_of(file);
+  const FileStart start = read_file_start(file);
   const bool is_binary = start.text.starts_with("glTF");
   if (is_binary || extension == ".glb") {
     if (auto reason = find_glb_mismatch(start)) return reason;

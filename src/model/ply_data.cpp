@@ -2,23 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/ply_data.hpp"
 
-#include <fstream>
 #include <string_view>
 
 #include "pcavr/core/output.hpp"
 
+#include "model/file_start.hpp"
+
 namespace pcavr::model {
 namespace {
-
-constexpr std::size_t kMaxHeader = 64 * 1024;  // [byte] no exporter writes a longer one
-
-std::string first_bytes(const std::filesystem::path& file) {
-  std::string text(kMaxHeader, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
-}
 
 /// Where the data of a binary PLY begin. Only a floating-point number may be changed there.
 std::optional<std::size_t> begin_of_floats(std::string_view start) {
@@ -38,7 +29,7 @@ std::optional<std::size_t> begin_of_floats(std::string_view start) {
 }  // namespace
 
 std::optional<std::string> ply_with_unambiguous_data(const std::filesystem::path& file) {
-  const std::string start = first_bytes(file);
+  const std::string start = read_file_start(file).text;
   const std::optional<std::size_t> at = begin_of_floats(start);
   if (!at || (start[*at] != '\n' && start[*at] != '\r')) return std::nullopt;
   Expected<std::string> text = read_file(file);

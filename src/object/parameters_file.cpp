@@ -26,6 +26,12 @@ namespace pcavr {
 namespace {
 
 constexpr InputRange kCorrelation{"correlation", -1.0, 1.0, "1", "by definition"};
+constexpr InputRange kRestitution{"restitution", 1e-3, 1.0, "1",
+                                  "by definition; at 0 no damping is large enough"};
+constexpr InputRange kSurfaceOffset{"surface offset", -0.001, 0.001, "m",
+                                    "more is a wrong pose or mesh"};
+constexpr InputRange kImpactSpeed{"impact speed", 1e-4, 100.0, "m/s",
+                                  "from a tip at rest to more than any arm"};
 
 constexpr char kFormatKey[] = "format";
 constexpr char kFormat[] = "pcavr-parameters/2";
@@ -65,6 +71,8 @@ constexpr std::array kContactFields{
     Field{"damping", &ObjectParameters::contact_damping, ranges::kDamping},
     Field{"exponent", &ObjectParameters::contact_exponent, ranges::kExponent},
     Field{"mass", &ObjectParameters::contact_mass, ranges::kMass},
+    Field{"restitution", &ObjectParameters::contact_restitution, kRestitution},
+    Field{"impact_speed", &ObjectParameters::contact_impact_speed, kImpactSpeed},
 };
 
 std::string std_key(const Field& field) { return std::string(field.key) + "_std"; }
@@ -261,8 +269,13 @@ ObjectParameters read_object(const YamlValue& map) {
   if (const std::optional<YamlValue> contact = map.find("contact")) {
     contact->expect_keys({"law", "stiffness", "stiffness_std", "damping", "damping_std",
                           "damping_unit", "damping_law", "exponent", "exponent_std", "mass",
-                          "mass_std"});
+                          "mass_std", "restitution", "restitution_std", "impact_speed",
+                          "impact_speed_std", "surface_offset"});
     for (const Field& field : kContactFields) read_field(*contact, field, parameters);
+    if (const auto offset = contact->find("surface_offset")) {
+      const std::vector<double> values = offset->numbers_in(3, kSurfaceOffset);
+      parameters.contact_surface_offset = Eigen::Vector3d(values[0], values[1], values[2]);
+    }
     check_contact_law(*contact, parameters);
     read_damping_law(*contact, parameters);
   }
@@ -293,6 +306,11 @@ void emit_contact(YAML::Emitter& out, const ObjectParameters& parameters) {
         << std::string(contact_law_name(exponent, parameters.contact_mass.has_value()));
   }
   for (const Field& field : kContactFields) emit_field(out, field, parameters);
+  if (const auto& offset = parameters.contact_surface_offset) {
+    out << YAML::Key << "surface_offset" << YAML::Value << YAML::Flow << YAML::BeginSeq;
+    for (const double value : *offset) out << shortest_decimal(value);
+    out << YAML::EndSeq;
+  }
   if (parameters.contact_damping) {
     out << YAML::Key << "damping_unit" << YAML::Value << damping_unit(exponent);
     const auto& law = parameters.contact_damping_law;

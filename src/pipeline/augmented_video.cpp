@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,10 +12,11 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "pcavr/core/output_file.hpp"
 #include "pcavr/pipeline/augmented_frames.hpp"
+
+#include "video_encoder.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
@@ -46,13 +47,15 @@ OutputFileOptions output_options(bool replace) {
 /// OpenCV may throw.
 class VideoFile {
  public:
-  VideoFile(const fs::path& target, OutputFile file) : target_(target), file_(std::move(file)) {}
+  VideoFile(const fs::path& target, OutputFile file, std::unique_ptr<VideoEncoder> encoder)
+      : target_(target), file_(std::move(file)), encoder_(std::move(encoder)) {}
 
   /// Tries H.264 first, because browsers play it. It needs even image sides.
   [[nodiscard]] bool open(int width, int height, double rate) {
+    using Codec = VideoEncoder::Codec;
     size_ = cv::Size(width / 2 * 2, height / 2 * 2);
-    is_h264_ = open_as("avc1", rate);
-    return is_h264_ || open_as("mp4v", rate);
+    is_h264_ = encoder_->open(file_.path(), Codec::h264, rate, size_);
+    return is_h264_ || encoder_->open(file_.path(), Codec::mpeg4, rate, size_);
   }
 
   void add(const ColorImage& picture) {
@@ -61,19 +64,14 @@ class VideoFile {
                 3 * picture.pixels().size(), rgb.data);
     cv::Mat bgr;
     cv::cvtColor(rgb(cv::Rect(cv::Point(), size_)), bgr, cv::COLOR_RGB2BGR);
-    writer_.write(bgr);
+    encoder_->add(bgr);
     ++pictures_;
   }
 
-  /// cv::VideoWriter does not report a full disk: the written frames are counted by reading the
-  /// file.
   [[nodiscard]] Expected<void> commit() {
-    writer_.release();
-    cv::VideoCapture written(file_.path().string(), cv::CAP_FFMPEG);
-    const double count = written.isOpened() ? written.get(cv::CAP_PROP_FRAME_COUNT) : 0.0;
-    written.release();
-    if (std::lround(count) != static_cast<long>(pictures_)) {
-      return write_error(target_, "only " + std::to_string(std::lround(count)) + " of " +
+    const std::size_t count = encoder_->finish();
+    if (count != pictures_) {
+      return write_error(target_, "only " + std::to_string(count) + " of " +
                                       std::to_string(pictures_) + " frames were written");
     }
     return file_.commit();
@@ -83,15 +81,10 @@ class VideoFile {
   [[nodiscard]] std::size_t pictures() const { return pictures_; }
 
  private:
-  [[nodiscard]] bool open_as(const char* codec, double rate) {
-    const int code = cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]);
-    return writer_.open(file_.path().string(), cv::CAP_FFMPEG, code, rate, size_);
-  }
-
   fs::path target_;
   OutputFile file_;
+  std::unique_ptr<VideoEncoder> encoder_;
   cv::Size size_;
-  cv::VideoWriter writer_;
   bool is_h264_ = false;
   std::size_t pictures_ = 0;
 };
@@ -112,7 +105,9 @@ Expected<AugmentedVideo> write_pictures(const AugmentedFrames& frames, const fs:
                                         const Observer& observer) {
   Expected<OutputFile> output = OutputFile::create(target, output_options(options.replace));
   if (!output) return output.error();
-  VideoFile file(target, *std::move(output));
+  Expected<std::unique_ptr<VideoEncoder>> encoder = load_video_encoder();
+  if (!encoder) return encoder.error();
+  VideoFile file(target, *std::move(output), *std::move(encoder));
   AugmentedVideo video{.rate = frames.rate()};
   for (std::size_t first = 0; first < frames.size(); first += kFramesPerBatch) {
     const std::size_t last = std::min(first + kFramesPerBatch, frames.size());

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pcavr/contact/hunt_crossley.hpp"
-#include "pcavr/identification/averaged_estimator.hpp"
+#include "pcavr/identification/estimator.hpp"
 
 #include "identify_parts.hpp"
 
@@ -76,8 +76,8 @@ std::vector<FilteredSample> filtered(std::span<const ForceMotion> presses,
 }
 
 EstimatorOptions<3> options_of(EstimationMethod method, const std::vector<FilteredSample>& samples,
-                               double correlated) {
-  EstimatorOptions<3> options;
+                               double correlated, const EstimatorOptions<3>& configured) {
+  EstimatorOptions<3> options = configured;
   options.method = method;
   for (std::size_t k = 0; k < 3; ++k) {
     double squares = 0.0;
@@ -124,26 +124,20 @@ class SteadyErrors {
   std::vector<PressForces> presses_;
 };
 
-/// One of the three methods, behind one interface.
+/// One of the three methods, with its earlier parameters.
 class ComparedEstimator {
  public:
   explicit ComparedEstimator(const EstimatorOptions<3>& options)
       : earlier_(std::max<std::size_t>(
-            1, static_cast<std::size_t>(std::lround(kLag * options.correlated_samples)))) {
-    if (options.method == EstimationMethod::adaptive) {
-      averaged_.emplace(options);
-    } else {
-      plain_.emplace(options);
-    }
-  }
+            1, static_cast<std::size_t>(std::lround(kLag * options.correlated_samples)))),
+        estimator_(options) {}
 
   /// Prediction by the parameters before this sample; `earlier`: by those of one filter width ago.
   struct Step {
     double prediction = 0.0, earlier = 0.0;  ///< [N]
   };
   Step step(const FilteredSample& sample) {
-    const EstimatorStep now = averaged_ ? averaged_->step(sample.regressors, sample.force)
-                                        : plain_->step(sample.regressors, sample.force);
+    const EstimatorStep now = estimator_.step(sample.regressors, sample.force);
     std::array<double, 3>& earlier = earlier_[next_];
     next_ = (next_ + 1) % earlier_.size();
     const Step result{now.prediction, predict(sample, earlier)};
@@ -151,12 +145,8 @@ class ComparedEstimator {
     return result;
   }
 
-  [[nodiscard]] std::array<double, 3> parameters() const {
-    return averaged_ ? averaged_->parameters() : plain_->parameters();
-  }
-  [[nodiscard]] ParameterEstimate<3> estimate() const {
-    return averaged_ ? averaged_->estimate() : plain_->estimate();
-  }
+  [[nodiscard]] std::array<double, 3> parameters() const { return estimator_.parameters(); }
+  [[nodiscard]] ParameterEstimate<3> estimate() const { return estimator_.estimate(); }
 
   static double predict(const FilteredSample& sample, const std::array<double, 3>& parameters) {
     double sum = 0.0;
@@ -165,9 +155,8 @@ class ComparedEstimator {
   }
 
  private:
-  std::optional<ParameterEstimator<3>> plain_;
-  std::optional<AveragedEstimator<3>> averaged_;
   std::vector<std::array<double, 3>> earlier_;
+  ParameterEstimator<3> estimator_;
   std::size_t next_ = 0;
 };
 
@@ -205,8 +194,8 @@ class Settling {
 
 /// Runs one method over all samples.
 EstimatorTrace trace_of(EstimationMethod method, const std::vector<FilteredSample>& samples,
-                        double correlated, double delay) {
-  ComparedEstimator estimator(options_of(method, samples, correlated));
+                        double correlated, double delay, const EstimatorOptions<3>& configured) {
+  ComparedEstimator estimator(options_of(method, samples, correlated, configured));
   EstimatorTrace trace;
   trace.method = method;
   SteadyErrors steady;
@@ -234,7 +223,8 @@ EstimatorTrace trace_of(EstimationMethod method, const std::vector<FilteredSampl
 }  // namespace
 
 std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
-                                               const ContactIdentification& found) {
+                                               const ContactIdentification& found,
+                                               const EstimatorOptions<3>& options) {
   std::vector<EstimatorTrace> traces;
   double half_width = kFilterHalfWidth;
   const std::vector<FilteredSample> samples = filtered(presses, found, half_width);
@@ -242,8 +232,8 @@ std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> pres
   const double interval = samples[1].t - samples[0].t;
   const double correlated = correlated_samples(half_width, interval);
   for (const EstimationMethod method :
-       {EstimationMethod::block, EstimationMethod::exponential, EstimationMethod::adaptive}) {
-    traces.push_back(trace_of(method, samples, correlated, half_width + 2.0 * interval));
+       {EstimationMethod::block, EstimationMethod::exponential, EstimationMethod::averaged}) {
+    traces.push_back(trace_of(method, samples, correlated, half_width + 2.0 * interval, options));
   }
   return traces;
 }

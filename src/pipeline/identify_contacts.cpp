@@ -64,7 +64,7 @@ ForceMotion until_alarm(const ContactEpisode& episode) {
   const auto end = std::lower_bound(episode.t.begin(), episode.t.end(), until);
   const auto count = static_cast<std::size_t>(end - episode.t.begin());
   const ForceMotion all = episode.series();
-  return {all.t.first(count), all.tool.first(count), all.force.first(count)};
+  return {all.t.first(count), all.tool.first(count), all.force.first(count), all.tool_noise};
 }
 
 /// Relative std of the stiffness from push to push, which the joint fit does not include.
@@ -156,7 +156,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   int count = result.press_count;
   if (result.presses.best().is_valid) {
     best = &result.presses.best();
-    result.comparison = compare_estimators(series, result.presses);
+    result.comparison = compare_estimators(series, result.presses, options.estimator);
   } else {
     // The face with the most pushes.
     int max_pushes = 0;
@@ -193,7 +193,7 @@ void withhold_contact_off_centre(ObjectIdentification& result) {
     parameters.sources.pushes.erase(key);
   }
   result.notes.emplace_back(
-      "all pushes are off the centre of mass: the contact law is not identified, because the "
+      "the pushes are off the centre of mass: the contact law is not identified, because the "
       "object turns under the load; press along z, or push through the centre");
 }
 

@@ -95,7 +95,7 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   }
 }
 
-/// The restitution is no parameter of the file: it depends on the speed.
+/// In the file it is contact.restitution, with the speed that it is for.
 void state_restitution(const ObjectIdentification& found, Findings& findings) {
   if (found.impacts.empty()) return;
   double slowest = HUGE_VAL, fastest = 0.0;

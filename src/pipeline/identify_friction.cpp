@@ -142,6 +142,12 @@ bool bound_by_sliding(ObjectIdentification& result) {
   IdentifiedParameter& limit = result.limit_of_pushes.limit;
   const IdentifiedParameter& coulomb = result.friction.coulomb;
   const IdentifiedParameter bounded = limit_above_sliding(limit, coulomb);
+  // A push that breaks away clearly below the sliding friction turns the object under its load.
+  constexpr double kClearStds = 2.0;
+  const double below = coulomb.value - limit.value;
+  if (result.is_exponent_given && below > kClearStds * std::hypot(limit.std, coulomb.std)) {
+    result.is_contact_off_centre = true;
+  }
   const std::string contradiction = fmt::format(
       "the limiting friction of the pushes, {:.2f} N +- {:.2f} N, is below the sliding friction, "
       "{:.2f} N +- {:.2f} N",

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -12,6 +11,7 @@
 #include "pcavr/contact/contact_law.hpp"
 #include "pcavr/contact/damping.hpp"
 #include "pcavr/contact/impact.hpp"
+#include "pcavr/object/damping_choice.hpp"
 
 #include "identify_parts.hpp"
 
@@ -130,18 +130,6 @@ IdentifiedParameter weighted_mean(const std::vector<MeasuredImpact>& impacts, co
   return {mean, std::max(1.0, birge) / std::sqrt(weights), true};
 }
 
-/// The law that the option names, or the one of paper B's criterion, and how it was chosen.
-std::pair<DampingLaw, std::string> choose_law(std::optional<DampingLaw> option,
-                                              double restitution) {
-  if (option) {
-    return {*option, *option == DampingLaw::exact ? "by the exact relation" : "as chosen"};
-  }
-  const DampingScore best = best_published_damping_law(restitution);
-  return {best.law, fmt::format("the published law with the smallest error of the restitution, "
-                                "{:+.1f} % at {:.2f} [paper B, eq. 12]",
-                                100.0 * best.relative_error, restitution)};
-}
-
 /// Whether the impacts' stiffness replaces the known one: where presses, which hardly penetrate a
 /// stiff contact, gave none, or one that contradicts the impacts.
 bool is_stiffness_needed(const ObjectIdentification& result, bool has_press) {
@@ -176,12 +164,12 @@ void take_stiffness(ObjectIdentification& result) {
 void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option) {
   ImpactFindings& found = result.impact_findings;
   ObjectParameters& parameters = result.parameters;
-  const auto [law, how] = choose_law(option, found.restitution.value);
+  const ChosenDampingLaw chosen = choose_damping_law(option, found.restitution.value);
+  const DampingLaw law = chosen.law;
   found.law = law;
-  found.choice = how;
-  found.damping_over_stiffness = weighted_mean(result.impacts, [law = law](const auto& impact) {
-    return damping_over_stiffness(law, impact);
-  });
+  found.choice = chosen.reason;
+  found.damping_over_stiffness = weighted_mean(
+      result.impacts, [law](const auto& impact) { return damping_over_stiffness(law, impact); });
   // Kelvin-Voigt has another relation.
   if (!parameters.contact_stiffness ||
       parameters.contact_exponent.value_or(ParameterValue{1.0}).value <= 1.0) {
@@ -235,6 +223,12 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
       weighted_mean(result.impacts, [](const auto& impact) { return impact.restitution; });
   found.stiffness =
       weighted_mean(result.impacts, [](const auto& impact) { return impact.stiffness; });
+  result.parameters.contact_restitution = as_value(found.restitution);
+  result.parameters.contact_impact_speed = as_value(
+      weighted_mean(result.impacts, [](const auto& impact) { return impact.approach_speed; }));
+  for (const char* key : {"contact.restitution", "contact.impact_speed"}) {
+    result.parameters.sources.impacts[key] = static_cast<int>(result.impacts.size());
+  }
   if (is_stiffness_needed(result, has_press)) take_stiffness(result);
   take_damping(result, damping_law);
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "pcavr/pipeline/consistency.hpp"
@@ -63,18 +64,20 @@ bool has_movable(const std::vector<IdentifiableObject>& objects) {
 }
 
 Expected<void> read_tracking(const Recording& recording, const std::filesystem::path& folder,
-                             const Observer& observer, std::vector<IdentifiableObject>& objects) {
+                             bool skip_bad, const Observer& observer, IdentificationInput& input) {
   bool has_any = false;
-  for (IdentifiableObject& object : objects) {
+  for (IdentifiableObject& object : input.objects) {
     if (!object.is_movable) continue;
-    Expected<std::vector<TrackedPose>> tracked =
-        read_tracked_poses(folder, object.name, start_of(recording));
+    Expected<TrackedFile> tracked = read_tracked_poses(
+        folder, object.name, {.zero = start_of(recording), .skip_bad = skip_bad});
     if (!tracked) return tracked.error();
-    object.tracked = std::move(*tracked);
+    object.tracked = std::move(tracked->poses);
+    std::move(tracked->left_out.begin(), tracked->left_out.end(),
+              std::back_inserter(input.left_out));
     warn_of_tracked_clock(recording, object.name, object.tracked, observer);
     has_any |= !object.tracked.empty();
   }
-  if (!has_any && has_movable(objects)) {
+  if (!has_any && has_movable(input.objects)) {
     return Error{.message = "contains no objects/NAME/tracked.txt of any of the objects",
                  .file = folder.string(),
                  .hint = "give a run from pcavr replay"};
@@ -146,8 +149,9 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
             : objects_of_manifest(recording, tracked.has_value(), sources.perception.consistency);
   if (!objects) return objects.error();
   input.objects = std::move(*objects);
-  const Expected<void> done = tracked ? read_tracking(recording, *tracked, observer, input.objects)
-                                      : track_by_images(recording, sources, scene, observer, input);
+  const Expected<void> done =
+      tracked ? read_tracking(recording, *tracked, sources.skip_bad, observer, input)
+              : track_by_images(recording, sources, scene, observer, input);
   if (!done) return done.error();
   return input;
 }

@@ -29,9 +29,15 @@ void withhold_contact_off_centre(ObjectIdentification& result);
 /// Presses, faces and impacts, and the estimators' comparison.
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const IdentificationOptions& options, ObjectIdentification& result);
+/// Where the presses met the surface, beside the CAD body's at its first pose: the law is rendered
+/// from there. For presses on one flat face.
+void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size_t index,
+                             const IdentifiableObject& object, double tool_radius,
+                             const PathView& tip, ObjectIdentification& result);
 /// `found` is the identification from these presses.
 [[nodiscard]] std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
-                                                             const ContactIdentification& found);
+                                                             const ContactIdentification& found,
+                                                             const EstimatorOptions<3>& options);
 /// Restitution of every impact; the damping where presses gave none, and the stiffness likewise.
 /// `damping_law`: see IdentificationOptions.
 void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_t object,

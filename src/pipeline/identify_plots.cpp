@@ -57,7 +57,7 @@ Plot parameter_plot(const ObjectIdentification& object, std::size_t which, const
     const int color = static_cast<int>(m);
     plot.series.push_back(
         {.label = name_of(trace.method), .color = color, .x = trace.t, .y = trace.value[which]});
-    if (trace.method != EstimationMethod::adaptive) continue;
+    if (trace.method != EstimationMethod::averaged) continue;
     plot.series.push_back(band_of(trace.t, trace.value[which], trace.std[which], color));
   }
   const double edge = upper_edge(object.comparison.back().value[which]);
@@ -74,6 +74,7 @@ std::string name_of(EstimationMethod method) {
     case EstimationMethod::exponential:
       return "EWRLS";
     case EstimationMethod::adaptive:
+    case EstimationMethod::averaged:
       break;
   }
   return "affRLS";

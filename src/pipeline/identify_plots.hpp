@@ -10,6 +10,7 @@
 #include "pcavr/contact/damping.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/report/plot.hpp"
+#include "pcavr/report/report_page.hpp"
 
 namespace pcavr {
 
@@ -20,6 +21,9 @@ inline constexpr double kPercent = 1e2;
 
 /// Paper C's figures 8 and 9: force and parameters over time, by estimator.
 [[nodiscard]] std::vector<Plot> contact_plots(const ObjectIdentification& object);
+/// How long each push's force is in the critical band, paper C's and ours; no rows for fewer than
+/// two pushes.
+[[nodiscard]] ReportTable critical_band_table(const Identification& found, std::size_t object);
 /// Force and displacement with the phases shaded, and each push's breakaway.
 [[nodiscard]] std::vector<Plot> push_plots(const Identification& found, std::size_t object);
 

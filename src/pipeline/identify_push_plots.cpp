@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pcavr/report/number_text.hpp"
 
 #include "identify_parts.hpp"
 #include "identify_plots.hpp"
@@ -17,6 +22,24 @@ constexpr int kStatic = 1, kCritical = 2, kSliding = 3;
 double critical_from(const LimitingFriction& limit) {
   return limit.pushes == 0 ? std::numeric_limits<double>::infinity()
                            : limit.mean - std::max(limit.std, 0.1 * limit.mean);
+}
+
+/// [s] for which the force is above `from` [N] before the breakaway.
+double time_above(const ContactEpisode& episode, double from) {
+  const std::vector<SmoothedSample> force = smooth(episode.t, episode.force, episode.t, 0.010);
+  double above_since = episode.breakaway.t;
+  for (std::size_t i = episode.t.size(); i-- > 0;) {
+    if (episode.t[i] > episode.breakaway.t) continue;
+    if (force[i].value < from || episode.t[i] < episode.begin) break;
+    above_since = episode.t[i];
+  }
+  return episode.breakaway.t - above_since;
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 void add_bands(const IdentifiedContact& contact, double critical, std::vector<PlotBand>& bands) {
@@ -113,6 +136,33 @@ Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
 }
 
 }  // namespace
+
+ReportTable critical_band_table(const Identification& found, std::size_t object) {
+  ReportTable table{
+      .title = "Critical band below F_M",
+      .columns = {"band", "from (N)", "median time in it before the breakaway (ms)", "pushes"}};
+  const LimitingFriction& limit = found.objects[object].limit;
+  if (limit.pushes < 2) return table;
+  const std::pair<const char*, double> bands[] = {
+      {"paper C: F_M - STD", limit.mean - limit.std},
+      {"here: F_M less the larger of STD and 10 %", critical_from(limit)}};
+  for (const auto& [name, from] : bands) {
+    std::vector<double> times;
+    for (const IdentifiedContact& contact : found.contacts) {
+      const bool counts = contact.object == object && contact.left_out.empty() &&
+                          contact.limit.is_excited && contact.episode.breakaway.is_found;
+      if (counts) times.push_back(time_above(contact.episode, from));
+    }
+    if (times.empty()) continue;
+    table.rows.push_back(
+        {name, readable(from), readable(1e3 * median_of(times)), std::to_string(times.size())});
+  }
+  table.note =
+      "Why not paper C's band: the STD of repeated pushes is so small that the force crosses it "
+      "within a few milliseconds, fewer than a phase needs to be detected and shown. Its width is "
+      "the option teleop.phases.critical_share; 0 is paper C's.";
+  return table;
+}
 
 std::vector<Plot> push_plots(const Identification& found, std::size_t object) {
   std::vector<Plot> plots;

@@ -120,8 +120,9 @@ PageSection object_section(const Identification& found, std::size_t index) {
   PageSection section{.title = object.name};
   for (const std::string& text : object.notes) section.blocks.emplace_back(PageText{text, true});
   std::vector<ReportTable> tables{findings_table(object)};
-  for (ReportTable& table : std::array{comparison_table(object), faces_table(object),
-                                       press_lines_table(found, index), impacts_table(object)}) {
+  for (ReportTable& table :
+       std::array{comparison_table(object), faces_table(object), press_lines_table(found, index),
+                  impacts_table(object), critical_band_table(found, index)}) {
     if (!table.rows.empty()) tables.push_back(std::move(table));
   }
   section.blocks.emplace_back(std::move(tables));

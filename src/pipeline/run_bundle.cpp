@@ -65,12 +65,14 @@ Expected<void> write_tracking(const Replay& replay, const std::filesystem::path&
   return writer.close();
 }
 
-void emit_left_out(const Recording& recording, YAML::Emitter& yaml) {
+void emit_left_out(const Recording& recording, const Replay& replay, YAML::Emitter& yaml) {
   yaml << YAML::Key << "left_out" << YAML::Value << YAML::BeginSeq;
-  for (const SkippedRows& entry : recording.left_out) {
-    yaml << YAML::Flow << YAML::BeginMap << YAML::Key << "file" << YAML::Value << entry.file;
-    yaml << YAML::Key << "reason" << YAML::Value << entry.reason;
-    yaml << YAML::Key << "rows" << YAML::Value << entry.count << YAML::EndMap;
+  for (const std::vector<SkippedRows>* rows : {&recording.left_out, &replay.left_out}) {
+    for (const SkippedRows& entry : *rows) {
+      yaml << YAML::Flow << YAML::BeginMap << YAML::Key << "file" << YAML::Value << entry.file;
+      yaml << YAML::Key << "reason" << YAML::Value << entry.reason;
+      yaml << YAML::Key << "rows" << YAML::Value << entry.count << YAML::EndMap;
+    }
   }
   yaml << YAML::EndSeq;
 }
@@ -96,7 +98,7 @@ std::string format_run(const Replay& replay, const Recording& recording, const S
   yaml << YAML::Key << "objects" << YAML::Value << YAML::BeginSeq;
   for (const ReplayedObject& object : replay.objects) yaml << object.name;
   yaml << YAML::EndSeq;
-  emit_left_out(recording, yaml);
+  emit_left_out(recording, replay, yaml);
   emit_lines(lines, yaml);
   if (replay.teleop) {
     emit_teleop(replay, yaml);

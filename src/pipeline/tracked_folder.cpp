@@ -14,6 +14,7 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recording/line_counts.hpp"
+#include "pcavr/recording/time_series.hpp"
 
 namespace pcavr {
 namespace {
@@ -115,24 +116,30 @@ std::optional<std::filesystem::path> tracked_folder_of(
   return std::nullopt;
 }
 
-Expected<std::vector<TrackedPose>> read_tracked_poses(const std::filesystem::path& folder,
-                                                      const std::string& name, Stamp zero) {
-  std::vector<TrackedPose> result;
-  const std::string object_folder = "objects/" + name + '/';
-  const auto tracked = read_if_present(folder, object_folder + "tracked.txt");
+Expected<TrackedFile> read_tracked_poses(const std::filesystem::path& folder,
+                                         const std::string& name,
+                                         const TrackedFileOptions& options) {
+  TrackedFile result;
+  const std::string pose_file = "objects/" + name + "/tracked.txt";
+  const std::string std_file = "objects/" + name + "/tracking.csv";
+  const auto tracked = read_if_present(folder, pose_file);
   if (!tracked) return tracked.error();
   if (!*tracked) return result;
-  const Expected<Trajectory> poses = read_trajectory(folder / (object_folder + "tracked.txt"));
-  if (!poses) return poses.error();
-  const auto text = read_if_present(folder, object_folder + "tracking.csv");
+  const auto series =
+      parse_trajectory({(folder / pose_file).string(), **tracked, options.skip_bad});
+  if (!series) return series.error();
+  for (const auto& [reason, count] : series->report.left_out) {
+    result.left_out.push_back({(folder / pose_file).string(), reason, count});
+  }
+  const auto text = read_if_present(folder, std_file);
   if (!text) return text.error();
-  const auto stds = parse_stds(text->value_or(""), folder / (object_folder + "tracking.csv"));
+  const auto stds = parse_stds(text->value_or(""), folder / std_file);
   if (!stds) return stds.error();
-  for (const TimedPose& timed : poses->poses()) {
+  for (const TimedPose& timed : series->content.poses()) {
     const auto found = stds->find(timed.stamp);
     const PoseStd std_of_pose = found == stds->end() ? PoseStd{} : found->second;
-    result.push_back(
-        {to_seconds(timed.stamp - zero), timed.pose, std_of_pose.position, std_of_pose.rotation});
+    result.poses.push_back({to_seconds(timed.stamp - options.zero), timed.pose,
+                            std_of_pose.position, std_of_pose.rotation});
   }
   return result;
 }

@@ -37,6 +37,7 @@ void require_physical(const ObjectParameters& known) {
   if (known.contact_exponent) {
     PCAVR_REQUIRE(known.contact_exponent->value >= 1.0, known.contact_exponent->value);
   }
+  require_positive(known.contact_mass);
   require_positive(known.friction_radius);
   require_not_negative(known.tool_friction_coefficient);
 }
@@ -120,6 +121,10 @@ CompletedPhysics complete_physics(const ObjectParameters& known, const CadModel&
   BodyPhysics& physics = completed.physics;
   physics.friction = complete_friction(known, model.volume, gravity, defaults, value_of);
   physics.contact = complete_contact(known, physics.friction, defaults, value_of);
+  if (known.contact_mass) physics.contact_mass = known.contact_mass->value;
+  if (known.contact_surface_offset) {
+    physics.surface_offset = T_base_object.rotation() * *known.contact_surface_offset;
+  }
   physics.tool_friction = value_of(known.tool_friction_coefficient, defaults.tool_friction,
                                    "tool_friction_coefficient");
   const detail::SupportPatch patch =

@@ -163,8 +163,8 @@ class BodyStepper {
     const double rate = time > 0.0 ? (load.contact.depth - contact_.depth) / time : 0.0;
     Eigen::Vector3d deflection = Eigen::Vector3d::Zero();
     if (contact_.depth > 0.0) deflection = state_.tangential_deflection_base + displacement;
-    load.tip = tip_force(body_, load.contact.normal, load.contact.depth, rate, deflection,
-                         (tip_.to - tip_.from) / dt_);
+    load.tip = tip_force(body_, tip_.radius, load.contact.normal, load.contact.depth, rate,
+                         deflection, (tip_.to - tip_.from) / dt_);
     load.wrench = wrench_at(load.contact.arm, load.tip.force);
     if (time > 0.0) add_sides({}, share, load);
     return load;
@@ -234,7 +234,7 @@ class BodyStepper {
       slip.head<2>() -= own.at(contact.arm);
       Eigen::Vector3d deflection = end_share * slip;
       if (contact_.depth > 0.0) deflection += state_.tangential_deflection_base;
-      load.tip = tip_force(body_, contact.normal, begin + end_share * (end - begin),
+      load.tip = tip_force(body_, tip_.radius, contact.normal, begin + end_share * (end - begin),
                            (contact.depth - contact_.depth) / dt_, deflection, slip / dt_);
       load.wrench = wrench_at(contact.arm, load.tip.force);
       load.stiffness =

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "prediction/tip_contact.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -14,6 +15,8 @@ namespace {
 /// Tangential over normal stiffness of a sphere on a flat face: 2 (1 - nu) / (2 - nu), between 0.67
 /// and 1 [Mindlin 1949]; this at nu = 1/3.
 constexpr double kTangentialShare = 0.8;
+/// Of the tip's radius: the shortest distance from its centre to the touched point, for deep tips.
+constexpr double kMinDistance = 0.25;
 
 Eigen::Vector3d tangential_part(const Eigen::Vector3d& normal,
                                 const Eigen::Vector3d& vector) noexcept {
@@ -31,7 +34,7 @@ std::optional<TipContact> find_tip_contact(const UprightBody& body, const Planar
   const auto closest = body.surface().closest(p, radius + kMaxClearance);
   if (!closest) return std::nullopt;
   TipContact contact;
-  contact.depth = radius - closest->distance;
+  contact.depth = radius - closest->distance + closest->normal.dot(body.physics().surface_offset);
   contact.normal = closest->normal;
   contact.normal.head<2>() = turn * closest->normal.head<2>();
   contact.arm = turn * closest->point.head<2>();
@@ -39,8 +42,8 @@ std::optional<TipContact> find_tip_contact(const UprightBody& body, const Planar
   return contact;
 }
 
-TipForce tip_force(const UprightBody& body, const Eigen::Vector3d& normal, double depth,
-                   double rate, const Eigen::Vector3d& deflection,
+TipForce tip_force(const UprightBody& body, double radius, const Eigen::Vector3d& normal,
+                   double depth, double rate, const Eigen::Vector3d& deflection,
                    const Eigen::Vector3d& deflection_rate) noexcept {
   TipForce result;
   const BodyPhysics& physics = body.physics();
@@ -48,7 +51,12 @@ TipForce tip_force(const UprightBody& body, const Eigen::Vector3d& normal, doubl
   if (!(press.force > 0.0)) return result;
   result.normal_stiffness = press.stiffness;
   result.normal_damping = press.damping;
-  const double stiffness = kTangentialShare * elastic_force(physics.contact, depth) / depth;
+  // At a vertex the normal of the undeformed shapes turns with the tip's lateral displacement, as
+  // if a spring pushed it off: deformed surfaces conform, so that the contact's own stiffness
+  // remains.
+  const double elastic = elastic_force(physics.contact, depth);
+  const double stiffness = kTangentialShare * physics.contact.exponent * elastic / depth +
+                           elastic / std::max(radius - depth, kMinDistance * radius);
   const double damping = kTangentialShare * press.damping;
   Eigen::Vector3d tangential =
       tangential_part(normal, stiffness * deflection + damping * deflection_rate);

@@ -48,11 +48,13 @@ struct TipForce {
   double tangential_damping = 0.0;                       ///< 0 where it slips
 };
 
-/// By the contact law along the normal; tangentially a spring parallel to a damper, of that law's
-/// secant stiffness, up to Coulomb's limit (elastoplastic, like the bristle of Dahl and LuGre
-/// models). `deflection` and `deflection_rate` are those of the tip relative to the surface.
-[[nodiscard]] TipForce tip_force(const UprightBody& body, const Eigen::Vector3d& normal,
-                                 double depth, double rate, const Eigen::Vector3d& deflection,
+/// By the contact law along the normal; tangentially a spring parallel to a damper, by that law's
+/// stiffness, up to Coulomb's limit (elastoplastic, like the bristle of Dahl and LuGre models).
+/// `radius` [m] is the tip's. `deflection` and `deflection_rate` are those of the tip relative to
+/// the surface.
+[[nodiscard]] TipForce tip_force(const UprightBody& body, double radius,
+                                 const Eigen::Vector3d& normal, double depth, double rate,
+                                 const Eigen::Vector3d& deflection,
                                  const Eigen::Vector3d& deflection_rate) noexcept;
 
 /// The wrench [fx fy m] at the centre of mass.

@@ -21,7 +21,7 @@ constexpr auto kFusionFields = std::to_array<OptionField<TsdfOptions>>({
      "lower: noise causes holes; higher: thin walls and edges thicken"},
     // The voxels' counters have four bits.
     {"frames_to_clear", &TsdfOptions::frames_to_clear, 3, 1, 15, "",
-     "frames that must see a voxel as free to remove what others measured there",
+     "minimum frames that must see a voxel as free to remove what as many or fewer measured there",
      "lower: single bad frames cause holes; higher: traces of moved objects remain"},
 });
 static_assert(are_valid_fields(kFusionFields));

@@ -22,15 +22,18 @@ constexpr float kMinFraction = 1.0F / 64.0F;
 
 using Distances = std::array<std::int16_t, kBlockVoxels>;
 
-/// The signed distances of a block, or kUnknown. A surface in observed free space is removed (space
-/// carving): a negative distance of a free voxel becomes unknown, a positive one stays.
+/// The signed distances of a block, or kUnknown. A surface that as many frames observed as free as
+/// measured it is removed (space carving): a negative distance becomes unknown, a positive one
+/// stays.
 void decode(const VoxelBlock& block, std::uint32_t block_free_count, std::uint32_t min_hits,
             std::uint32_t frames_to_clear, Distances& distances) {
   for (std::size_t i = 0; i < kBlockVoxels; ++i) {
     const std::uint32_t counts = block.color_counts[i];
+    const std::uint32_t hits = hit_count(counts);
     const int steps = distance_steps(block.distance_weight[i]);
-    const bool is_free = free_count(counts) + block_free_count >= frames_to_clear;
-    const bool is_known = hit_count(counts) >= min_hits && !(is_free && steps <= 0);
+    const std::uint32_t frees = free_count(counts) + block_free_count;
+    const bool is_free = frees >= std::max(frames_to_clear, hits);
+    const bool is_known = hits >= min_hits && !(is_free && steps <= 0);
     // Never exactly zero, so that each vertex belongs to one edge.
     const int distance = steps == 0 ? 1 : std::max(steps, -32767);
     distances[i] = is_known ? static_cast<std::int16_t>(distance) : kUnknown;

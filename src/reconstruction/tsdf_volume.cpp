@@ -85,7 +85,7 @@ void TsdfVolume::Blocks::fuse(const VisibleBlock& visible, const VisibleBlock* n
                               const Pose& T_camera_base) {
   if (visible.is_entirely_free) {
     std::uint8_t& count = map.block_free_count(visible.number);
-    if (static_cast<int>(count) < options.frames_to_clear) ++count;
+    if (count < kMaxCount) ++count;
     return;
   }
   const BlockCoordinates& coordinates = map.coordinates(visible.number);
@@ -96,7 +96,7 @@ void TsdfVolume::Blocks::fuse(const VisibleBlock& visible, const VisibleBlock* n
   view.min_band_depth = visible.min_band_depth;
   view.max_band_depth = visible.max_band_depth;
   view.max_free_depth = visible.max_free_depth;
-  view.max_free_count = static_cast<std::uint32_t>(options.frames_to_clear);
+  view.max_free_count = kMaxCount;
   const VoxelBlock* next_block =
       next != nullptr && !next->is_entirely_free ? &map.block(next->number) : nullptr;
   kernels().fuse_block(view, map.block(visible.number), next_block);

@@ -181,6 +181,23 @@ Expected<std::string> encode_color(const ColorImage& image, int quality) {
   return std::string(reinterpret_cast<const char*>(buffer), size);
 }
 
+std::string encode_color_png(const ColorImage& image) {
+  constexpr std::uint8_t kSub = 1;  // [ISO/IEC 15948:2004, 9.2]: differences to the pixel before
+  PngImage png{.width = image.width(), .height = image.height(), .bit_depth = 8, .channels = 3};
+  png.rows.reserve(static_cast<std::size_t>(image.height()) * (png.row_size() + 1));
+  for (int y = 0; y < image.height(); ++y) {
+    png.rows.push_back(kSub);
+    Rgb8 before;
+    for (const Rgb8& pixel : image.row(y)) {
+      png.rows.push_back(static_cast<std::uint8_t>(pixel.r - before.r));
+      png.rows.push_back(static_cast<std::uint8_t>(pixel.g - before.g));
+      png.rows.push_back(static_cast<std::uint8_t>(pixel.b - before.b));
+      before = pixel;
+    }
+  }
+  return encode_png(png);
+}
+
 RawDepthImage to_raw_depth(const DepthImage& depth, double units_per_metre) {
   RawDepthImage raw(depth.width(), depth.height());
   const std::span<const float> from = depth.pixels();

@@ -104,6 +104,15 @@ Expected<void> RecordingWriter::write_wrench(const std::vector<WrenchSample>& wr
   return state_->write("wrench.csv", format_wrench(wrench));
 }
 
+Expected<void> RecordingWriter::write_joints(const JointLog& log) {
+  return state_->write("joints.csv", format_joint_log(log));
+}
+
+Expected<void> RecordingWriter::write_robot(const std::string& urdf) {
+  PCAVR_REQUIRE(state_->manifest.robot.has_value());
+  return state_->write(state_->manifest.robot->urdf, urdf);
+}
+
 Expected<void> RecordingWriter::write_object_mesh(const fs::path& relative_path,
                                                   const TriangleMesh& mesh_object) {
   return state_->write(relative_path, format_obj(mesh_object));

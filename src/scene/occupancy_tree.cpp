@@ -85,17 +85,21 @@ OccupancyTree::~OccupancyTree() = default;
 Expected<OccupancyTree> OccupancyTree::read(const std::filesystem::path& file) {
   const Expected<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
-  const TreeText text = split(*bytes);
-  const bool is_full = bytes->starts_with(kFullHeader);
+  return parse(*bytes, file.string());
+}
+
+Expected<OccupancyTree> OccupancyTree::parse(std::string_view bytes, const std::string& file) {
+  const TreeText text = split(bytes);
+  const bool is_full = bytes.starts_with(kFullHeader);
   if (!is_full) {
-    const Expected<OctomapContent> checked = read_octomap(file);
+    const Expected<OctomapContent> checked = parse_octomap(bytes, file);
     if (!checked) return checked.error();
   } else {
     const char* fault = full_tree_fault(text);
     if (!ranges::kOccupancyCell.contains(text.resolution)) {
       fault = "cell size (res) is out of range";
     }
-    if (fault != nullptr) return Error{.message = fault, .file = file.string()};
+    if (fault != nullptr) return Error{.message = fault, .file = file};
   }
   auto impl = std::make_unique<Impl>(text.resolution);
   std::istringstream stream{std::string(text.data)};

@@ -69,16 +69,22 @@ Expected<OctomapContent> read_octomap(const std::filesystem::path& file,
                                       const std::function<void(const OctomapLeaf& leaf)>& on_leaf) {
   const Expected<std::string> bytes = read_file(file);
   if (!bytes) return bytes.error();
+  return parse_octomap(*bytes, file.string(), on_leaf);
+}
+
+Expected<OctomapContent> parse_octomap(
+    std::string_view bytes, const std::string& file,
+    const std::function<void(const OctomapLeaf& leaf)>& on_leaf) {
   const auto invalid = [&](const std::string& message) {
-    return Error{.message = message, .file = file.string()};
+    return Error{.message = message, .file = file};
   };
   constexpr std::string_view kHeaderEnd = "\ndata\n";
-  const std::size_t end = bytes->find(kHeaderEnd);
-  if (!bytes->starts_with("# Octomap OcTree binary file\n") || end == std::string::npos) {
+  const std::size_t end = bytes.find(kHeaderEnd);
+  if (!bytes.starts_with("# Octomap OcTree binary file\n") || end == std::string_view::npos) {
     return invalid("is not an OctoMap binary tree");
   }
   OctomapContent content;
-  std::istringstream header(bytes->substr(0, end));
+  std::istringstream header{std::string(bytes.substr(0, end))};
   std::size_t nodes = 0;
   for (std::string line; std::getline(header, line);) {
     std::istringstream tokens(line);
@@ -90,7 +96,7 @@ Expected<OctomapContent> read_octomap(const std::filesystem::path& file,
   if (!ranges::kOccupancyCell.contains(content.resolution)) {
     return invalid("cell size (res) is out of range");
   }
-  OctreeParser parser(std::string_view(*bytes).substr(end + kHeaderEnd.size()), content, on_leaf);
+  OctreeParser parser(bytes.substr(end + kHeaderEnd.size()), content, on_leaf);
   const bool is_complete = nodes == 0 || parser.parse(0, Eigen::Vector3i::Constant(-kOriginKey));
   if (!is_complete) return invalid("is truncated");
   if (!parser.is_at_end()) return invalid("has extra bytes after its tree");

@@ -20,7 +20,4 @@ inline constexpr int kPreviewHeight = 960;  ///< [px]
 /// Renders the scene with objects, base axes and the camera trajectory.
 [[nodiscard]] ColorImage render_preview(const Scene& scene, Parallelism parallelism);
 
-/// The bytes of a PNG file.
-[[nodiscard]] std::string format_png(const ColorImage& image);
-
 }  // namespace pcavr

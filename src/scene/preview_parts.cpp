@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include <fmt/core.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "pcavr/geometry/pixel.hpp"
@@ -142,15 +141,6 @@ void draw_scale_bar(ColorImage& picture, double metre) {
     cv::line(mat, right, right + up, color, thickness, cv::LINE_AA);
   }
   draw_text(mat, text, left + cv::Point(0, -14));
-}
-
-std::string format_png(const ColorImage& image) {
-  ColorImage copy = image;
-  cv::Mat bgr;
-  cv::cvtColor(as_mat(copy), bgr, cv::COLOR_RGB2BGR);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", bgr, bytes, {cv::IMWRITE_PNG_COMPRESSION, 6});
-  return {bytes.begin(), bytes.end()};
 }
 
 }  // namespace pcavr

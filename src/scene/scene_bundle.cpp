@@ -8,6 +8,7 @@
 
 #include "pcavr/cloud/cloud_file.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/glb_file.hpp"
 #include "pcavr/scene/ply_file.hpp"
@@ -102,7 +103,7 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
       {kCloudFile, [&] { return format_ply(scene.cloud_base); }},
       {kCloudPcdFile, [&] { return format_pcd(scene.cloud_base); }},
       {kTrajectoryFile, [&] { return format_trajectory(scene.camera_trajectory); }},
-      {kPreviewFile, [&] { return format_png(render_preview(scene, parallelism)); }}};
+      {kPreviewFile, [&] { return encode_color_png(render_preview(scene, parallelism)); }}};
   for (const SceneObject& object : scene.objects) {
     files.push_back(
         {object_file(object.model.name), [&model = object.model] { return format_object(model); }});

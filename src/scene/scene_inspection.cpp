@@ -4,10 +4,10 @@
 #include <set>
 
 #include <fmt/core.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "pcavr/cloud/cloud_file.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/glb_file.hpp"
 #include "pcavr/scene/octomap_file.hpp"
@@ -192,17 +192,12 @@ class Inspection {
   void check_preview() {
     const Expected<std::string> bytes = read_file(manifest_.folder / kPreviewFile);
     if (!bytes) return report(kPreviewFile, bytes.error());
-    cv::Mat image;
-    try {
-      const std::vector<unsigned char> data(bytes->begin(), bytes->end());
-      if (!data.empty()) image = cv::imdecode(data, cv::IMREAD_COLOR);
-    } catch (const cv::Exception&) {
-      image.release();
-    }
-    const bool is_sound = image.cols == kPreviewWidth && image.rows == kPreviewHeight;
+    ImageDecoder decoder;
+    const Expected<ColorImage> image = decoder.color(
+        *bytes, {.file = kPreviewFile, .width = kPreviewWidth, .height = kPreviewHeight});
     report(kPreviewFile,
-           std::to_string(image.cols) + " x " + std::to_string(image.rows) + " pixels",
-           is_sound ? "" : "is not a scene's preview image");
+           std::to_string(kPreviewWidth) + " x " + std::to_string(kPreviewHeight) + " pixels",
+           image ? "" : image.error().message);
   }
 
   void check_object(const SceneObjectEntry& object) {

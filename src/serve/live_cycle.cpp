@@ -11,6 +11,8 @@ namespace pcavr {
 namespace {
 
 constexpr double kMinTimeScale = 0.1;
+/// [s] in which the tool's weight comes and goes with the clutch, so that the hand is not jerked.
+constexpr double kWeightRiseTime = 0.2;
 
 std::vector<std::string> names_of(const HapticWorld& world) {
   std::vector<std::string> names;
@@ -101,6 +103,7 @@ void LiveCycle::restart(const Eigen::Vector3d& p_base_tool) noexcept {
   pulses_.reset();
   limiter_.reset();
   if (arm_) arm_->follower.reset();
+  if (arm_ && arm_->driven) arm_->driven->reset(arm_->follower.state().q);
   command_.p_base_tip = world_.state().p_base_hip;
   p_tip_offset_ = command_.p_base_tip - sample_.p_base_tip;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
@@ -113,6 +116,21 @@ void LiveCycle::set_time_scale(double scale) noexcept {
   time_scale_.store(std::clamp(scale, kMinTimeScale, 1.0), std::memory_order_relaxed);
 }
 
+/// The wrench on the hand: of the force at the tip and of the tool's weight, about the grip.
+DeviceFeedback LiveCycle::feedback() noexcept {
+  const HapticWorldState& state = world_.state();
+  const HandToolOptions& tool = options_.tool;
+  const double change = options_.cycle / kWeightRiseTime;
+  weight_share_ = std::clamp(weight_share_ + (state.is_engaged ? change : -change), 0.0, 1.0);
+  const Eigen::Vector3d force = cycle_scale_ * state.force_base;
+  const Eigen::Vector3d weight(0.0, 0.0, -weight_share_ * tool.weight());
+  const Eigen::Vector3d grip_to_tip = q_base_tool_ * Eigen::Vector3d(0.0, 0.0, tool.length);
+  return {.p_base_tool = state.p_base_proxy,
+          .force_base = force + weight,
+          .pulse = pulses_.amplitude(),
+          .torque_base = grip_to_tip.cross(force + tool.centre_share * weight)};
+}
+
 void LiveCycle::measure_speeds() noexcept {
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     const Eigen::Vector3d& now = world_.state().bodies[i].T_base_object.translation();
@@ -121,29 +139,46 @@ void LiveCycle::measure_speeds() noexcept {
   }
 }
 
-void LiveCycle::move_arm() noexcept {
+void LiveCycle::move_arm(const Eigen::Vector3d& p_base_tip) noexcept {
   const Pose T_robot_base = arm_->T_base_robot.inverse();
   const std::size_t first_body = arm_->has_scan ? 1 : 0;
   const HapticWorldState& state = world_.state();
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     arm_->follower.place_surface(first_body + i, T_robot_base * state.bodies[i].T_base_object);
   }
-  arm_->follower.follow(T_robot_base * state.p_base_proxy, options_.cycle);
+  arm_->follower.follow(T_robot_base * p_base_tip, options_.cycle);
+}
+
+/// The follower's joints are the command of the torque-driven arm, on whose tip the tool's force
+/// of the last cycle acts; returns its tip, in base.
+Eigen::Vector3d LiveCycle::drive_arm() noexcept {
+  move_arm(command_.p_base_tip);
+  DrivenArm& arm = *arm_->driven;
+  RobotDynamics& dynamics = arm.dynamics();
+  dynamics.jacobian(arm.q(), arm_->tip, arm_->jacobian);
+  const Eigen::Vector3d force_robot =
+      arm_->T_base_robot.rotation().conjugate() * world_.state().force_base;
+  arm_->external.noalias() = arm_->jacobian.topRows<3>().transpose() * force_robot;
+  arm.step(arm_->follower.state().q, arm_->external, options_.cycle * cycle_scale_);
+  dynamics.forward_kinematics(arm.q());
+  return arm_->T_base_robot * dynamics.T_base_link(arm_->tip).translation();
 }
 
 void LiveCycle::step(double t) noexcept {
   const HapticWorldState& state = world_.state();
-  sample_ =
-      device_->exchange(t, options_.cycle,
-                        {state.p_base_proxy, cycle_scale_ * state.force_base, pulses_.amplitude()});
+  sample_ = device_->exchange(t, options_.cycle, feedback());
+  if (sample_.is_present) q_base_tool_ = sample_.q_base_tool;
   reset_if_requested();
   was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);
   command_ = limited(command_from(sample_, was_on_hold_));
   // Faster only while no force acts: else the hand would get back more energy than it put in.
   const double wanted = time_scale();
   if (wanted < cycle_scale_ || state.force_base.isZero(0.0)) cycle_scale_ = wanted;
-  world_.step(command_, options_.cycle * cycle_scale_);
-  if (arm_) move_arm();
+  const bool is_driven = arm_ && arm_->driven;
+  ToolCommand tool = command_;
+  if (is_driven) tool.p_base_tip = drive_arm();
+  world_.step(tool, options_.cycle * cycle_scale_);
+  if (arm_ && !is_driven) move_arm(state.p_base_proxy);
   ++cycles_;
   simulated_cycles_ += cycle_scale_;
   pulses_.step(state, options_.cycle);
@@ -168,6 +203,7 @@ void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) 
   snapshot.late_cycles = late_cycles;
   snapshot.times = histogram_.times();
   if (arm_) *snapshot.arm = arm_->follower.state();
+  if (arm_ && arm_->driven) snapshot.arm->q = arm_->driven->q();
   if (page_device_ != nullptr) snapshot.page = page_device_->status();
   buffer_.publish();
 }

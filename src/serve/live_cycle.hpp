@@ -67,8 +67,10 @@ class LiveCycle {
   [[nodiscard]] ToolCommand command_from(const DeviceSample& sample, bool is_on_hold) noexcept;
   [[nodiscard]] ToolCommand limited(ToolCommand wanted) noexcept;
   void reset_if_requested() noexcept;
+  [[nodiscard]] DeviceFeedback feedback() noexcept;
   void measure_speeds() noexcept;
-  void move_arm() noexcept;
+  void move_arm(const Eigen::Vector3d& p_base_tip) noexcept;
+  [[nodiscard]] Eigen::Vector3d drive_arm() noexcept;
 
   HapticWorld world_;
   std::unique_ptr<Device> device_;
@@ -95,7 +97,9 @@ class LiveCycle {
   std::uint32_t resets_done_ = 0;
   std::uint32_t cycles_ = 0;
   bool was_on_hold_ = false;
-  ToolCommand command_;                                     ///< of the last cycle
+  ToolCommand command_;                                              ///< of the last cycle
+  Eigen::Quaterniond q_base_tool_ = Eigen::Quaterniond::Identity();  ///< of the last sample
+  double weight_share_ = 0.0;  ///< of the tool's weight that is rendered
   Eigen::Vector3d p_tip_offset_ = Eigen::Vector3d::Zero();  ///< from the device's tip to the HIP
 };
 

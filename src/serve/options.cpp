@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "pcavr/core/gravity.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/scene_world.hpp"
@@ -51,6 +52,19 @@ constexpr auto kVibrationFields = std::to_array<OptionField<VibrationOptions>>({
      "lower: a noisy scan pulses all the time; higher: tapping gives no pulses"},
 });
 static_assert(are_valid_fields(kVibrationFields));
+
+constexpr auto kHandToolFields = std::to_array<OptionField<HandToolOptions>>({
+    {"length", &HandToolOptions::length, 0.0, 0.0, 2.0, "m",
+     "from the hand's grip to the tool's tip",
+     "lower: no torque is felt; higher: small forces saturate the device's torque"},
+    {"mass", &HandToolOptions::mass, 0.0, 0.0, 20.0, "kg",
+     "mass of the tool, whose weight the hand feels",
+     "lower: the tool is weightless; higher: less of the device's force is left for contacts"},
+    {"centre_share", &HandToolOptions::centre_share, 0.5, 0.0, 1.0, "",
+     "from the grip to the tool's centre of mass, over its length",
+     "lower: the tool is balanced in the hand; higher: it pulls the tip down"},
+});
+static_assert(are_valid_fields(kHandToolFields));
 
 constexpr auto kLiveWorldFields = std::to_array<OptionField<LiveWorldOptions>>({
     {"cycle", &LiveWorldOptions::cycle, 0.001, 1e-4, 0.1, "s", "period of the world's thread",
@@ -160,6 +174,12 @@ OptionSection section_of(SceneWorldOptions& options) {
 VibrationOptions::VibrationOptions() { set_defaults(*this, kVibrationFields); }
 OptionSection section_of(VibrationOptions& options) {
   return make_section("serve.vibration", options, kVibrationFields);
+}
+
+HandToolOptions::HandToolOptions() { set_defaults(*this, kHandToolFields); }
+double HandToolOptions::weight() const { return mass * kStandardGravity; }
+OptionSection section_of(HandToolOptions& options) {
+  return make_section("serve.tool", options, kHandToolFields);
 }
 
 LiveWorldOptions::LiveWorldOptions()

@@ -81,6 +81,7 @@ LiveArm make_live_arm(const SceneArm& arm, const SceneWorld& world,
   if (found.status != IkStatus::kReached) q_start = arm.q;
   LiveArm live{ArmFollower(arm.model, arm.link_meshes, arm.tip, q_start, options), arm.T_base_robot,
                !world.model.world.static_mesh_base.triangles.empty()};
+  live.tip = arm.tip;
   if (live.has_scan) {
     const std::size_t scan = live.follower.add_surface(world.model.world.static_mesh_base);
     live.follower.place_surface(scan, T_robot_base);
@@ -91,6 +92,14 @@ LiveArm make_live_arm(const SceneArm& arm, const SceneWorld& world,
   }
   live.follower.reset();
   return live;
+}
+
+void drive_by_torques(LiveArm& arm, const RobotModel& robot, const std::vector<JointFit>& friction,
+                      const DrivenArmOptions& options) {
+  arm.driven.emplace(robot, friction, options);
+  arm.driven->reset(arm.follower.state().q);
+  arm.external = Eigen::VectorXd::Zero(arm.follower.state().q.size());
+  arm.jacobian = Matrix6Xd::Zero(6, arm.external.size());
 }
 
 }  // namespace pcavr

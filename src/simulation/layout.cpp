@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pcavr/core/random.hpp"
+#include "pcavr/robot/link_meshes.hpp"
 
 #include "simulation/box_grid.hpp"
 #include "simulation/clutter.hpp"
@@ -227,6 +228,28 @@ Body make_tool(double radius, Random& random) {
   return tool;
 }
 
+/// The links of an arm, each a body.
+Expected<void> add_arm_links(World& world, const PlantArm& arm, Random& random) {
+  const Expected<LinkMeshes> meshes = link_meshes(arm.described);
+  if (!meshes) return meshes.error();
+  for (std::size_t link = 0; link < meshes->of_link.size(); ++link) {
+    if (meshes->of_link[link].triangles.empty()) continue;
+    Body body{.name = "link_" + arm.described.links[link].name,
+              .surface = {},
+              .materials = {},
+              .decals = {}};
+    const bool is_painted = link < arm.tip && link > 0;
+    const Eigen::Vector3f tone =
+        is_painted ? Eigen::Vector3f(0.85F, 0.40F, 0.10F) : Eigen::Vector3f(0.40F, 0.42F, 0.45F);
+    body.materials.push_back(material_of(Texture::plaster, tone, 0.8F * tone, 0.05F, random));
+    body.materials.back().gloss = 0.2F;
+    add_mesh(body.surface, meshes->of_link[link], 0);
+    world.bodies.push_back(std::move(body));
+    world.arm_links.push_back(link);
+  }
+  return {};
+}
+
 void add_lights(World& world, Random& random) {
   const auto jitter = [&] { return static_cast<float>(random.uniform(-0.15, 0.15)); };
   world.lights.push_back({.p_base = {1.3F + jitter(), -0.8F + jitter(), 1.7F + jitter()},
@@ -261,6 +284,10 @@ Expected<World> make_world(const SimulationCase& simulation, const PlantCase& pl
     added = add_plant_body(world, plant.bodies[i], static_cast<int>(i), boxes, occupancy);
   }
   if (!added) return added.error();
+  if (plant.tool.arm) {
+    constexpr double kArmFoot = 0.12;  // [m]: its base's radius, and room
+    occupancy.occupy(plant.tool.arm->T_base_robot.translation().head<2>(), kArmFoot);
+  }
   // Clutter must not occlude a fixed camera: keep it out of the strip in front of the boxes; a grid
   // of boxes needs that part of the table, too.
   if (simulation.is_camera_fixed || needs_grid(simulation.movable_boxes)) {
@@ -275,7 +302,12 @@ Expected<World> make_world(const SimulationCase& simulation, const PlantCase& pl
   if (has_task) {
     world.has_tool = true;
     world.tool_radius = plant.tool.radius;
-    world.bodies.push_back(make_tool(world.tool_radius, furniture));
+    if (plant.tool.arm) {
+      added = add_arm_links(world, *plant.tool.arm, furniture);
+      if (!added) return added.error();
+    } else {
+      world.bodies.push_back(make_tool(world.tool_radius, furniture));
+    }
   }
   return world;
 }

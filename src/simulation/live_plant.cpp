@@ -111,7 +111,7 @@ struct LivePlant::Content {
   [[nodiscard]] double time() const { return kStep * static_cast<double>(steps); }
 
   int substeps;
-  Arm arm;
+  SpringArm arm;
   Eigen::Vector3d p_base_command;
   std::vector<Body> bodies;
   ToolSensor tool;

@@ -10,6 +10,7 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/gravity.hpp"
 
+#include "simulation/arm_dynamics.hpp"
 #include "simulation/plant_dynamics.hpp"
 #include "simulation/plant_phases.hpp"
 #include "simulation/tool_plan.hpp"
@@ -41,6 +42,7 @@ void check(const std::vector<PlantBody>& bodies, const PlantTool& tool,
     PCAVR_REQUIRE(move.speed > 0.0 && move.acceleration > 0.0, move.speed, move.acceleration);
     PCAVR_REQUIRE(!move.body || *move.body < bodies.size());
     PCAVR_REQUIRE(!move.until_moved || move.body);
+    PCAVR_REQUIRE(!move.release || !tool.arm);
   }
   PCAVR_REQUIRE(options.substeps >= 1 && options.tail >= 0.0, options.substeps, options.tail);
 }
@@ -90,7 +92,8 @@ class Plant {
  public:
   Plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
         const std::vector<ToolMove>& moves, int substeps)
-      : plan_(moves, tool.p_base_start), arm_(tool), substeps_(substeps) {
+      : plan_(moves, tool.p_base_start), spring_(tool), substeps_(substeps) {
+    if (tool.arm) arm_.emplace(*tool.arm);
     for (const PlantBody& body : bodies) {
       recorders_.emplace_back(bodies_.size());
       bodies_.emplace_back(body, tool.radius);
@@ -106,33 +109,45 @@ class Plant {
       plan_.advance(watched ? bodies_[*watched].pose() : Pose(), load_.norm(), dt);
       load_.setZero();
       bool is_touched = false;
+      Eigen::Vector3d torque = Eigen::Vector3d::Zero();
       for (std::size_t k = 0; k < bodies_.size(); ++k) {
-        const Eigen::Vector3d v_base = arm_.tip().v_base - bodies_[k].v_base();
-        const TipLoad load = bodies_[k].advance(arm_.tip(), dt);
+        const Eigen::Vector3d v_base = tip().v_base - bodies_[k].v_base();
+        const TipLoad load = bodies_[k].advance(tip(), dt);
         load_ += load.force;
+        torque += load.tip_torque;
         is_touched |= load.is_touched;
-        sum.torque += load.tip_torque / substeps_;
         recorders_[k].add(t_, load, v_base, impacts);
       }
       sum.force += load_ / substeps_;
-      if (plan_.is_released()) {
-        arm_.fly(load_, dt);
-        plan_.follow(arm_.tip(), is_touched, dt);
-      } else {
-        arm_.advance(plan_.p_base(), plan_.v_base(), load_, dt);
-      }
+      sum.torque += torque / substeps_;
+      advance_arm(torque, dt);
+      if (plan_.is_released()) plan_.follow(tip(), is_touched, dt);
       t_ += dt;
     }
     return sum;
   }
 
   [[nodiscard]] const ToolPlan& plan() const { return plan_; }
-  [[nodiscard]] const Eigen::Vector3d& p_base_tip() const { return arm_.tip().p_base; }
+  [[nodiscard]] const Eigen::Vector3d& p_base_tip() const { return tip().p_base; }
+  [[nodiscard]] const std::optional<ArmDynamics>& arm() const { return arm_; }
   [[nodiscard]] const std::vector<BodyDynamics>& dynamics() const { return bodies_; }
 
  private:
+  [[nodiscard]] const Tip& tip() const { return arm_ ? arm_->tip() : spring_.tip(); }
+
+  void advance_arm(const Eigen::Vector3d& torque, double dt) {
+    if (arm_) {
+      arm_->advance(plan_.p_base(), load_, torque, dt);
+    } else if (plan_.is_released()) {
+      spring_.fly(load_, dt);
+    } else {
+      spring_.advance(plan_.p_base(), plan_.v_base(), load_, dt);
+    }
+  }
+
   ToolPlan plan_;
-  Arm arm_;
+  SpringArm spring_;
+  std::optional<ArmDynamics> arm_;
   int substeps_;
   std::vector<BodyDynamics> bodies_;
   std::vector<ImpactRecorder> recorders_;
@@ -185,6 +200,7 @@ PlantRun run_plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
       run.bodies[i].push_back(plant.dynamics()[i].state());
       recorders[i].add(t, plant.dynamics()[i].phase_inputs());
     }
+    if (plant.arm()) run.arm.push_back(plant.arm()->state());
     const MeanWrench mean = plant.step(run.impacts);
     run.force_base.push_back(mean.force);
     run.torque_base.push_back(mean.torque);
@@ -222,6 +238,12 @@ Pose T_base_object_at(const PlantRun& run, const PlantBody& body, std::size_t in
 Eigen::Vector3d p_base_tip_at(const PlantRun& run, double t) {
   const auto [before, fraction] = locate(run, t);
   return run.p_base_tip[before] + fraction * (run.p_base_tip[before + 1] - run.p_base_tip[before]);
+}
+
+Eigen::VectorXd arm_position_at(const PlantRun& run, double t) {
+  PCAVR_REQUIRE(!run.arm.empty());
+  const auto [before, fraction] = locate(run, t);
+  return run.arm[before].q + fraction * (run.arm[before + 1].q - run.arm[before].q);
 }
 
 }  // namespace pcavr

@@ -9,6 +9,7 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/random.hpp"
 
+#include "simulation/arm_case.hpp"
 #include "simulation/box_grid.hpp"
 #include "simulation/impact_moves.hpp"
 #include "simulation/plant_bodies.hpp"
@@ -321,6 +322,14 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& 
   }
   made.moves = program.take();
   return made;
+}
+
+void add_arm(PlantCase& plant, std::uint64_t seed) {
+  PCAVR_REQUIRE(!plant.bodies.empty());
+  // Above the first body; the arm does not reach the start of other tasks.
+  const Eigen::Vector3d& body = plant.bodies.front().T_base_object.translation();
+  plant.tool.p_base_start.head<2>() = body.head<2>();
+  plant.tool.arm = make_arm(seed, plant.tool.radius, plant.tool.p_base_start);
 }
 
 }  // namespace pcavr

@@ -121,17 +121,17 @@ BodyMotion BodyDynamics::motion() const {
   return motion;
 }
 
-Arm::Arm(const PlantTool& tool)
+SpringArm::SpringArm(const PlantTool& tool)
     : rate_(2.0 * std::numbers::pi * tool.bandwidth),
       mass_(tool.stiffness / (rate_ * rate_)),
       tip_{tool.p_base_start, Eigen::Vector3d::Zero()} {}
 
-void Arm::fly(const Eigen::Vector3d& load, double dt) {
+void SpringArm::fly(const Eigen::Vector3d& load, double dt) {
   tip_.v_base -= dt / mass_ * load;
   tip_.p_base += dt * tip_.v_base;
 }
 
-void Arm::advance(const Eigen::Vector3d& p_base, const Eigen::Vector3d& v_base,
+void SpringArm::advance(const Eigen::Vector3d& p_base, const Eigen::Vector3d& v_base,
                   const Eigen::Vector3d& load, double dt) {
   const Eigen::Vector3d acceleration = rate_ * rate_ * (p_base - tip_.p_base) +
                                        2.0 * kArmDampingRatio * rate_ * (v_base - tip_.v_base) -

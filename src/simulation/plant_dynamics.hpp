@@ -49,11 +49,10 @@ class BodyDynamics {
   Eigen::Vector3d friction_ = Eigen::Vector3d::Zero();
 };
 
-/// The arm with its tip: a mass on a damped spring whose other end follows the command (servo
-/// compliance).
-class Arm {
+/// The tip as a mass on a damped spring whose other end follows the command (servo compliance).
+class SpringArm {
  public:
-  explicit Arm(const PlantTool& tool);
+  explicit SpringArm(const PlantTool& tool);
 
   /// The command is at `p_base` [m] and moves at `v_base` [m/s]; `load` [N]: what the tip exerts.
   void advance(const Eigen::Vector3d& p_base, const Eigen::Vector3d& v_base,

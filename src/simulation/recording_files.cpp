@@ -12,6 +12,7 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/object/parameters_file.hpp"
 #include "pcavr/recording/recording.hpp"
+#include "pcavr/robot/robot_dynamics.hpp"
 
 namespace pcavr::simulation {
 namespace fs = std::filesystem;
@@ -119,8 +120,14 @@ std::vector<Pose> body_poses(const World& world, const PlantCase& plant, const P
     poses.push_back(world.has_tool ? T_base_object_at(run, plant.bodies[i], i, t)
                                    : world.boxes[i].T_base_object);
   }
-  // The tool's z points down: a half turn about x.
-  if (world.has_tool) {
+  if (plant.tool.arm && world.has_tool) {
+    RobotDynamics kinematics(plant.tool.arm->described);
+    kinematics.forward_kinematics(arm_position_at(run, t));
+    for (const std::size_t link : world.arm_links) {
+      poses.push_back(plant.tool.arm->T_base_robot * kinematics.T_base_link(link));
+    }
+  } else if (world.has_tool) {
+    // The tool's z points down: a half turn about x.
     poses.emplace_back(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), p_base_tip_at(run, t));
   }
   return poses;

@@ -5,12 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/core/random.hpp"
+#include "pcavr/robot/robot_dynamics.hpp"
+
 #include "simulation/sensor_streams.hpp"
 
 namespace pcavr {
 namespace {
 
 using namespace simulation;
+
+constexpr std::uint64_t kJointStream = 8;  ///< of the seed; see sensor_streams.cpp for the others
 
 Stamp stamp_of_step(std::size_t step) {
   return Stamp::from_seconds(PlantRun::kStep * static_cast<double>(step));
@@ -40,6 +45,45 @@ Trajectory measured_tool(const PlantRun& run, std::uint64_t seed) {
   Trajectory T_base_tool;
   for (std::size_t i = 0; i < run.p_base_tip.size(); i += kStepsPerSample) {
     T_base_tool.append(stamp_of_step(i), sensor.measure(run.p_base_tip[i]));
+  }
+  return T_base_tool;
+}
+
+JointLog measured_joints(const PlantRun& run, const PlantArm& arm, std::uint64_t seed) {
+  Random random = Random(seed).fork(kJointStream);
+  JointLog log;
+  for (const std::size_t joint : arm.described.coordinate_joints()) {
+    log.joints.push_back(arm.described.joints[joint].name);
+  }
+  const auto rows =
+      static_cast<Eigen::Index>((run.arm.size() + kStepsPerSample - 1) / kStepsPerSample);
+  const Eigen::Index dof = arm.q_start.size();
+  log.position.resize(rows, dof);
+  log.velocity.resize(rows, dof);
+  log.torque.resize(rows, dof);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const std::size_t step = static_cast<std::size_t>(row) * kStepsPerSample;
+    const PlantArmState& state = run.arm[step];
+    log.stamps.push_back(stamp_of_step(step));
+    log.t.push_back(log.stamps.back().seconds());
+    for (const std::size_t joint : arm.described.coordinate_joints()) {
+      const auto k = static_cast<Eigen::Index>(arm.described.joints[joint].coordinate);
+      const double effort = arm.described.joints[joint].limits.effort.value_or(0.0);
+      log.position(row, k) = state.q[k] + 1e-5 * random.normal();
+      log.velocity(row, k) = state.dq[k] + 1e-3 * random.normal();
+      log.torque(row, k) = state.tau[k] + 2e-3 * effort * random.normal();
+    }
+  }
+  return log;
+}
+
+Trajectory measured_tool(const JointLog& log, const PlantArm& arm) {
+  RobotDynamics kinematics(arm.described);
+  Trajectory T_base_tool;
+  for (Eigen::Index row = 0; row < log.position.rows(); ++row) {
+    kinematics.forward_kinematics(log.position.row(row).transpose());
+    T_base_tool.append(log.stamps[static_cast<std::size_t>(row)],
+                       arm.T_base_robot * kinematics.T_base_link(arm.tip));
   }
   return T_base_tool;
 }

@@ -178,6 +178,22 @@ void add_slotted_block(Surface& surface, const Eigen::Vector3d& half_extents, do
   }
 }
 
+void add_mesh(Surface& surface, const TriangleMesh& mesh, std::uint16_t material) {
+  const auto first = static_cast<Index>(surface.mesh.vertices.size());
+  surface.mesh.vertices.insert(surface.mesh.vertices.end(), mesh.vertices.begin(),
+                               mesh.vertices.end());
+  const std::uint32_t facet = next_facet(surface);
+  for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
+    const std::array<Index, 3> corners{first + triangle[0], first + triangle[1],
+                                       first + triangle[2]};
+    const Eigen::Vector3f& a = surface.mesh.vertices[corners[0]];
+    const Eigen::Vector3f normal = (surface.mesh.vertices[corners[1]] - a)
+                                       .cross(surface.mesh.vertices[corners[2]] - a)
+                                       .normalized();
+    add_triangle(surface, corners, {normal, normal, normal}, facet, material);
+  }
+}
+
 std::vector<Eigen::Vector2d> cylinder_profile(double radius, double height) {
   return {{0.0, 0.0}, {radius, 0.0}, {radius, height}, {0.0, height}};
 }

@@ -43,6 +43,9 @@ void add_box(Surface& surface, const Eigen::Vector3d& half_extents, const Pose& 
 void add_slotted_block(Surface& surface, const Eigen::Vector3d& half_extents, double half_slot,
                        double floor, std::uint16_t material);
 
+/// Adds a mesh, each triangle flat.
+void add_mesh(Surface& surface, const TriangleMesh& mesh, std::uint16_t material);
+
 /// Profiles for add_revolution; they stand on z = 0.
 [[nodiscard]] std::vector<Eigen::Vector2d> cylinder_profile(double radius, double height);
 [[nodiscard]] std::vector<Eigen::Vector2d> sphere_profile(double radius);

@@ -9,6 +9,7 @@
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/recording/recording_writer.hpp"
 
+#include "simulation/arm_case.hpp"
 #include "simulation/camera_path.hpp"
 #include "simulation/color_sensor.hpp"
 #include "simulation/depth_sensor.hpp"
@@ -142,6 +143,11 @@ SimulationCase with_tool(const std::string& name, ToolTask task, const std::stri
   return simulation;
 }
 
+SimulationCase with_arm(SimulationCase simulation) {
+  simulation.has_arm = true;
+  return simulation;
+}
+
 PushOptions push_options(const SimulationCase& simulation) {
   PushOptions push;
   if (simulation.task != ToolTask::push) return push;
@@ -150,8 +156,13 @@ PushOptions push_options(const SimulationCase& simulation) {
   return push;
 }
 
-Manifest manifest_for(const SimulationCase& simulation, const World& world) {
+Manifest manifest_for(const SimulationCase& simulation, const World& world,
+                      const PlantCase& plant) {
   Manifest manifest = manifest_of(world);
+  if (plant.tool.arm) {
+    manifest.robot = RobotEntry{
+        .urdf = "robot.urdf", .T_base_robot = plant.tool.arm->T_base_robot, .tip = kArmTip};
+  }
   if (simulation.with_images) {
     manifest.camera = simulated_camera(simulation);
     manifest.depth_scale = kDepthScale;
@@ -166,6 +177,17 @@ Manifest manifest_for(const SimulationCase& simulation, const World& world) {
     if (!simulation.with_mass) manifest.objects[i].mass.reset();
   }
   return manifest;
+}
+
+/// The tool's poses, and the arm that they are computed from.
+Expected<void> write_motion(RecordingWriter& writer, const PlantCase& plant, const PlantRun& run,
+                            std::uint64_t seed) {
+  if (!plant.tool.arm) return writer.write_tool(measured_tool(run, seed));
+  const JointLog log = measured_joints(run, *plant.tool.arm, seed);
+  Expected<void> written = writer.write_robot(arm_description(plant.tool.radius));
+  if (written) written = writer.write_joints(log);
+  if (written) written = writer.write_tool(measured_tool(log, *plant.tool.arm));
+  return written;
 }
 
 }  // namespace
@@ -212,7 +234,11 @@ const std::vector<SimulationCase>& simulation_cases() {
         with_tool("soft", ToolTask::soft,
                   "presses along z at five speeds, 15 mm deep, on each of two soft boxes"),
         with_tool("impact", ToolTask::impact,
-                  "slow presses, then impacts of 2 to 80 ms, on each of two boxes")};
+                  "slow presses, then impacts of 2 to 80 ms, on each of two boxes"),
+        with_arm(with_tool("arm-press", ToolTask::press,
+                           "as press, by a six-axis arm with its own dynamics; with joints.csv")),
+        with_arm(with_tool("arm-slot", ToolTask::slot, "as slot, by the arm")),
+        with_arm(with_tool("arm-ball", ToolTask::soft, "as soft, by the arm"))};
   }();
   return cases;
 }
@@ -227,6 +253,7 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
     for (PlantBody& body : plant.bodies) body.is_movable = false;
   }
   const bool has_task = simulation.task != ToolTask::none;
+  if (simulation.has_arm) add_arm(plant, seed);
   PlantOptions plant_options{.substeps = plant.substeps};
   if (push.duration > 0.0) plant_options.max_duration = push.duration;
   const PlantRun run =
@@ -239,14 +266,14 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
     truth.frames =
         frame_stamps(has_task ? run.duration() : simulation.duration, simulation.frame_rate);
   }
-  const Manifest manifest = manifest_for(simulation, *world);
+  const Manifest manifest = manifest_for(simulation, *world, plant);
   auto written = write_truth(folder, truth);
   if (!written) return written;
   RecordingWriter writer(folder, manifest);
   for (std::size_t i = 0; i < world->boxes.size() && written; ++i) {
     written = writer.write_object_mesh(manifest.objects[i].mesh, world->bodies[1 + i].surface.mesh);
   }
-  if (written && has_task) written = writer.write_tool(measured_tool(run, seed));
+  if (written && has_task) written = write_motion(writer, plant, run, seed);
   if (written && has_task) {
     written = writer.write_wrench(measured_wrench(run, seed, simulation.faults));
   }

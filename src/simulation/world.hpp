@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,12 +51,13 @@ struct Light {
 };
 
 /// Everything that is visible. bodies[0] is the static environment, in base; then the boxes; then
-/// the tool, if there is one.
+/// the tool, if there is one: one body, or the links of an arm.
 struct World {
   std::vector<Body> bodies;
   std::vector<Box> boxes;  ///< boxes[i] belongs to bodies[1 + i]
   bool has_tool = false;
-  double tool_radius = 0.0;  ///< of its spherical tip [m]
+  std::vector<std::size_t> arm_links;  ///< by body of the arm: index as in RobotModel::links
+  double tool_radius = 0.0;            ///< of its spherical tip [m]
   std::vector<Light> lights;
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
 };

@@ -24,6 +24,8 @@ constexpr std::size_t kMinContactSamples = 30;
 constexpr double kSameContact = 0.25;
 // Cosine between the mean forces of two presses on the same face: 1 degree, of noise and friction.
 constexpr double kSamePressDirection = 0.9998;
+// Of the exponent that holds beyond the forces that were seen: a third of what laws range over.
+constexpr double kExponentModelStd = 0.25;
 // Of breakaways: their standard deviation needs more contacts than are fitted together.
 constexpr std::size_t kMaxStoredContacts = 20;
 
@@ -43,7 +45,7 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
   const auto end = std::upper_bound(contact.t.begin(), contact.t.end(), until);
   const auto count = static_cast<std::size_t>(end - contact.t.begin());
   return {std::span(contact.t).first(count), std::span(contact.tool).first(count),
-          std::span(contact.force).first(count)};
+          std::span(contact.force).first(count), contact.tool_noise};
 }
 
 }  // namespace
@@ -137,6 +139,20 @@ void ObjectLearner::accept(std::optional<ParameterValue> ObjectParameters::*fiel
   has_changed_ = true;
 }
 
+double ObjectLearner::extrapolation_std(const ContactFit& fit,
+                                        std::span<const ForceMotion> parts) const {
+  double max_force = 0.0;
+  for (const ForceMotion& part : parts) {
+    max_force = std::max(max_force, *std::max_element(part.force.begin(), part.force.end()));
+  }
+  const double force =
+      known_.limiting_static_friction ? known_.limiting_static_friction->value : working_force_;
+  if (!(max_force > 0.0) || force <= max_force) return 0.0;
+  // Of d = (F / K)^(1/n), scaled from the largest force that was seen: d ln d / dn.
+  const double n = fit.exponent.value;
+  return std::log(force / max_force) / (n * n) * std::max(fit.exponent.std, kExponentModelStd);
+}
+
 void ObjectLearner::learn_contact() {
   std::vector<ForceMotion> presses, static_parts;
   for (const ContactEpisode& contact : contacts_) {
@@ -160,7 +176,9 @@ void ObjectLearner::learn_contact() {
   if (!fit.is_valid || !fit.stiffness.is_excited || fit.relative_error > options_.max_fit_error)
     return;
   // The three parameters are correlated: compared by the penetration that they predict.
-  const double relative_std = fit.stiffness.std / fit.stiffness.value / fit.exponent.value;
+  const double relative_std =
+      std::hypot(fit.stiffness.std / fit.stiffness.value / fit.exponent.value,
+                 extrapolation_std(fit, has_presses ? presses : static_parts));
   if (relative_std > options_.max_penetration_std) return;
   const std::optional<HuntCrossley> old = contact_law_of(known_);
   if (old && given_.contact_stiffness) {

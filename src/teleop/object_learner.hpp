@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/identification/parameter.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/object/object_parameters.hpp"
 #include "pcavr/teleop/options.hpp"
@@ -44,6 +46,9 @@ class ObjectLearner {
   /// [N] at which the sensor saturates: contacts that reach it are not used.
   void set_force_ceiling(std::optional<double> ceiling) { force_ceiling_ = ceiling; }
 
+  /// [N] up to which a contact law is used: the supposed F_M.
+  void set_working_force(double force) { working_force_ = force; }
+
   /// The object was static at `friction` [N], beyond its supposed limit F_M: discards its friction
   /// parameters, unless breakaways have identified them here. Until the next breakaway, F_M is that
   /// force times `static_limit_factor`.
@@ -58,6 +63,10 @@ class ObjectLearner {
   /// Gives a press the direction of an earlier one on the same face, so that both meet the surface
   /// at the same coordinate: at half a metre from base, 0.05 degrees would displace it by 0.4 mm.
   void align_press(const ContactRecord& record, ContactEpisode& press) const;
+  /// Relative std of the penetration at F_M beyond that of the fit, where the fitted contacts have
+  /// not reached that force: a law of the first newtons says little about the tenfold.
+  [[nodiscard]] double extrapolation_std(const ContactFit& fit,
+                                         std::span<const ForceMotion> parts) const;
   void learn_contact();
   void learn_breakaway();
   void learn_sliding();
@@ -70,6 +79,7 @@ class ObjectLearner {
   ObjectParameters known_;
   ObjectParameters given_;
   std::optional<double> force_ceiling_;
+  double working_force_ = 0.0;                ///< [N]
   std::optional<double> conservative_limit_;  ///< [N]
   std::vector<ContactEpisode> contacts_;
   bool has_changed_ = false;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "pcavr/contact/contact_inertia.hpp"
+
 #include "teleop/sent_parameters.hpp"
 
 namespace pcavr {
@@ -21,16 +23,6 @@ constexpr double kMotionMargin = 5e-4;
 double distance(const PlanarPose& a, const PlanarPose& b, double radius) {
   return std::hypot(a.x - b.x, a.y - b.y) +
          radius * std::abs(std::remainder(a.yaw - b.yaw, 2.0 * M_PI));
-}
-
-/// Of the material that moves with the tip [N], along the contact's force; the sum never pulls. The
-/// body's own acceleration is neglected: a body with such a contact is pressed, or slides slowly.
-Eigen::Vector3d inertial_force(const Eigen::Vector3d& a_base_tip, const Eigen::Vector3d& force,
-                               double mass) {
-  const double size = force.norm();
-  if (!(mass > 0.0) || !(size > 0.0)) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d along = force / size;
-  return std::max(-size, mass * a_base_tip.dot(along)) * along;
 }
 
 /// In the order of sequence numbers that wrap around. Only the last few count as old: more than
@@ -55,9 +47,11 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const TeleopObject& object = input.objects[i];
     model.bodies.push_back({object.model, object.T_base_object, physics[i], object.is_movable});
+    ObjectParameters known = sent_parameters(physics[i], options.gravity());
+    known.contact_surface_offset = object.parameters.contact_surface_offset;
     objects.push_back({object.model,
                        object.T_base_object,
-                       sent_parameters(physics[i], options.gravity()),
+                       std::move(known),
                        {},
                        object.parameters.contact_mass.value_or(ParameterValue{}).value});
   }

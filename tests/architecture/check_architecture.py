@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 MODULES = ("core geometry recording cloud contact friction object identification model robot "
-           "robot_identification inputs prediction haptics "
+           "robot_identification arm inputs prediction haptics "
            "devices link teleop marker tracking reconstruction texture scene simulation report evaluation pipeline serve").split()
 HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|fmt/|yaml-cpp/|nlohmann/|"
                    r"tbb/|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/|urdf|tinyxml|console_bridge|kdl/|zmq)")

@@ -72,6 +72,29 @@ TEST(DampingFactor, FollowsThePublishedFormulasAtOneHalf) {
   EXPECT_DOUBLE_EQ(damping_factor(DampingLaw::herbert_mcwhannell, 0.5), 1.0);
 }
 
+/// At 1/2 alone, Herbert and McWhannell's square is zero, and c and 1 - c are the same: fractions
+/// by hand from the formulas as the literature gives them (compared in Alves et al. 2015, table 1).
+TEST(DampingFactor, FollowsThePublishedFormulasAtOneAndFourFifths) {
+  struct Row {
+    DampingLaw law;
+    double at_one_fifth, at_four_fifths;
+  };
+  const Row rows[] = {
+      {DampingLaw::flores, 32.0 / 5.0, 2.0 / 5.0},                 // 8 (1 - c) / (5 c)
+      {DampingLaw::gonthier, 24.0 / 5.0, 9.0 / 20.0},              // (1 - c^2) / c
+      {DampingLaw::lankarani_nikravesh, 18.0 / 25.0, 27.0 / 100},  // 3 (1 - c^2) / 4
+      {DampingLaw::lee_wang, 3.0 / 5.0, 3.0 / 20.0},               // 3 (1 - c) / 4
+      {DampingLaw::hunt_crossley, 6.0 / 5.0, 3.0 / 10.0},          // 3 (1 - c) / 2
+      // 3 (1 - c^2) exp(2 (1 - c)) / 4; exp(1.6) and exp(0.4)
+      {DampingLaw::zhiying_qishao, 0.72 * 4.953032424395115, 0.27 * 1.4918246976412703},
+      {DampingLaw::herbert_mcwhannell, 10.0 / 7.0, 5.0 / 14.0},  // 6 (1 - c) / ((2 c - 1)^2 + 3)
+  };
+  for (const Row& row : rows) {
+    EXPECT_NEAR(damping_factor(row.law, 0.2), row.at_one_fifth, 1e-14) << name_of(row.law);
+    EXPECT_NEAR(damping_factor(row.law, 0.8), row.at_four_fifths, 1e-14) << name_of(row.law);
+  }
+}
+
 TEST(HuntCrossleyDamping, ScalesWithStiffnessOverSpeed) {
   EXPECT_DOUBLE_EQ(hunt_crossley_damping(DampingLaw::gonthier, 1000.0, 0.5, 0.1), 15000.0);
 }

@@ -143,6 +143,21 @@ TEST(SamplePlugin, AppliesTheForceInTheOperatorsFrame) {
   EXPECT_LT((difference - Eigen::Vector3d(0.0, 0.01, -0.005)).norm(), 1e-6);
 }
 
+TEST(SamplePlugin, AppliesTheTorqueInTheOperatorsFrame) {
+  PluginDeviceOptions options;
+  options.facing = M_PI / 2.0;
+  auto device = PluginDevice::open(PCAVR_SAMPLE_PLUGIN, options);
+  ASSERT_TRUE(device);
+  DeviceFeedback feedback = kFeedback;
+  feedback.torque_base = {0.0, 0.02, 0.0};
+  DeviceSample sample;
+  for (int i = 0; i < 1000; ++i) sample = (*device)->exchange(i * kCycle, kCycle, feedback);
+  // Its spring has 0.5 N m/rad: 0.04 rad about base y, after the operator's own direction.
+  const Eigen::AngleAxisd tilt(sample.q_base_tool *
+                               Eigen::AngleAxisd(-options.facing, Eigen::Vector3d::UnitZ()));
+  EXPECT_LT((tilt.angle() * tilt.axis() - Eigen::Vector3d(0.0, 0.04, 0.0)).norm(), 1e-4);
+}
+
 TEST(SamplePlugin, ReportsInvalidOptions) {
   EXPECT_PRED2(is_line_with, error_text(PCAVR_SAMPLE_PLUGIN, "-1"),
                "'-1' is not a radius from 0 to 100 mm");

@@ -221,6 +221,14 @@ TEST(WrongUsage, ExitsWithTwo) {
   EXPECT_EQ(run_pcavr({"build", "r", "-o", "s", "--voxel", "-1"}).exit_code, 2);
 }
 
+TEST(WrongUsage, IsOneLineThatNamesTheCommandsHelp) {
+  const CommandOutcome unknown = run_pcavr({"build", "r", "-o", "s", "--unknown"});
+  EXPECT_EQ(std::count(unknown.standard_error.begin(), unknown.standard_error.end(), '\n'), 1);
+  EXPECT_NE(unknown.standard_error.find("--unknown"), std::string::npos);
+  EXPECT_NE(unknown.standard_error.find("see pcavr build --help"), std::string::npos)
+      << unknown.standard_error;
+}
+
 TEST(Simulate, RejectsOptionsThatDoNotApplyToItsCaseInOneLine) {
   const TemporaryFolder folder;
   const std::string output = (folder.path() / "recording").string();

@@ -141,6 +141,8 @@ TEST(OtherPlants, ArePredictedNoWorseWithCorrections) {
   // Fast pushes, whose peak force exceeds the limit, and a turning body.
   expect_corrections_no_worse("plants/probe-2");
   expect_corrections_no_worse("plants/offcentre-3");
+  // At a vertex.
+  expect_corrections_no_worse("plants/probe-3");
 }
 
 TEST_F(PushedObjects, AreIdentified) {
@@ -272,6 +274,23 @@ TEST_F(PushedObjects, ArePredictedThroughJumpsOfTheToolsPose) {
   const json report =
       replay_and_evaluate("jumps", "jumps-run", {"--parameters", path_of("parameters.yaml")});
   expect_within(report, "predicted.all.translation.max_m", 0.02);
+}
+
+TEST_F(PushedObjects, AreReplayedWithoutBadRowsOfTracking) {
+  simulate("push", "bad-rows", {});
+  const fs::path file = fs::path(path_of("bad-rows")) / "tracked/objects/box_1/tracked.txt";
+  const std::string text = read_file(file).value();
+  const std::size_t cut = text.find('\n', text.size() / 2) + 1;
+  ASSERT_TRUE(write_file(file, text.substr(0, cut) + "0.5 nan 0 0 0 0 0 1\n" + text.substr(cut)));
+  std::vector<std::string> arguments = replay_arguments("bad-rows", "bad-rows-run");
+  expect_refused(run_pcavr(arguments), {"tracked.txt:"});
+  arguments.emplace_back("--skip-bad");
+  const json result = run_json(arguments);
+  ASSERT_EQ(result["left_out"].size(), 1U) << result;
+  EXPECT_EQ(result["left_out"][0]["file"], file.string());
+  EXPECT_EQ(result["left_out"][0]["rows"], 1);
+  EXPECT_NE(read_file(fs::path(path_of("bad-rows-run")) / "run.yaml")->find("rows: 1"),
+            std::string::npos);
 }
 
 TEST_F(PushedObjects, AreNotPredictedFromAbsurdParameters) {

@@ -56,6 +56,15 @@ TEST_F(ContactTasks, APressComesFromAboveAndMovesNothing) {
   EXPECT_EQ(task(tip, a_box({0.1F, 0.1F, 0.1F}), sliding), ContactTask::push);
 }
 
+// The hull's test directions are 7 degrees apart: a wide face is none of their supports.
+TEST_F(ContactTasks, APressOnAWideFlatFaceIsNoSlotting) {
+  const TriangleMesh wide = a_box({0.25F, 0.22F, 0.1F});
+  for (const double x : {0.5, 0.45, 0.41, 0.56}) {
+    const Trajectory tip = a_line({x, 0.0, 0.13}, {x, 0.0, 0.108});
+    EXPECT_EQ(task(tip, wide, at_rest()), ContactTask::press) << x;
+  }
+}
+
 TEST_F(ContactTasks, APressDeepIntoASoftBodyIsNoSlotting) {
   const Trajectory tip = a_line({0.5, 0.0, 0.13}, {0.5, 0.0, 0.07});
   EXPECT_EQ(task(tip, a_box({0.1F, 0.1F, 0.1F}), at_rest()), ContactTask::press);

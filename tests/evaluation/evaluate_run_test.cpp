@@ -341,8 +341,17 @@ TEST_F(EvaluateRun, ComparesPressesWithPaperB) {
   }
   write(truth().parent_path() / "tool.csv", tool);
   write(truth().parent_path() / "recording.yaml", "format: pcavr-recording/1\n");
+  // Figure 6 needs a restitution.
+  write(run() / "parameters.yaml",
+        "box:\n  contact: {stiffness: 2e5, exponent: 1.5, restitution: 0.3, impact_speed: 0.1}\n");
   EXPECT_EQ(beside("B, table 3"), "10.0 ± 0 % of 1 presses");
   EXPECT_EQ(beside("B, hole slotting"), "no row");
+  const std::string data = report_data(report());
+  EXPECT_NE(data.find("Presses by speed [paper B, table 3]"), std::string::npos);
+  EXPECT_NE(data.find("18.35"), std::string::npos);
+  EXPECT_NE(data.find("[paper B, figure 6]"), std::string::npos);
+  EXPECT_NE(data.find("box: at 0.3"), std::string::npos);
+  EXPECT_EQ(data.find("[paper B, table 4]"), std::string::npos);
 }
 
 TEST_F(EvaluateRun, ComparesSoftPressesWithPaperBsTable4) {
@@ -356,6 +365,7 @@ TEST_F(EvaluateRun, ComparesSoftPressesWithPaperBsTable4) {
   write(truth().parent_path() / "tool.csv", tool);
   write(truth().parent_path() / "recording.yaml", "format: pcavr-recording/1\n");
   EXPECT_EQ(beside("B, table 4"), "10.0 ± 0 % of 1 presses");
+  EXPECT_NE(report_data(report()).find("[paper B, table 4]"), std::string::npos);
   EXPECT_EQ(beside("B, table 3"), "no row");
 }
 

@@ -19,10 +19,14 @@ void image(std::string_view bytes);
 void parameters(std::string_view bytes);
 /// A point cloud, PCD or PLY.
 void cloud(std::string_view bytes);
+/// An occupancy map of OctoMap, binary or full.
+void octomap(std::string_view bytes);
 /// A recorded trace of an operator's hand.
 void trace(std::string_view bytes);
 /// A robot description.
 void urdf(std::string_view bytes);
+/// The report of an arm's identification.
+void identified_arm(std::string_view bytes);
 /// A correction from the robot's site.
 void message(std::string_view bytes);
 /// A message between two sites.

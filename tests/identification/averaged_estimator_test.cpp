@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/averaged_estimator.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/random.hpp"
+#include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/signals.hpp"
 
 namespace pcavr {
@@ -96,18 +95,18 @@ EstimatorOptions<3> options_of(EstimationMethod method) {
   return options;
 }
 
-/// Paper C's claim [figure 8]. The options were chosen on seeds 7001 to 7020; these are others.
-TEST(AveragedEstimator, IsMoreAccurateThanExponentialAndSettlesBeforeBlockOver20Seeds) {
-  constexpr int kSeeds = 20;
+/// Paper C's claim [figure 8]. The options were chosen on seeds 7001 to 7010; these are others.
+TEST(AveragedEstimator, IsMoreAccurateThanBlockAndExponentialAndSettlesBeforeBlockOver10Seeds) {
+  constexpr int kSeeds = 10;
   for (const Change change : {Change::step, Change::ramp, Change::drift}) {
     std::array<Tracked, 3> mean{};
     int more_accurate = 0;
-    for (std::uint64_t seed = 7101; seed < 7101 + kSeeds; ++seed) {
+    for (std::uint64_t seed = 7201; seed < 7201 + kSeeds; ++seed) {
       const ChangingPress press(change, seed);
       const Tracked found[] = {
           track(ParameterEstimator<3>(options_of(EstimationMethod::block)), press, seed),
           track(ParameterEstimator<3>(options_of(EstimationMethod::exponential)), press, seed),
-          track(AveragedEstimator<3>(options_of(EstimationMethod::adaptive)), press, seed)};
+          track(ParameterEstimator<3>(options_of(EstimationMethod::averaged)), press, seed)};
       for (std::size_t m = 0; m < 3; ++m) {
         mean[m].steady += found[m].steady / kSeeds;
         mean[m].settling += found[m].settling / kSeeds;
@@ -125,14 +124,16 @@ TEST(AveragedEstimator, IsMoreAccurateThanExponentialAndSettlesBeforeBlockOver20
     }
     EXPECT_GE(more_accurate, kSeeds - 1) << name;
     EXPECT_LT(mean[2].steady, mean[1].steady) << name;
+    EXPECT_LT(mean[2].steady, mean[0].steady) << name;
     if (change != Change::step) continue;
     EXPECT_LT(mean[2].settling, mean[0].settling);
-    EXPECT_LT(mean[2].steady, mean[0].steady);
   }
 }
 
 TEST(AveragedEstimator, FindsExactParametersAndIgnoresWhatIsNotFinite) {
-  AveragedEstimator<2> estimator;
+  EstimatorOptions<2> options;
+  options.method = EstimationMethod::averaged;
+  ParameterEstimator<2> estimator(options);
   for (int i = 0; i < 500; ++i) {
     const double t = 0.01 * i;
     const std::array<double, 2> phi{std::sin(3.0 * t), std::cos(7.0 * t)};
@@ -145,9 +146,9 @@ TEST(AveragedEstimator, FindsExactParametersAndIgnoresWhatIsNotFinite) {
 }
 
 TEST(AveragedEstimator, RefusesOptionsOutOfTheirRange) {
-  AveragingOptions options;
-  options.fast_forgetting = 1.0;
-  EXPECT_THROW(AveragedEstimator<1>({}, options), ContractError);
+  EstimatorOptions<1> options;
+  options.averaging.fast_forgetting = 1.0;
+  EXPECT_THROW(ParameterEstimator<1>{options}, ContractError);
 }
 
 }  // namespace

@@ -174,6 +174,47 @@ TEST(IdentifyContact, FitsStiffnessAndDampingUnderAGivenExponent) {
   EXPECT_THROW(static_cast<void>(identify_contact(series_of(trials), options)), ContractError);
 }
 
+/// Of a stiff object, with smooth reversals; the tip is recorded between the force's samples, as by
+/// a controller and a sensor of their own.
+Trial brief_press(double duration, std::uint64_t seed) {
+  Plant plant;
+  plant.is_fixed = true;
+  plant.stiffness = 1.8e5;
+  plant.damping = 6.5e5;
+  const Sensors sensors{.rate = 1000.0, .tool_noise = 5e-5};
+  const auto path = [=](double t) {
+    const double wave = std::sin(std::numbers::pi * std::clamp((t - 0.3) / duration, 0.0, 1.0));
+    return 0.0049 * wave * wave - 0.004;
+  };
+  const Trial fine = run(plant, sensors, duration + 0.6, seed, path);
+  Trial press;
+  for (std::size_t i = 1; i + 1 < fine.t.size(); i += 2) {
+    press.t.push_back(fine.t[i]);
+    press.tool.push_back(0.5 * (fine.tool[i - 1] + fine.tool[i + 1]));
+    press.force.push_back(fine.force[i]);
+  }
+  return press;
+}
+
+TEST(IdentifyContact, StatesTheErrorOfAStiffContactWhoseTipIsInterpolated) {
+  constexpr int kDraws = 16;
+  int covered = 0;
+  double mean = 0.0;
+  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+    std::vector<Trial> presses;
+    for (const double duration : {2.0, 1.0, 0.5, 0.3})
+      presses.push_back(brief_press(duration, 400 + 10 * draw + presses.size()));
+    std::vector<ForceMotion> series = series_of(presses);
+    for (ForceMotion& press : series) press.tool_noise = 5e-5 / std::numbers::sqrt2;
+    const ContactFit fit = identify_contact(series).hunt_crossley;
+    const double error = (fit.exponent.value - 1.5) / fit.exponent.std;
+    mean += error / kDraws;
+    covered += std::abs(error) < 2.0 ? 1 : 0;
+  }
+  EXPECT_GE(covered, kDraws - 3);
+  EXPECT_LT(std::abs(mean), 0.75);  // three stds of the mean of 16
+}
+
 TEST(IdentifyContact, ReportsThatAConstantPressDoesNotExciteDamping) {
   Plant plant;
   plant.is_fixed = true;

@@ -13,8 +13,8 @@ namespace pcavr {
 namespace {
 
 TEST(Steps, DoNotAllocate) {
-  for (const EstimationMethod method :
-       {EstimationMethod::block, EstimationMethod::exponential, EstimationMethod::adaptive}) {
+  for (const EstimationMethod method : {EstimationMethod::block, EstimationMethod::exponential,
+                                        EstimationMethod::adaptive, EstimationMethod::averaged}) {
     EstimatorOptions<3> options;
     options.method = method;
     ParameterEstimator<3> estimator(options);

@@ -11,7 +11,7 @@
 
 #include "pcavr/core/check.hpp"
 
-#include "model/meshes.hpp"
+#include "support/meshes.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {

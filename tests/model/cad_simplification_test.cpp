@@ -10,8 +10,8 @@
 #include "pcavr/model/cad_model.hpp"
 
 #include "model/mesh_repair.hpp"
-#include "model/meshes.hpp"
 #include "model/vertex_clustering.hpp"
+#include "support/meshes.hpp"
 
 namespace pcavr::model {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "model/meshes.hpp"
+#include "support/meshes.hpp"
 
 namespace pcavr::model {
 namespace {

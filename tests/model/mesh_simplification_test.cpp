@@ -3,39 +3,16 @@
 #include "pcavr/model/mesh_simplification.hpp"
 
 #include <cmath>
-#include <functional>
 
 #include <gtest/gtest.h>
+
+#include "support/meshes.hpp"
 
 namespace pcavr {
 namespace {
 
-/// A square sheet of side 1 m with n x n cells, its height given.
-TriangleMesh sheet(std::uint32_t n, const std::function<float(float, float)>& height) {
-  TriangleMesh mesh;
-  for (std::uint32_t y = 0; y <= n; ++y) {
-    for (std::uint32_t x = 0; x <= n; ++x) {
-      const float px = static_cast<float>(x) / static_cast<float>(n);
-      const float py = static_cast<float>(y) / static_cast<float>(n);
-      mesh.vertices.emplace_back(px, py, height(px, py));
-    }
-  }
-  for (std::uint32_t y = 0; y < n; ++y) {
-    for (std::uint32_t x = 0; x < n; ++x) {
-      const std::uint32_t a = y * (n + 1) + x;
-      mesh.triangles.push_back({a, a + 1, a + n + 2});
-      mesh.triangles.push_back({a, a + n + 2, a + n + 1});
-    }
-  }
-  return mesh;
-}
-
-TriangleMesh flat_sheet(std::uint32_t n) {
-  return sheet(n, [](float, float) { return 0.0F; });
-}
-
 TEST(Simplified, KeepsAFlatSheetsOutlineWithAHundredthOfItsTriangles) {
-  const TriangleMesh mesh = flat_sheet(40);
+  const TriangleMesh mesh = test::flat_square(40);
   const TriangleMesh simple = simplified(mesh, 32, 0.001);
   EXPECT_LE(simple.triangles.size(), 32U);
   // The border planes preserve the corners; 0.1 % is a millimetre all around.
@@ -45,7 +22,7 @@ TEST(Simplified, KeepsAFlatSheetsOutlineWithAHundredthOfItsTriangles) {
 
 TEST(Simplified, StaysWithinTheMaximumError) {
   const auto hill = [](float x, float y) { return 0.1F * std::sin(3.0F * x) * std::cos(3.0F * y); };
-  const TriangleMesh mesh = sheet(60, hill);
+  const TriangleMesh mesh = test::height_field(60, hill);
   const TriangleMesh simple = simplified(mesh, 0, 0.002);
   EXPECT_LT(simple.triangles.size(), mesh.triangles.size() / 5);
   EXPECT_GT(simple.triangles.size(), 8U);
@@ -56,7 +33,7 @@ TEST(Simplified, StaysWithinTheMaximumError) {
 }
 
 TEST(Simplified, KeepsAColourEdgeOnAFlatSheet) {
-  TriangleMesh mesh = flat_sheet(40);
+  TriangleMesh mesh = test::flat_square(40);
   for (const Eigen::Vector3f& p : mesh.vertices) {
     mesh.colors.push_back(p.x() < 0.5F ? Rgb8{0, 0, 0} : Rgb8{255, 255, 255});
   }
@@ -75,7 +52,7 @@ TEST(Simplified, KeepsAColourEdgeOnAFlatSheet) {
 }
 
 TEST(Simplified, DoesNotChangeASmallMesh) {
-  const TriangleMesh mesh = flat_sheet(2);
+  const TriangleMesh mesh = test::flat_square(2);
   EXPECT_EQ(simplified(mesh, 8, 0.01).triangles, mesh.triangles);
   EXPECT_TRUE(simplified(TriangleMesh(), 10, 0.01).triangles.empty());
 }

@@ -6,7 +6,7 @@
 
 #include "pcavr/model/cad_model.hpp"
 
-#include "model/meshes.hpp"
+#include "support/meshes.hpp"
 
 namespace pcavr {
 namespace {

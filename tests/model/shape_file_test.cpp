@@ -14,7 +14,7 @@
 
 #include "model/mesh_file.hpp"
 #include "model/mesh_repair.hpp"
-#include "model/meshes.hpp"
+#include "support/meshes.hpp"
 
 namespace pcavr::model {
 namespace {

@@ -9,7 +9,7 @@
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/model/triangle.hpp"
 
-#include "model/meshes.hpp"
+#include "support/meshes.hpp"
 
 namespace pcavr {
 namespace {

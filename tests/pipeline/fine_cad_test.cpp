@@ -10,7 +10,7 @@
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
-#include "model/meshes.hpp"
+#include "support/meshes.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {

@@ -3,42 +3,19 @@
 #include "pcavr/reconstruction/mesh_cleanup.hpp"
 
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/core/random.hpp"
 
+#include "support/meshes.hpp"
+
 namespace pcavr {
 namespace {
 
-/// A square height field of 1 m edge with n x n cells.
-TriangleMesh height_field(std::uint32_t n, const std::function<float(float, float)>& height) {
-  TriangleMesh mesh;
-  for (std::uint32_t y = 0; y <= n; ++y) {
-    for (std::uint32_t x = 0; x <= n; ++x) {
-      const float px = static_cast<float>(x) / static_cast<float>(n);
-      const float py = static_cast<float>(y) / static_cast<float>(n);
-      mesh.vertices.emplace_back(px, py, height(px, py));
-    }
-  }
-  for (std::uint32_t y = 0; y < n; ++y) {
-    for (std::uint32_t x = 0; x < n; ++x) {
-      const std::uint32_t a = y * (n + 1) + x;
-      mesh.triangles.push_back({a, a + 1, a + n + 2});
-      mesh.triangles.push_back({a, a + n + 2, a + n + 1});
-    }
-  }
-  return mesh;
-}
-
-TriangleMesh flat_square(std::uint32_t n) {
-  return height_field(n, [](float, float) { return 0.0F; });
-}
-
 TEST(RemoveSmallComponents, RemovesComponentsBelowTheArea) {
-  TriangleMesh mesh = flat_square(4);
+  TriangleMesh mesh = test::flat_square(4);
   const std::size_t vertices = mesh.vertices.size();
   const std::size_t triangles = mesh.triangles.size();
   const auto first = static_cast<std::uint32_t>(vertices);

@@ -192,12 +192,26 @@ TEST(ExtractSurface, IgnoresVoxelsWithTooFewHits) {
   EXPECT_EQ(extract_surface(saturated, {kGridVoxel, 1e9, 3}, {1}).triangles.size(), triangles(1.0));
 }
 
+TEST(ExtractSurface, RemovesWhatAtLeastAsManyFramesSawAsFree) {
+  const auto triangles = [&](std::uint32_t hits, std::uint32_t frees) {
+    BlockMap map = grid_of(random_field(6, 500), hits);
+    for (std::uint32_t number = 0; number < map.size(); ++number) {
+      for (std::uint32_t& counts : map.block(number).color_counts) counts |= frees << 28;
+    }
+    return extract_surface(map, {kGridVoxel, 1.0, 3}, {1}).triangles.size();
+  };
+  for (const std::uint32_t hits : {5U, 15U}) {
+    EXPECT_GT(triangles(hits, hits - 1), 0U);
+    EXPECT_EQ(triangles(hits, hits), 0U);
+  }
+}
+
 TEST(ExtractSurface, HasNoSurfaceWhereVoxelsOrTheirBlockWereFree) {
   const GridField field = random_field(8, 500);
   for (const std::uint32_t frames_to_clear : {1U, 3U, 15U}) {
     for (std::uint32_t of_block = 0; of_block <= frames_to_clear; ++of_block) {
       const auto triangles = [&](std::uint32_t of_voxels) {
-        BlockMap map = grid_of(field);
+        BlockMap map = grid_of(field, 1);
         for (std::uint32_t number = 0; number < map.size(); ++number) {
           map.block_free_count(number) = static_cast<std::uint8_t>(of_block);
           for (std::uint32_t& counts : map.block(number).color_counts) counts |= of_voxels << 28;

@@ -67,6 +67,20 @@ TEST(DepthPng, IsLossless) {
   }
 }
 
+TEST(ColorPng, IsLossless) {
+  Random random(6);
+  ColorImage color(kSmall.width, kSmall.height);
+  for (Rgb8& pixel : color.pixels()) {
+    pixel = {static_cast<std::uint8_t>(random.below(256)),
+             static_cast<std::uint8_t>(random.below(256)),
+             static_cast<std::uint8_t>(random.below(256))};
+  }
+  ImageDecoder decoder;
+  const auto again = decoder.color(encode_color_png(color), kSmall);
+  ASSERT_TRUE(again.has_value()) << again.error().to_string();
+  EXPECT_TRUE(std::ranges::equal(again->pixels(), color.pixels()));
+}
+
 TEST(Png, IsTheSameThroughEveryFilterAndPixelSize) {
   for (const int bit_depth : {8, 16}) {
     for (const int channels : {1, 2, 3, 4}) {

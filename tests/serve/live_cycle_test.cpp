@@ -23,14 +23,18 @@ constexpr double kCycle = 0.001;
 /// Returns the test's sample.
 class ScriptedDevice final : public Device {
  public:
-  explicit ScriptedDevice(DeviceSample& sample) : sample_(sample) {}
+  explicit ScriptedDevice(DeviceSample& sample, DeviceFeedback* feedback = nullptr)
+      : sample_(sample), feedback_(feedback) {}
   [[nodiscard]] std::string_view name() const noexcept override { return "test"; }
-  [[nodiscard]] DeviceSample exchange(double, double, const DeviceFeedback&) noexcept override {
+  [[nodiscard]] DeviceSample exchange(double, double,
+                                      const DeviceFeedback& feedback) noexcept override {
+    if (feedback_ != nullptr) *feedback_ = feedback;
     return sample_;
   }
 
  private:
   DeviceSample& sample_;
+  DeviceFeedback* feedback_;
 };
 
 class LiveCycleTest : public testing::Test {
@@ -130,6 +134,43 @@ TEST_F(LiveCycleTest, SlowedTimeReturnsNoEnergyToTheHand) {
   }
   EXPECT_GT(work, 0.0);
   EXPECT_GT(lowest, -1e-4);  // [J]
+}
+
+/// A tool 0.2 m long that points down the base's -z, of 0.3 kg.
+TEST_F(LiveCycleTest, TheHandFeelsTheToolsWeightAndTheTorqueOfTheForceAtItsTip) {
+  LiveWorldOptions options = test::options_with_tool_start();
+  options.tool.length = 0.2;
+  options.tool.mass = 0.3;
+  sample_.q_base_tool = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
+  DeviceFeedback feedback;
+  LiveCycle cycle(test::a_box_on_a_table(), std::make_unique<ScriptedDevice>(sample_, &feedback),
+                  options);
+  const auto run_to = [&](const Eigen::Vector3d& to, int cycles) {
+    const Eigen::Vector3d from = sample_.p_base_tip;
+    for (int i = 1; i <= cycles; ++i) {
+      sample_.p_base_tip = from + (to - from) * (static_cast<double>(i) / cycles);
+      cycle.step(kCycle * i);
+    }
+  };
+  run_to(sample_.p_base_tip, 300);
+  EXPECT_TRUE(feedback.force_base.isZero(0.0));  // the clutch is open
+  sample_.is_engaged = true;
+  const double weight = options.tool.weight();
+  EXPECT_NEAR(weight, 2.942, 1e-3);
+  run_to(sample_.p_base_tip, 300);
+  EXPECT_LT((feedback.force_base - Eigen::Vector3d(0.0, 0.0, -weight)).norm(), 1e-9);
+  EXPECT_LT(feedback.torque_base.norm(), 1e-9);  // it hangs
+  run_to(kInTheBox, 1500);
+  EXPECT_NEAR(feedback.force_base.z(), -weight, 0.1);
+  EXPECT_LT(feedback.force_base.x(), -1.0);
+  // The force at the tip, 0.2 m below the grip, acts along -x: about +y.
+  EXPECT_NEAR(feedback.torque_base.y(), -0.2 * feedback.force_base.x(), 1e-6);
+  EXPECT_NEAR(feedback.torque_base.z(), 0.0, 1e-9);
+  // Level, along x: half of the length carries the weight, also about +y.
+  sample_.q_base_tool = Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitY());
+  run_to(test::kToolStart, 1500);
+  run_to(sample_.p_base_tip, 300);
+  EXPECT_NEAR(feedback.torque_base.y(), 0.1 * weight, 1e-9);
 }
 
 TEST_F(LiveCycleTest, WithoutTheClutchTheHandMovesNothing) {
@@ -235,6 +276,51 @@ TEST_F(LiveCycleWithArmTest, TheTipFollowsTheToolWithoutAllocating) {
   const ArmState& arm = *cycle_.newest().arm;
   EXPECT_TRUE(arm.is_reached);
   EXPECT_FALSE(arm.is_stopped);
+}
+
+/// The same arm, moved by torques.
+std::unique_ptr<LiveArm> a_driven_arm() {
+  std::unique_ptr<LiveArm> live = an_arm();
+  const RobotModel model =
+      read_urdf(source_folder() / "calib/robots/irb120_like/irb120_like.urdf").value();
+  JointFit joint;
+  joint.smoothing_speed = 0.02;
+  joint.friction = {{.term = FrictionTerm::coulomb, .value = 1.0},
+                    {.term = FrictionTerm::viscous, .value = 1.0}};
+  drive_by_torques(*live, model, std::vector<JointFit>(6, joint));
+  return live;
+}
+
+class LiveCycleWithDrivenArmTest : public testing::Test {
+ protected:
+  /// Moves the hand in a straight line for `cycles`.
+  const WorldSnapshot& move(const Eigen::Vector3d& to, int cycles) {
+    const Eigen::Vector3d from = sample_.p_base_tip;
+    for (int i = 1; i <= cycles; ++i) {
+      sample_.p_base_tip = from + (to - from) * (static_cast<double>(i) / cycles);
+      t_ += kCycle;
+      cycle_.step(t_);
+    }
+    cycle_.publish(1e-5, 0, t_);
+    return cycle_.newest();
+  }
+
+  DeviceSample sample_{test::kToolStart, Eigen::Quaterniond::Identity(), true, true};
+  LiveCycle cycle_{test::a_box_on_a_table(), std::make_unique<ScriptedDevice>(sample_),
+                   test::options_with_tool_start(), a_driven_arm()};
+  double t_ = 0.0;
+};
+
+TEST_F(LiveCycleWithDrivenArmTest, TheArmsTipIsTheToolAndLagsBehindTheHand) {
+  const Eigen::Vector3d aside = test::kToolStart + Eigen::Vector3d(-0.02, 0.06, 0.05);
+  const WorldSnapshot& moving = move(aside, 150);
+  const double lag = (moving.world.p_base_hip - aside).norm();
+  EXPECT_GT(lag, 2e-4);
+  const long before = heap_allocations.load();
+  const WorldSnapshot& settled = move(aside, 1500);
+  EXPECT_EQ(heap_allocations.load() - before, 0);
+  EXPECT_LT((settled.world.p_base_hip - aside).norm(), 5e-4);
+  EXPECT_TRUE(settled.world.force_base.isZero(0.0));
 }
 
 TEST_F(LiveCycleTest, NeverAllocates) {

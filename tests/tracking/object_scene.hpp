@@ -8,6 +8,8 @@
 #include "pcavr/core/random.hpp"
 #include "pcavr/tracking/object_tracker.hpp"
 
+#include "support/meshes.hpp"
+
 namespace pcavr::test {
 
 inline CameraModel scene_camera() {
@@ -18,18 +20,6 @@ inline CameraModel scene_camera() {
   camera.cx = 159.5;
   camera.cy = 119.5;
   return camera;
-}
-
-inline TriangleMesh box_mesh(const Eigen::Vector3f& size) {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector3f sign((i & 1) ? 0.5F : -0.5F, (i & 2) ? 0.5F : -0.5F,
-                               (i & 4) ? 0.5F : -0.5F);
-    mesh.vertices.push_back(sign.cwiseProduct(size));
-  }
-  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-  return mesh;
 }
 
 inline const Eigen::Vector3f kBoxSize(0.16F, 0.12F, 0.1F);

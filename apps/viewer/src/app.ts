@@ -3,6 +3,7 @@
 import { WebGLRenderer, type Group, type PerspectiveCamera, type Scene } from 'three';
 import { SceneView } from './scene/view';
 import { pageClock } from './session/clock';
+import type { Playback } from './replay/playback';
 import type { Session } from './session/session';
 import type { LiveState, Notice } from './protocol';
 import { looksDifferent } from './session/state_change';
@@ -23,6 +24,7 @@ export class App {
   readonly base: Group = this.view.base;
   readonly isSoftwareRendered: boolean;
   showsLiveState = true; // false: a replay places bodies and tool
+  playback: Playback | null = null; // of a replay, once it is loaded
   private callbacks: FrameCallback[] = [];
   private drawnCallbacks: (() => void)[] = [];
   private isDirty = true;

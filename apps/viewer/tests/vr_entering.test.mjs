@@ -232,6 +232,11 @@ test('the panel recentres, scales, turns, shows the scan, resets and leaves', li
   const before = await layer();
   await touch(page, 'scan');
   assert.equal(await layer(), !before);
+  const timeScale = () => page.evaluate(() => window.__pcavr.state?.timeScale);
+  for (const scale of [0.5, 0.25, 0.1, 1]) {
+    await touch(page, 'time');
+    await until(async () => (await timeScale()) === scale, `time at ${scale}`);
+  }
   // A reset needs a second press.
   const home = world.state.hip[2];
   const raised = world.state.hip.map((value, i) => value + (i === 2 ? 0.05 : 0));

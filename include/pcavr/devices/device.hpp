@@ -21,8 +21,10 @@ struct DeviceSample {
 struct DeviceFeedback {
   Eigen::Vector3d p_base_tool =
       Eigen::Vector3d::Zero();  ///< [m] position of the tool, where a clutch engages
-  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< [N] rendered on the hand
+  /// [N] rendered on the hand, at its grip. Devices of three axes render this alone.
+  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();
   double pulse = 0.0;  ///< 0 to 1: vibration amplitude for devices without force feedback
+  Eigen::Vector3d torque_base = Eigen::Vector3d::Zero();  ///< [N m] on the hand, about its grip
 };
 
 /// An operator's input device. `exchange` is called by one thread at 1 kHz, and never allocates,

@@ -25,6 +25,7 @@ typedef struct pcavr_device_feedback {
   uint32_t is_engaged; /* the clutch is closed: the force is for this hand */
   double force[3];     /* [N] on the hand; already limited in magnitude and rate */
   double pulse;        /* 0 to 1: vibration amplitude for devices without force feedback */
+  double torque[3];    /* [N m] on the hand, about its grip; for devices of six axes */
 } pcavr_device_feedback;
 
 /* The state of the device. Initialized to zeros except `size` and the quaternion, 0 0 0 1. */

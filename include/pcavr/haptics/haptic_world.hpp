@@ -35,6 +35,7 @@ struct HapticWorldOptions {
                                     ///< on it
   double max_tilt;                  ///< [rad] farther, a body slips off the edge that it tips over
   double max_fall_height;           ///< [m] after falling this far a body stops: out of view
+  double acceleration_time;         ///< [s] of the tip's path from which its acceleration is found
 };
 [[nodiscard]] OptionSection section_of(HapticWorldOptions& options);
 

@@ -14,8 +14,23 @@ struct OptionSection;  // core/options.hpp
 enum class EstimationMethod {
   block,        ///< BSLS: least squares over a sliding window of the last `window` samples
   exponential,  ///< EWRLS: exponentially weighted, `forgetting`^age
-  adaptive      ///< affRLS: adaptive forgetting factor, 1 until a change; see ParameterEstimator
+  adaptive,     ///< affRLS for constant parameters: factor 1 until a change (unity zone)
+  averaged      ///< affRLS for changing parameters: weighted mean of several memories
 };
+
+/// Of EstimationMethod::averaged.
+struct AveragingOptions {
+  AveragingOptions();
+  double medium_forgetting;  ///< in (0, 1): lambda of the estimator with a medium memory
+  double fast_forgetting;    ///< of the fast one
+  double fastest_forgetting;
+  /// In (0, 1]: factor per sample by which earlier errors count less in the weights.
+  double weight_forgetting;
+  double sharpness;  ///< q > 0: factor of the errors in the weights
+  /// Age of the parameters whose errors are compared, in `correlated_samples`.
+  double lag;
+};
+[[nodiscard]] OptionSection section_of(AveragingOptions& options);
 
 /// N is the number of parameters, 1 to 4.
 template <int N>
@@ -43,7 +58,9 @@ struct EstimatorOptions {
   /// How many successive samples count as one independent sample (filtered noise is correlated);
   /// widens the stds by its square root. >= 1
   double correlated_samples;
+  AveragingOptions averaging;  ///< averaged: see EstimationMethod
 };
+/// Without those of `averaging`, which have their own.
 template <int N>
 [[nodiscard]] OptionSection section_of(EstimatorOptions<N>& options);
 extern template struct EstimatorOptions<1>;
@@ -69,9 +86,9 @@ struct EstimatorStep {
   bool was_used = false;    ///< false: not finite or out of range; nothing was changed
 };
 
-/// Linear parameters y = phi . theta, sample by sample, by the three methods behind one interface.
+/// Linear parameters y = phi . theta, sample by sample, by the methods behind one interface.
 ///
-/// All three keep the information matrix R (the inverse of P) in scaled units:
+/// Each memory keeps the information matrix R (the inverse of P) in scaled units:
 ///
 ///     R <- lambda R + (1 - lambda) delta I + phi phi',   theta <- theta + R^-1 phi (y - phi'theta)
 ///
@@ -91,6 +108,22 @@ struct EstimatorStep {
 /// memory is longer than the 1 / (1 - min_forgetting) samples that it keeps: one clear change
 /// shortens it to those at once. With `min_forgetting` alone, hundreds of samples from before the
 /// change would outweigh the few from after it.
+///
+/// `averaged` is dynamic model averaging [Raftery, Karny & Ettler 2010, Online prediction under
+/// model uncertainty via dynamic model averaging]: five estimators run side by side, one with the
+/// unity zone (`adaptive`), one over a block of `window` samples, and three with constant factors,
+/// weighted by
+///
+///     log w_i <- alpha log w_i - q e_i^2 / (2 c s^2)
+///
+/// with s^2 the smallest of their squared errors, averaged, c the correlated samples and q the
+/// sharpness: with 1, estimators that are a little worse keep so much weight that a drift is
+/// followed less well than by the best of them. The unity zone alone takes a slow drift of the
+/// parameters for noise; constant factors alone are either noisy or late. e_i is the error of
+/// parameters that are one filter width old: a short memory predicts the correlated noise of a
+/// filtered signal itself, and would always seem best. Its estimates are the weighted means;
+/// variances include the differences between the memories; excitation and samples are those of the
+/// memory with the largest weight, and `forgetting` of a step is the weighted mean.
 ///
 /// Units: the caller's. Threads: one writer. step() neither allocates nor throws.
 template <int N>

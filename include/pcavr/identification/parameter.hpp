@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 
 namespace pcavr {
@@ -19,6 +20,8 @@ struct ForceMotion {
   std::span<const double> t;      ///< [s], strictly ascending
   std::span<const double> tool;   ///< [m] the tip's coordinate, growing into the object
   std::span<const double> force;  ///< [N] that the tool exerts, > 0 in contact, bias removed
+  /// [m] std of `tool`. Where absent it is estimated from `tool`, as if that were not interpolated.
+  std::optional<double> tool_noise = {};
 };
 
 }  // namespace pcavr

@@ -57,8 +57,9 @@ struct ContactEpisode {
   std::optional<ImpactMotion> impact = {};
   /// Along `direction_base`, with some free time before and after. Bias and drift are removed.
   std::vector<double> t, tool, force;
+  std::optional<double> tool_noise = {};  ///< [m] std of `tool`, from the tip's own samples
 
-  [[nodiscard]] ForceMotion series() const { return {t, tool, force}; }
+  [[nodiscard]] ForceMotion series() const { return {t, tool, force, tool_noise}; }
 };
 
 struct SegmentationOptions {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pcavr/contact/damping.hpp"
 #include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/friction/limit_surface.hpp"
@@ -48,8 +50,15 @@ struct ObjectParameters {
   /// m [kg] of F = m d'' + damping d' + stiffness d [paper C, eq. 2]: material that moves with the
   /// tool; with an exponent of 1 only.
   std::optional<ParameterValue> contact_mass = {};
+  /// [m] by which the touched surface lies outside the CAD body's, along its normal in the object's
+  /// frame: the errors of pose, mesh and tip radius with which the law was identified. On other
+  /// faces their part along that normal counts. Empty: 0.
+  std::optional<Eigen::Vector3d> contact_surface_offset = {};
   /// By which the damping follows from a restitution; empty: fitted to the force, or not known.
   std::optional<DampingLaw> contact_damping_law = {};
+  /// c of impacts at `contact_impact_speed` [m/s]: by another law they give another damping.
+  std::optional<ParameterValue> contact_restitution = {};
+  std::optional<ParameterValue> contact_impact_speed = {};
   /// Maximum friction moment over maximum friction force of the support [m]; see mean_radius.
   std::optional<ParameterValue> friction_radius = {};
   std::optional<ParameterValue> tool_friction_coefficient = {};  ///< between tip and object

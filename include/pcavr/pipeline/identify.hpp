@@ -79,6 +79,7 @@ struct IdentificationOptions {
   LimitingFrictionOptions limiting_friction;
   SlidingOptions sliding;
   FrictionPriors friction_priors;
+  EstimatorOptions<3> estimator;  ///< of the comparison of BSLS, EWRLS and affRLS on the presses
   /// Damping from impacts; empty: the published law that paper B's criterion chooses (eq. 12). The
   /// exact relation has no error, the published ones up to hundreds of per cent.
   std::optional<DampingLaw> damping_law = DampingLaw::exact;
@@ -93,7 +94,7 @@ struct IdentifiedContact : AttributedContact {
 
 /// One estimator run online over an object's recorded presses [paper C, figures 8 and 9].
 struct EstimatorTrace {
-  EstimationMethod method = EstimationMethod::adaptive;  ///< adaptive: AveragedEstimator
+  EstimationMethod method = EstimationMethod::averaged;
   std::vector<double> t;                     ///< [s] in contact, one press after the other
   std::vector<double> measured;              ///< [N] filtered
   std::vector<double> estimated;             ///< [N] predicted before the update with this sample

@@ -65,6 +65,7 @@ struct ReplayedObject {
 struct Replay {
   std::vector<ReplayedObject> objects;
   std::optional<std::filesystem::path> tracked_folder = {};  ///< where tracking was read from
+  std::vector<SkippedRows> left_out = {};                    ///< of that folder's files
   /// The run of both sites; empty where the recording has no tool motion. With a run_folder it
   /// holds neither forces nor corrections, and of the displayed poses those around the frames'
   /// stamps.
@@ -95,12 +96,24 @@ struct Replay {
 [[nodiscard]] std::optional<std::filesystem::path> tracked_folder_of(
     const Recording& recording, const std::optional<std::filesystem::path>& given);
 
+/// An object's poses from a folder.
+struct TrackedFile {
+  std::vector<TrackedPose> poses;
+  std::vector<SkippedRows> left_out;  ///< with skip_bad; files with the folder
+};
+
+struct TrackedFileOptions {
+  /// Times are seconds from here: exact from a recording's start, but only to 0.2 us since 1970
+  /// (double).
+  Stamp zero = {};
+  bool skip_bad = false;  ///< skip and count bad rows of tracked.txt instead of failing
+};
+
 /// Reads objects/NAME/tracked.txt of a run, with the stds from tracking.csv next to
 /// it (1 mm and 10 mrad where that file is absent). Empty where the folder has no such object.
-/// Times are seconds from `zero`: exact from a recording's start, but only to 0.2 us since 1970
-/// (double).
-[[nodiscard]] Expected<std::vector<TrackedPose>> read_tracked_poses(
-    const std::filesystem::path& folder, const std::string& name, Stamp zero = {});
+[[nodiscard]] Expected<TrackedFile> read_tracked_poses(const std::filesystem::path& folder,
+                                                       const std::string& name,
+                                                       const TrackedFileOptions& options = {});
 
 /// The frames in which the object was seen; times are seconds from `zero`.
 [[nodiscard]] std::vector<TrackedPose> tracked_poses_of(
@@ -113,19 +126,6 @@ struct Replay {
                                                 const SceneManifest& scene,
                                                 const ReplayOptions& options,
                                                 const Observer& observer = {});
-
-/// The input of both sites, as replay_recording() makes it: the scene's objects with their
-/// parameters and tracking, the tool's motion and the force, in seconds from the recording's start.
-[[nodiscard]] Expected<TeleopInput> read_teleop_input(const Recording& recording,
-                                                      const SceneManifest& scene,
-                                                      const ReplayOptions& options,
-                                                      const Observer& observer = {});
-/// The same without a recording: objects and static surface.
-[[nodiscard]] Expected<TeleopInput> read_teleop_world(const SceneManifest& scene,
-                                                      const ReplayOptions& options,
-                                                      const Observer& observer = {});
-/// Adds a recording's tool motion, in seconds from its start, and the tool's radius.
-void add_tool_motion(const Recording& recording, TeleopInput& input);
 
 /// Writes run.yaml, objects/NAME/tracked.txt and objects/NAME/tracking.csv (evidence and
 /// stds of each pose) into a folder that exists; where both sites ran, also

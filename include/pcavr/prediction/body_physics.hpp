@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/friction/limit_surface.hpp"
 #include "pcavr/friction/slider.hpp"
@@ -19,8 +21,12 @@ struct OptionSection;  // core/options.hpp
 
 /// All physical parameters of a predicted body.
 struct BodyPhysics {
-  FrictionParameters friction;   ///< of the support, under the body's own weight
-  HuntCrossley contact;          ///< between tip and body
+  FrictionParameters friction;  ///< of the support, under the body's own weight
+  HuntCrossley contact;         ///< between tip and body
+  /// m [kg] of mass_damper_spring: its inertia is rendered to the hand, and does not move the body.
+  double contact_mass = 0.0;
+  /// [m] of the touched surface beyond the CAD body's, in base axes at the body's first pose.
+  Eigen::Vector3d surface_offset = Eigen::Vector3d::Zero();
   double tool_friction = 0.3;    ///< coefficient between tip and body, >= 0
   double friction_radius = 0.0;  ///< maximum friction moment over maximum friction force [m], > 0
   /// In the body's planar axes (see heading_of); only its shape is used, its force is scaled to the

@@ -51,6 +51,8 @@ class ImageDecoder {
 
 /// JPEG with 4:2:0 chroma subsampling; `quality` from 1 to 100.
 [[nodiscard]] Expected<std::string> encode_color(const ColorImage& image, int quality = 95);
+/// PNG with three channels of 8 bits.
+[[nodiscard]] std::string encode_color_png(const ColorImage& image);
 /// Depth in whole units, rounded; what is out of range of 16 bits becomes 0.
 [[nodiscard]] RawDepthImage to_raw_depth(const DepthImage& depth, double units_per_metre);
 /// PNG with one channel of 16 bits.

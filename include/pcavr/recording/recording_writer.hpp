@@ -10,6 +10,7 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/geometry/image.hpp"
 #include "pcavr/geometry/mesh.hpp"
+#include "pcavr/recording/joint_log.hpp"
 #include "pcavr/recording/recording.hpp"
 
 namespace pcavr {
@@ -45,6 +46,9 @@ class RecordingWriter {
   [[nodiscard]] Expected<void> write_groundtruth(const Trajectory& T_base_camera);
   [[nodiscard]] Expected<void> write_tool(const Trajectory& T_base_tool);
   [[nodiscard]] Expected<void> write_wrench(const std::vector<WrenchSample>& wrench);
+  [[nodiscard]] Expected<void> write_joints(const JointLog& log);
+  /// Writes the description that the manifest's robot names.
+  [[nodiscard]] Expected<void> write_robot(const std::string& urdf);
   /// Writes an OBJ file that the manifest names.
   [[nodiscard]] Expected<void> write_object_mesh(const std::filesystem::path& relative_path,
                                                  const TriangleMesh& mesh_object);

@@ -6,6 +6,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include <Eigen/Core>
 
@@ -21,6 +23,9 @@ class OccupancyTree {
   /// 0.5 on) with OctoMap, after a check of its bytes, which OctoMap's readers lack: a truncated
   /// file, extra bytes or a tree deeper than 16 levels are an Error.
   [[nodiscard]] static Expected<OccupancyTree> read(const std::filesystem::path& file);
+  /// The same of a file's content; `file` names it in errors.
+  [[nodiscard]] static Expected<OccupancyTree> parse(std::string_view bytes,
+                                                     const std::string& file);
   OccupancyTree(OccupancyTree&&) noexcept;
   OccupancyTree& operator=(OccupancyTree&&) noexcept;
   ~OccupancyTree();

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <string_view>
 
 #include <Eigen/Geometry>
 
@@ -31,6 +33,10 @@ struct OctomapLeaf {
 /// bytes are an Error. Calls `on_leaf` for each leaf in the file's order.
 [[nodiscard]] Expected<OctomapContent> read_octomap(
     const std::filesystem::path& file,
+    const std::function<void(const OctomapLeaf& leaf)>& on_leaf = {});
+/// The same of a file's content; `file` names it in errors.
+[[nodiscard]] Expected<OctomapContent> parse_octomap(
+    std::string_view bytes, const std::string& file,
     const std::function<void(const OctomapLeaf& leaf)>& on_leaf = {});
 
 }  // namespace pcavr

@@ -34,6 +34,20 @@ struct VibrationOptions {
 };
 [[nodiscard]] OptionSection section_of(VibrationOptions& options);
 
+/// The tool in the operator's hand: straight, from the grip along the tool's z axis to the tip. The
+/// force at its tip becomes a torque about the grip; its weight is felt while the clutch is closed.
+/// Both do as much work on the hand as the force at the tip and the weight do, so that the
+/// rendering stays passive. The weight of a body that is pushed is felt by its friction on the
+/// support.
+struct HandToolOptions {
+  HandToolOptions();
+  double length;                        ///< [m] from the grip to the tip
+  double mass;                          ///< [kg]
+  double centre_share;                  ///< of the length: from the grip to the centre of mass
+  [[nodiscard]] double weight() const;  ///< [N]
+};
+[[nodiscard]] OptionSection section_of(HandToolOptions& options);
+
 struct LiveWorldOptions {
   LiveWorldOptions();
   double cycle;         ///< [s]
@@ -48,8 +62,9 @@ struct LiveWorldOptions {
   Eigen::Vector3d p_base_tool_start;
   double full_scale_force;  ///< [N] > 0: force of the strongest continuous vibration
   VibrationOptions vibration;
+  HandToolOptions tool;
 };
-/// Without those of `vibration`, which have their own.
+/// Without those of `vibration` and `tool`, which have their own.
 [[nodiscard]] OptionSection section_of(LiveWorldOptions& options);
 
 /// Runs a haptic world in real time on its own thread: one cycle per millisecond, from the device's

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/arm/driven_arm.hpp"
 #include "pcavr/core/expected.hpp"
 #include "pcavr/geometry/mesh.hpp"
 #include "pcavr/robot/arm_follower.hpp"
@@ -35,7 +36,18 @@ struct LiveArm {
   ArmFollower follower;
   Pose T_base_robot;
   bool has_scan = false;  ///< surface 0 is the static mesh; else it is the first body
+  /// Present: the arm moves by its own dynamics towards the follower's joints, its tip is the tool,
+  /// and the tool's forces act on it.
+  std::optional<DrivenArm> driven = {};
+  std::size_t tip = 0;            ///< link
+  Matrix6Xd jacobian = {};        ///< of the tip; of `driven`
+  Eigen::VectorXd external = {};  ///< [N m] of the tool's force; of `driven`
 };
+
+/// Lets the arm move by torques: `robot` has the joints of the scene's arm with identified
+/// inertias; `friction` as DrivenArm's. Starts at rest at the follower's position.
+void drive_by_torques(LiveArm& arm, const RobotModel& robot, const std::vector<JointFit>& friction,
+                      const DrivenArmOptions& options = {});
 
 /// Starts where the tool starts as far as the arm reaches it, else where the recording ended. The
 /// scene's static mesh and its bodies are what it must not hit.

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/geometry/pose.hpp"
+#include "pcavr/simulation/plant_arm.hpp"
 
 /// Ground-truth simulation of a robot tip that pushes bodies on a table. Deliberately not the model
 /// that prediction uses (no inverse crime). Friction under a body is LuGre's with Stribeck
@@ -67,12 +68,14 @@ struct PlantBody {
 [[nodiscard]] double friction_radius(const std::vector<PlantPatch>& patches);
 
 /// A position-controlled arm with a spherical tip and servo compliance: a damped spring between
-/// command and tip, so that the tip deviates from the plan under load and lags behind it.
+/// command and tip, so that the tip deviates from the plan under load and lags behind it; or an arm
+/// with its own dynamics.
 struct PlantTool {
   double radius = 0.01;                                    ///< of the tip [m]
   double stiffness = 5e4;                                  ///< [N/m]
   double bandwidth = 15.0;                                 ///< [Hz] of the undamped arm
   Eigen::Vector3d p_base_start = Eigen::Vector3d::Zero();  ///< of the tip's centre [m]
+  std::optional<PlantArm> arm = {};  ///< in place of the spring; its tip starts at p_base_start
 };
 
 /// A straight path of the commanded tip with a trapezoidal velocity profile; with `until_force` or
@@ -138,6 +141,7 @@ struct PlantRun {
   std::vector<std::vector<PlantBodyState>> bodies;  ///< by body
   std::vector<PlantPhaseChange> phases;             ///< ascending in time
   std::vector<PlantImpact> impacts;                 ///< ascending in time
+  std::vector<PlantArmState> arm;                   ///< empty without PlantTool::arm
   [[nodiscard]] double duration() const;            ///< [s]
 };
 
@@ -159,5 +163,8 @@ struct PlantOptions {
 
 /// The tip's centre in base at `t` [s], interpolated; constant beyond both ends.
 [[nodiscard]] Eigen::Vector3d p_base_tip_at(const PlantRun& run, double t);
+
+/// The arm's joints at `t` [s], likewise [rad].
+[[nodiscard]] Eigen::VectorXd arm_position_at(const PlantRun& run, double t);
 
 }  // namespace pcavr

@@ -45,4 +45,8 @@ struct PushOptions {
 [[nodiscard]] PlantCase make_plant_case(ToolTask task, std::uint64_t seed,
                                         const PushOptions& push = {});
 
+/// Gives the tool to a six-axis arm with its own dynamics [paper B's experiments]. The task has to
+/// be press, slot or soft, whose bodies are within its reach.
+void add_arm(PlantCase& plant, std::uint64_t seed);
+
 }  // namespace pcavr

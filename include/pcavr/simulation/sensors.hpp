@@ -9,6 +9,7 @@
 
 #include "pcavr/core/stamp.hpp"
 #include "pcavr/geometry/trajectory.hpp"
+#include "pcavr/recording/joint_log.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/simulation/plant.hpp"
 
@@ -31,6 +32,15 @@ struct SensorFaults {
 
 /// At 500 Hz with 0.05 mm and 0.2 mrad of noise. The tool's z axis points down.
 [[nodiscard]] Trajectory measured_tool(const PlantRun& run, std::uint64_t seed);
+
+/// The log of the plant's arm at 500 Hz, with noise of 10 urad, 1 mrad/s, and of 0.2 % of the
+/// torque that the joint may have. Torques are the motors'.
+[[nodiscard]] JointLog measured_joints(const PlantRun& run, const PlantArm& arm,
+                                       std::uint64_t seed);
+
+/// The tip that the arm's controller computes from the logged joints: the gears' deflection is not
+/// in it.
+[[nodiscard]] Trajectory measured_tool(const JointLog& log, const PlantArm& arm);
 
 /// At 500 Hz, the mean over 2 ms stamped at its middle, with 0.2 N of noise (0.26 N along z), a
 /// bias that drifts by 0.1 N, and outliers (1 in 1000 samples) of 6 to 35 N.

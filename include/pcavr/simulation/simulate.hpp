@@ -25,6 +25,7 @@ struct SimulationCase {
   std::string description;  ///< one line for --help
   bool is_camera_fixed = false;
   ToolTask task = ToolTask::none;
+  bool has_arm = false;   ///< a six-axis arm with its own dynamics does the task
   double duration = 4.0;  ///< [s]; with a task, that task's duration
   /// [s], for ToolTask::push only: boxes are pushed until then; 0: each once.
   double push_duration = 0.0;

@@ -4,13 +4,14 @@ import type { App } from '../app';
 import { fetchBytes, fetchJson } from '../scene/scene_model';
 import { byId, create } from '../ui/dom';
 import { PicturePanel } from './picture_panel';
+import type { Playback } from './playback';
 import { phasesAt, poseAt, readReplay, type Replay, type ReplayModel } from './replay_data';
 import { ReplayPlots } from './replay_plots';
 import { Timeline } from './timeline';
 import { TimelineBar } from './timeline_bar';
 
 /// Replays a recording: the predicted bodies solid, the tracked ones as ghosts, on one timeline.
-export class ReplayPlayer {
+export class ReplayPlayer implements Playback {
   readonly timeline: Timeline;
   readonly picture: PicturePanel;
   private readonly bar: TimelineBar;
@@ -26,6 +27,7 @@ export class ReplayPlayer {
     this.plots = new ReplayPlots(byId('plots', HTMLDivElement), replay, (t) => this.bar.seek(t));
     this.picture = new PicturePanel(replay.model.frames.t);
     this.choosePlotted();
+    app.playback = this;
     app.onFrame((_, seconds) => {
       if (this.timeline.advance(seconds)) this.show();
     });
@@ -40,8 +42,32 @@ export class ReplayPlayer {
     return new ReplayPlayer(app, readReplay(model, binary, app.view.model?.robot?.start.length));
   }
 
+  get time(): number {
+    return this.timeline.time;
+  }
+
+  get duration(): number {
+    return this.timeline.duration;
+  }
+
+  get isPlaying(): boolean {
+    return this.timeline.isPlaying;
+  }
+
+  get speed(): number {
+    return this.timeline.speed;
+  }
+
   seek(time: number): void {
     this.bar.seek(time);
+  }
+
+  toggle(): void {
+    this.bar.toggle();
+  }
+
+  nextSpeed(): void {
+    this.bar.nextSpeed();
   }
 
   /// The measured force [N] on an object now.

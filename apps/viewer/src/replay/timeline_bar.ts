@@ -11,6 +11,7 @@ export class TimelineBar {
   private readonly play = byId('play', HTMLButtonElement);
   private readonly scrub = byId('scrub', HTMLInputElement);
   private readonly clock = byId('clock', HTMLSpanElement);
+  private readonly speed = byId('speed', HTMLSelectElement);
 
   constructor(
     private readonly timeline: Timeline,
@@ -21,7 +22,7 @@ export class TimelineBar {
     this.scrub.max = String(timeline.duration);
     this.play.addEventListener('click', () => this.toggle());
     this.scrub.addEventListener('input', () => this.seek(Number(this.scrub.value)));
-    const speed = byId('speed', HTMLSelectElement);
+    const { speed } = this;
     speed.append(
       ...speeds.map((s) => create('option', { value: String(s), textContent: `${s}×` })),
     );
@@ -34,6 +35,13 @@ export class TimelineBar {
   seek(time: number): void {
     this.timeline.seek(time);
     this.onChange();
+  }
+
+  /// The next higher speed; after the highest the lowest.
+  nextSpeed(): void {
+    const next = speeds.findIndex((speed) => speed > this.timeline.speed);
+    this.timeline.speed = speeds[Math.max(0, next)];
+    this.speed.value = String(this.timeline.speed);
   }
 
   update(): void {
@@ -49,7 +57,7 @@ export class TimelineBar {
     this.play.setAttribute('aria-label', isPlaying ? 'Pause' : 'Play');
   }
 
-  private toggle(): void {
+  toggle(): void {
     this.timeline.toggle();
     this.onChange();
   }

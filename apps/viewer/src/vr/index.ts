@@ -3,14 +3,15 @@
 import { Box3 } from 'three';
 import type { App } from '../app';
 import { heightOf } from '../scene/outline';
-import { vrButton } from './button';
+import { passthroughButton, vrButton } from './button';
 import type { Ground } from './start';
 import { VrMode } from './vr_mode';
 
 /// Adds the VR button and mode to the page.
 export function attachVr(app: App): void {
   const vr = new VrMode(app, () => groundOf(app));
-  app.actions.append(vrButton(vr, (text) => app.notify({ level: 'error', text })));
+  const onError = (text: string) => app.notify({ level: 'error', text });
+  app.actions.append(vrButton(vr, onError), passthroughButton(vr, onError));
   app.onFrame((time, _, frame) => {
     if (frame && vr.isPresenting) vr.update(time, frame);
   });

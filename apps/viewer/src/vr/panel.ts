@@ -4,36 +4,24 @@ import { Mesh, MeshBasicMaterial, PlaneGeometry, Vector3 } from 'three';
 import { drawnTexture } from '../scene/drawn_texture';
 import { type Ball, clearPlace } from './clear_view';
 import { faceHead } from './face_head';
+import { type ButtonState, labelOf, type PanelButton, panelButtons } from './panel_buttons';
 import { Press } from './press';
+import { timeSlider } from './time_slider';
+
+export type { PanelButton } from './panel_buttons';
 
 /// The content of the panel.
-export interface PanelText {
+export interface PanelText extends ButtonState {
   object: string; // touched: a body's name, "scan", or empty
   phase: string;
   force: number; // [N]
   age: number; // [s] of the newest state; NaN before the first
-  isOnHold: boolean;
   note: string; // the interlock that keeps the clutch open, or empty
   scale: number;
-  isScanShown: boolean;
-  canTake: boolean; // another page has the tool
 }
 
-export const panelButtons = [
-  'hold',
-  'reset',
-  'take',
-  'scale',
-  'recentre',
-  'scan',
-  'turn',
-  'swap',
-  'leave',
-] as const;
-export type PanelButton = (typeof panelButtons)[number];
-
 const width = 512;
-const height = 520;
+const height = 614;
 // The panel's width: 0.3 mm a pixel is readable at arm's length in a headset [m].
 const metres = 0.16;
 export const panelHeight = (metres * height) / width; // [m]
@@ -53,6 +41,11 @@ function cornerOf(index: number): { x: number; y: number } {
   return { x: buttonLeft + (index % 3) * buttonStep.x, y: buttonTop + row * buttonStep.y };
 }
 
+/// From pixels to the panel's frame [m].
+function toPanel({ x, y }: { x: number; y: number }): Vector3 {
+  return new Vector3((x / width - 0.5) * metres, ((height / 2 - y) / width) * metres, 0);
+}
+
 // Hysteresis of a fingertip's distance to a button [m].
 const pressDistance = 0.012;
 const releaseDistance = 0.035;
@@ -66,6 +59,7 @@ export class Panel {
   private readonly pressed = new Press();
   private shownText = '';
   private shownNumbers = '';
+  private buttonState: ButtonState | null = null; // as drawn
   private drawnAt = 0; // [ms]
   private confirmUntil = 0; // [ms] a reset was pressed once; 0: not
 
@@ -88,19 +82,17 @@ export class Panel {
   /// A button's centre in the panel's frame [m].
   centerOf(button: PanelButton): Vector3 {
     const { x, y } = cornerOf(panelButtons.indexOf(button));
-    return new Vector3(
-      ((x + buttonSize.x / 2) / width - 0.5) * metres,
-      ((height / 2 - y - buttonSize.y / 2) / width) * metres,
-      0,
-    );
+    return toPanel({ x: x + buttonSize.x / 2, y: y + buttonSize.y / 2 });
   }
 
   /// Redraws what has changed: text at once, numbers at a readable rate. `now` in milliseconds.
   show(text: PanelText, now: number): void {
     if (now > this.confirmUntil) this.confirmUntil = 0;
     const isAsking = this.confirmUntil > 0;
-    const withoutNumbers = JSON.stringify({ ...text, force: 0, age: 0, isAsking });
-    const numbers = `${text.force.toFixed(1)} ${Math.round(text.age * 100)}`;
+    const labels = panelButtons.map((name) => labelOf(name, text, isAsking));
+    const withoutNumbers = JSON.stringify([text.object, text.phase, text.note, text.scale, labels]);
+    const time = text.playback?.time.toFixed(2) ?? '';
+    const numbers = `${text.force.toFixed(1)} ${Math.round(text.age * 100)} ${time}`;
     const isDue = now - this.drawnAt > redrawMs && numbers !== this.shownNumbers;
     if (withoutNumbers === this.shownText && !isDue) return;
     this.shownText = withoutNumbers;
@@ -117,6 +109,17 @@ export class Panel {
     return this.pressed.update(near !== undefined, isClose) ? near : undefined;
   }
 
+  /// The time [s] of a replay that a fingertip (headset frame) points at on the bar.
+  timeAt(tip: Vector3 | undefined, duration: number): number | undefined {
+    const at = tip && this.pixelAt(tip, releaseDistance);
+    return at && timeSlider.timeAt(at.x, at.y, duration);
+  }
+
+  /// Where the bar has a time, in the panel's frame [m].
+  placeOf(time: number, duration: number): Vector3 {
+    return toPanel(timeSlider.placeOf(time, duration));
+  }
+
   /// A reset cannot be undone: true once it was pressed twice. `now` in milliseconds.
   confirmsReset(now: number): boolean {
     const isConfirmed = this.confirmUntil > 0 && now <= this.confirmUntil;
@@ -124,14 +127,22 @@ export class Panel {
     return isConfirmed;
   }
 
-  private buttonAt(tip: Vector3, distance: number): PanelButton | undefined {
+  private pixelAt(tip: Vector3, distance: number): { x: number; y: number } | undefined {
     const local = tip.clone().applyMatrix4(this.mesh.matrix.clone().invert());
-    const x = (local.x / metres + 0.5) * width;
-    const y = height / 2 - (local.y / metres) * width;
     if (Math.abs(local.z) > distance) return undefined;
-    return panelButtons.find((_, i) => {
+    return {
+      x: (local.x / metres + 0.5) * width,
+      y: height / 2 - (local.y / metres) * width,
+    };
+  }
+
+  private buttonAt(tip: Vector3, distance: number): PanelButton | undefined {
+    const at = this.pixelAt(tip, distance);
+    if (!at) return undefined;
+    return panelButtons.find((button, i) => {
+      if (this.buttonState && labelOf(button, this.buttonState, false).text === '') return false;
       const corner = cornerOf(i);
-      const [dx, dy] = [x - corner.x, y - corner.y];
+      const [dx, dy] = [at.x - corner.x, at.y - corner.y];
       return dx > 0 && dx < buttonSize.x && dy > 0 && dy < buttonSize.y;
     });
   }
@@ -146,27 +157,23 @@ export class Panel {
     this.line(text.object || 'no contact', 48, 34, '#9fb3c8');
     this.line(text.phase, 116, 56, '#ffffff');
     this.line(`${text.force.toFixed(1)} N`, 116, 56, '#ffffff', 'right');
-    const isStale = !(text.age < staleAge);
-    const age = Number.isNaN(text.age) ? 'no state' : `state age ${Math.round(text.age * 1000)} ms`;
-    this.line(age, 164, 28, isStale ? '#ff6b5e' : '#9fb3c8');
+    if (text.playback) {
+      const { time, duration } = text.playback;
+      this.line(`${time.toFixed(2)} of ${duration.toFixed(2)} s`, 164, 28, '#9fb3c8');
+      timeSlider.draw(c, text.playback);
+    } else {
+      const isStale = !(text.age < staleAge);
+      const age = `state age ${Math.round(text.age * 1000)} ms`;
+      const known = Number.isNaN(text.age) ? 'no state' : age;
+      this.line(known, 164, 28, isStale ? '#ff6b5e' : '#9fb3c8');
+      this.line(text.note, 212, 28, '#ffc14d');
+    }
     this.line(`scale ${text.scale} : 1`, 164, 28, '#9fb3c8', 'right');
-    this.line(text.note, 212, 28, '#ffc14d');
-    const labels: Record<PanelButton, string> = {
-      hold: text.isOnHold ? 'PAUSED' : 'PAUSE',
-      reset: this.confirmUntil > 0 ? 'SURE?' : 'RESET',
-      take: 'TAKE',
-      scale: 'SCALE',
-      recentre: 'RECENTRE',
-      scan: text.isScanShown ? 'NO SCAN' : 'SCAN',
-      turn: 'TURN',
-      swap: 'SWAP',
-      leave: 'LEAVE',
-    };
-    const isLit = (name: PanelButton) =>
-      (name === 'hold' && text.isOnHold) ||
-      (name === 'reset' && this.confirmUntil > 0) ||
-      (name === 'take' && text.canTake);
-    panelButtons.forEach((name, i) => this.button(i, labels[name], isLit(name)));
+    panelButtons.forEach((name, i) => {
+      const label = labelOf(name, text, this.confirmUntil > 0);
+      if (label.text !== '') this.button(i, label.text, label.isLit);
+    });
+    this.buttonState = text;
   }
 
   private line(text: string, y: number, size: number, colour: string, align = 'left'): void {

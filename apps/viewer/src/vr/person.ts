@@ -33,6 +33,11 @@ export class Person {
     this.align(under, new Vector3(point.x, point.y, height));
   }
 
+  /// Brings a point of the scene (base) to a place in the headset's space; the heading is kept.
+  bring(point: Vector3, place: Vector3): void {
+    this.align(place, point);
+  }
+
   /// Rotates about the head, by `angle` [rad] to the left.
   turnBy(angle: number, head: Vector3): void {
     const before = this.toBase(head);

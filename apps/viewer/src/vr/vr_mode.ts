@@ -11,7 +11,9 @@ import { type Hand, HandReader, type Side, toQuaternion, toVector } from './hand
 import { HandsView } from './hands_view';
 import { Locomotion, nextScale, snapAngle } from './locomotion';
 import { Panel, panelHeight, type PanelButton } from './panel';
+import { playbackStep } from './panel_buttons';
 import { Person } from './person';
+import { Placing } from './placing';
 import { Pulses } from './pulses';
 import { Sign } from './sign';
 import { StopButton } from './stop_button';
@@ -21,6 +23,9 @@ import { floorHeight, type Ground, startPose } from './start';
 const takenByOther = 'another page controls the tool';
 // Some twenty states; with the next frame the sign is there within 0.3 s.
 const maxStateAge = 0.2; // [s]
+// The server's steps of simulated over real time are 1, 0.5, 0.25 and 0.1.
+const slowestTime = 0.1;
+const timeSteps = 3;
 
 /// The VR session: entering and leaving, the tool, haptic pulses, locomotion.
 ///
@@ -29,6 +34,7 @@ const maxStateAge = 0.2; // [s]
 export class VrMode {
   readonly person = new Person();
   readonly clutch = new Clutch();
+  readonly placing = new Placing(this.person);
   private readonly reader = new HandReader();
   private readonly hands = new HandsView();
   private readonly panel = new Panel();
@@ -43,6 +49,7 @@ export class VrMode {
   private xr: XRSession | undefined;
   private toolSide: Side = 'right';
   private isPlaced = false;
+  private isPassthrough = false;
   private hadTool = false;
   private restoreCamera = () => {};
   private sent: { tip: Vector; quaternion: Quaternion; device: Device } | undefined;
@@ -62,8 +69,8 @@ export class VrMode {
     window.addEventListener('pagehide', () => this.disengage('page closed'));
   }
 
-  static async isSupported(): Promise<boolean> {
-    return (await navigator.xr?.isSessionSupported('immersive-vr').catch(() => false)) ?? false;
+  static async isSupported(kind: XRSessionMode = 'immersive-vr'): Promise<boolean> {
+    return (await navigator.xr?.isSessionSupported(kind).catch(() => false)) ?? false;
   }
 
   get isPresenting(): boolean {
@@ -85,9 +92,10 @@ export class VrMode {
   }
 
   /// To be called from a click or key event: browsers require a user gesture.
-  async enter(): Promise<void> {
+  /// 'immersive-ar': the real room is seen behind the scene.
+  async enter(kind: 'immersive-vr' | 'immersive-ar' = 'immersive-vr'): Promise<void> {
     if (this.xr || !navigator.xr) return;
-    const xr = await navigator.xr.requestSession('immersive-vr', {
+    const xr = await navigator.xr.requestSession(kind, {
       requiredFeatures: ['local-floor'],
       optionalFeatures: ['hand-tracking', 'layers'],
     });
@@ -101,6 +109,9 @@ export class VrMode {
       }
     });
     this.isPlaced = false;
+    this.isPassthrough = kind === 'immersive-ar';
+    this.placing.isActive = false;
+    this.floor.visible = !this.isPassthrough;
     this.pulses.reset();
     this.restoreCamera = attachCamera(this.app.camera, this.person.rig);
     this.app.base.add(
@@ -138,6 +149,7 @@ export class VrMode {
     const free = hands.find((h) => h.side !== this.toolSide);
     this.handleButtons(now, hands, head, tool, free, state);
     this.updateTool(tool, state);
+    this.placing.update(hands);
     this.moveUser(tool, free, head);
     if (state) this.pulses.update(now, state, this.clutch.isClosed ? tool?.actuator : undefined);
     this.show(now, hands, tool, free, head, state);
@@ -179,10 +191,18 @@ export class VrMode {
     // The panel is at the free hand; a hand that moves the tool must not press its buttons.
     const tip = free && !this.clutch.isClosed ? tool?.fingertip : undefined;
     const touched = this.panel.pressedBy(tip);
-    this.handleStop(now, tool?.fingertip, state);
-    if (touched === 'hold' || hands.some((h) => h.isHoldPressed)) this.toggleHold(state);
-    const isSwapped = touched === 'swap' || (tool?.isExtraPressed && !this.clutch.isClosed);
+    const { playback } = this.app;
+    this.stopButton.mesh.visible = !playback;
+    if (!playback) this.handleStop(now, tool?.fingertip, state);
+    const isHoldPressed = touched === 'hold' || hands.some((h) => h.isHoldPressed);
+    if (isHoldPressed && playback) playback.toggle();
+    else if (isHoldPressed) this.toggleHold(state);
+    const time = playback && this.panel.timeAt(tip, playback.duration);
+    if (playback && typeof time === 'number') playback.seek(time);
+    const isSwapped =
+      (touched === 'swap' && !playback) || (tool?.isExtraPressed && !this.clutch.isClosed);
     if (isSwapped && free) this.toolSide = free.side;
+    else if (touched === 'time') this.changeTimeScale(state);
     else if (touched) this.pressPanel(touched, now, head);
   }
 
@@ -199,13 +219,24 @@ export class VrMode {
 
   /// The panel's other buttons: hands without a controller have no others.
   private pressPanel(button: PanelButton, now: number, head: Vector3): void {
-    const { session, view } = this.app;
+    const { session, view, playback } = this.app;
     switch (button) {
       case 'reset':
-        if (this.panel.confirmsReset(now)) session.command(Command.reset);
+        if (playback) playback.seek(playback.time - playbackStep);
+        else if (this.panel.confirmsReset(now)) session.command(Command.reset);
         break;
       case 'take':
-        session.command(Command.take);
+        if (playback) playback.seek(playback.time + playbackStep);
+        else session.command(Command.take);
+        break;
+      case 'swap':
+        playback?.nextSpeed();
+        break;
+      case 'place':
+        this.disengage('placing the scene');
+        this.placing.toggle();
+        // The printed tags show where the scene belongs.
+        if (this.placing.isActive) view.layers.show('tags', true);
         break;
       case 'scale':
         this.person.scaleTo(nextScale(this.person.scale), head);
@@ -222,6 +253,15 @@ export class VrMode {
       case 'leave':
         void this.leave();
     }
+  }
+
+  /// To the next slower time; from the slowest back to real time, which the server reaches once no
+  /// force acts.
+  private changeTimeScale(state: LiveState | null): void {
+    if (!state) return;
+    const isSlowest = state.timeScale <= slowestTime;
+    for (let i = 0; i < (isSlowest ? timeSteps : 1); i++)
+      this.app.session.command(isSlowest ? Command.faster : Command.slower);
   }
 
   /// The movable bodies in the headset's space.
@@ -284,6 +324,7 @@ export class VrMode {
     if (state.isOnHold) return 'on hold';
     if (state.isToolTaken && !state.hasTool) return takenByOther;
     if (this.clutch.isClosed && this.hadTool && !state.hasTool) return 'server released the tool';
+    if (this.placing.isActive) return 'placing: grip and move the scene';
     if (!tool) return 'hand not tracked';
     if (this.xr?.visibilityState !== 'visible') return 'headset session not visible';
     return '';
@@ -303,7 +344,7 @@ export class VrMode {
 
   /// Locomotion by the free hand, or by the only one; never while the clutch is closed.
   private moveUser(tool: Hand | undefined, free: Hand | undefined, head: Vector3): void {
-    if (this.clutch.isClosed) {
+    if (this.clutch.isClosed || this.placing.isActive) {
       this.locomotion.stop();
       return;
     }
@@ -345,8 +386,12 @@ export class VrMode {
       isOnHold: state?.isOnHold ?? false,
       note: this.clutch.openReason,
       scale: this.person.scale,
+      timeScale: state?.timeScale ?? 1,
       isScanShown: this.app.view.layers.isShown('mesh'),
       canTake: state !== null && state.isToolTaken && !state.hasTool,
+      isPassthrough: this.isPassthrough,
+      isPlacing: this.placing.isActive,
+      playback: this.app.playback,
     };
   }
 
@@ -354,6 +399,7 @@ export class VrMode {
     this.disengage('VR session ended');
     this.app.session.command(Command.release);
     this.xr = undefined;
+    this.placing.isActive = false;
     this.locomotion.stop();
     this.restoreCamera();
     this.person.rig.removeFromParent();

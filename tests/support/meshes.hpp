@@ -3,12 +3,39 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <numbers>
 
 #include "pcavr/core/random.hpp"
 #include "pcavr/geometry/mesh.hpp"
 
 namespace pcavr::test {
+
+/// A square height field of edge 1 m with n x n cells.
+inline TriangleMesh height_field(std::uint32_t n,
+                                 const std::function<float(float, float)>& height) {
+  TriangleMesh mesh;
+  for (std::uint32_t y = 0; y <= n; ++y) {
+    for (std::uint32_t x = 0; x <= n; ++x) {
+      const float px = static_cast<float>(x) / static_cast<float>(n);
+      const float py = static_cast<float>(y) / static_cast<float>(n);
+      mesh.vertices.emplace_back(px, py, height(px, py));
+    }
+  }
+  for (std::uint32_t y = 0; y < n; ++y) {
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const std::uint32_t a = y * (n + 1) + x;
+      mesh.triangles.push_back({a, a + 1, a + n + 2});
+      mesh.triangles.push_back({a, a + n + 2, a + n + 1});
+    }
+  }
+  return mesh;
+}
+
+inline TriangleMesh flat_square(std::uint32_t n) {
+  return height_field(n, [](float, float) { return 0.0F; });
+}
 
 /// A box about the origin, outward winding.
 inline TriangleMesh box_mesh(const Eigen::Vector3f& size) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/averaged_estimator.hpp"
+#include "identification/averaged_memories.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,12 +8,12 @@
 #include <iterator>
 #include <vector>
 
-#include "pcavr/core/check.hpp"
+#include "identification/single_memory.hpp"
 
-namespace pcavr {
+namespace pcavr::detail {
 namespace {
 
-constexpr std::size_t kEstimators = 4;
+constexpr std::size_t kEstimators = 5;
 // Samples that the errors' variance is averaged over, and those before which it is a plain mean.
 constexpr double kVarianceMemory = 200.0;
 constexpr double kFirstSamples = 100.0;
@@ -31,22 +31,27 @@ double predict(const std::array<double, N>& regressors, const std::array<double,
 }  // namespace
 
 template <int N>
-struct AveragedEstimator<N>::State {
-  State(const EstimatorOptions<N>& options, const AveragingOptions& averaging)
-      : alpha(averaging.weight_forgetting), correlated(options.correlated_samples) {
+struct AveragedMemories<N>::State {
+  State(const EstimatorOptions<N>& options, const std::array<double, N>& initial)
+      : alpha(options.averaging.weight_forgetting),
+        sharpness(options.averaging.sharpness),
+        correlated(options.correlated_samples) {
+    const AveragingOptions& averaging = options.averaging;
     const double factors[] = {averaging.medium_forgetting, averaging.fast_forgetting,
                               averaging.fastest_forgetting};
     EstimatorOptions<N> one = options;
     one.method = EstimationMethod::adaptive;
-    estimators.emplace_back(one);
+    estimators.emplace_back(one, initial);
     one.method = EstimationMethod::exponential;
     for (const double factor : factors) {
       one.forgetting = factor;
-      estimators.emplace_back(one);
+      estimators.emplace_back(one, initial);
     }
+    one.method = EstimationMethod::block;
+    estimators.emplace_back(one, initial);
     const auto delay = static_cast<std::size_t>(std::lround(averaging.lag * correlated));
     earlier.assign(kEstimators,
-                   std::vector<std::array<double, N>>(std::max<std::size_t>(1, delay)));
+                   std::vector<std::array<double, N>>(std::max<std::size_t>(1, delay), initial));
     weight.fill(1.0 / static_cast<double>(kEstimators));
   }
 
@@ -58,7 +63,7 @@ struct AveragedEstimator<N>::State {
     variance += (clipped - variance) / std::min(samples, kVarianceMemory);
     const double scale = 2.0 * correlated * std::max(variance, kMinVariance);
     for (std::size_t i = 0; i < kEstimators; ++i) {
-      log_weight[i] = alpha * log_weight[i] - squared[i] / scale;
+      log_weight[i] = alpha * log_weight[i] - sharpness * squared[i] / scale;
     }
     const double largest = *std::max_element(log_weight.begin(), log_weight.end());
     double sum = 0.0;
@@ -74,41 +79,35 @@ struct AveragedEstimator<N>::State {
         std::distance(weight.begin(), std::max_element(weight.begin(), weight.end())));
   }
 
-  std::vector<ParameterEstimator<N>> estimators;
+  std::vector<SingleMemory<N>> estimators;
   /// Ring of each estimator's parameters, from `lag` ago.
   std::vector<std::vector<std::array<double, N>>> earlier;
   std::size_t next = 0;
   std::array<double, kEstimators> log_weight{};
   std::array<double, kEstimators> weight{};
   double alpha = 1.0;
+  double sharpness = 1.0;
   double correlated = 1.0;
   double variance = 0.0;
   double samples = 0.0;
 };
 
 template <int N>
-AveragedEstimator<N>::AveragedEstimator(const EstimatorOptions<N>& options,
-                                        const AveragingOptions& averaging) {
-  for (const double factor :
-       {averaging.medium_forgetting, averaging.fast_forgetting, averaging.fastest_forgetting}) {
-    PCAVR_REQUIRE(factor > 0.0 && factor < 1.0, factor);
-  }
-  PCAVR_REQUIRE(averaging.weight_forgetting > 0.0 && averaging.weight_forgetting <= 1.0,
-                averaging.weight_forgetting);
-  PCAVR_REQUIRE(averaging.lag >= 0.0 && averaging.lag <= 100.0, averaging.lag);
-  state_ = std::make_unique<State>(options, averaging);
+AveragedMemories<N>::AveragedMemories(const EstimatorOptions<N>& options,
+                                      const std::array<double, N>& initial) {
+  state_ = std::make_unique<State>(options, initial);
 }
 
 template <int N>
-AveragedEstimator<N>::AveragedEstimator(AveragedEstimator&&) noexcept = default;
+AveragedMemories<N>::AveragedMemories(AveragedMemories&&) noexcept = default;
 template <int N>
-AveragedEstimator<N>& AveragedEstimator<N>::operator=(AveragedEstimator&&) noexcept = default;
+AveragedMemories<N>& AveragedMemories<N>::operator=(AveragedMemories&&) noexcept = default;
 template <int N>
-AveragedEstimator<N>::~AveragedEstimator() = default;
+AveragedMemories<N>::~AveragedMemories() = default;
 
 template <int N>
-EstimatorStep AveragedEstimator<N>::step(const std::array<double, N>& regressors,
-                                         double measured) noexcept {
+EstimatorStep AveragedMemories<N>::step(const std::array<double, N>& regressors,
+                                        double measured) noexcept {
   State& state = *state_;
   EstimatorStep mean{.forgetting = 0.0, .was_used = true};
   std::array<double, kEstimators> squared{};
@@ -131,7 +130,7 @@ EstimatorStep AveragedEstimator<N>::step(const std::array<double, N>& regressors
 }
 
 template <int N>
-ParameterEstimate<N> AveragedEstimator<N>::estimate() const noexcept {
+ParameterEstimate<N> AveragedMemories<N>::estimate() const noexcept {
   const State& state = *state_;
   std::array<ParameterEstimate<N>, kEstimators> each;
   for (std::size_t i = 0; i < kEstimators; ++i) each[i] = state.estimators[i].estimate();
@@ -150,7 +149,7 @@ ParameterEstimate<N> AveragedEstimator<N>::estimate() const noexcept {
 }
 
 template <int N>
-std::array<double, N> AveragedEstimator<N>::parameters() const noexcept {
+std::array<double, N> AveragedMemories<N>::parameters() const noexcept {
   std::array<double, N> mean{};
   for (std::size_t i = 0; i < kEstimators; ++i) {
     const std::array<double, N> one = state_->estimators[i].parameters();
@@ -159,9 +158,9 @@ std::array<double, N> AveragedEstimator<N>::parameters() const noexcept {
   return mean;
 }
 
-template class AveragedEstimator<1>;
-template class AveragedEstimator<2>;
-template class AveragedEstimator<3>;
-template class AveragedEstimator<4>;
+template class AveragedMemories<1>;
+template class AveragedMemories<2>;
+template class AveragedMemories<3>;
+template class AveragedMemories<4>;
 
-}  // namespace pcavr
+}  // namespace pcavr::detail

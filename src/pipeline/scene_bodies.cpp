@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_bodies.hpp"
+
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "pcavr/marker/body_pose.hpp"
+#include "pcavr/pipeline/known_parameters.hpp"
+
+namespace pcavr {
+namespace {
+
+/// The scene's bodies, movable or not, at their initial poses, with the recording's tags.
+Expected<std::vector<MovableBody>> bodies_of(const Recording& recording, const SceneManifest& scene,
+                                             bool is_movable) {
+  std::vector<MovableBody> bodies;
+  for (const SceneObjectEntry& object : scene.objects) {
+    if (object.is_movable != is_movable) continue;
+    Expected<CadModel> model = read_object_model(scene, object);
+    if (!model) return model.error();
+    ObjectEntry entry{.name = object.name,
+                      .mesh = object.mesh,
+                      .mass = object.mass,
+                      .is_movable = is_movable,
+                      .T_base_object = object.T_base_object_start};
+    bodies.push_back(
+        {std::move(entry), std::move(*model), object_placements(recording.manifest, object.name)});
+  }
+  return bodies;
+}
+
+Error no_object(const SceneManifest& scene, const char* what) {
+  return {.message = std::string("the scene has no ") + what,
+          .file = (scene.folder / "scene.yaml").string(),
+          .hint = "declare objects with mesh and pose or tags in recording.yaml, and build again"};
+}
+
+}  // namespace
+
+Expected<SceneBodies> read_scene_bodies(const Recording& recording, const SceneManifest& scene,
+                                        const ReplayOptions& options, const Observer& observer) {
+  Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene, true);
+  if (!bodies) return bodies.error();
+  for (const MovableBody& body : *bodies) report_simplified(body.model, observer);
+  Expected<ParameterTable> known =
+      known_parameters(scene, options.parameters, options.parameters_file);
+  if (!known) return known.error();
+  Expected<std::vector<MovableBody>> immovable = bodies_of(recording, scene, false);
+  if (!immovable) return immovable.error();
+  for (const MovableBody& body : *immovable) report_simplified(body.model, observer);
+  if (bodies->empty() && immovable->empty()) return no_object(scene, "object");
+  return SceneBodies{std::move(*bodies), std::move(*immovable), std::move(*known)};
+}
+
+Expected<std::vector<MovableBody>> read_movable_bodies(const Recording& recording,
+                                                       const SceneManifest& scene) {
+  Expected<std::vector<MovableBody>> bodies = bodies_of(recording, scene, true);
+  if (bodies && bodies->empty()) return no_object(scene, "movable object to track");
+  return bodies;
+}
+
+std::vector<MovableBody> all_of(SceneBodies&& bodies) {
+  std::vector<MovableBody> all = std::move(bodies.movable);
+  std::move(bodies.immovable.begin(), bodies.immovable.end(), std::back_inserter(all));
+  return all;
+}
+
+}  // namespace pcavr
