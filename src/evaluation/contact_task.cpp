@@ -3,7 +3,9 @@
 #include "contact_task.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "pcavr/geometry/matched_poses.hpp"
@@ -37,16 +39,18 @@ bool is_beyond_mesh(const TriangleMesh& mesh, const Eigen::Vector3d& point,
 bool is_beyond_a_face(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
   constexpr std::size_t kMaxFaces = 5000;  // finer meshes are round enough for the lattice
   if (mesh.triangles.size() > kMaxFaces) return false;
-  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& triangle) {
-    const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
-    const Eigen::Vector3d normal = (mesh.vertices[triangle[1]].cast<double>() - a)
-                                       .cross(mesh.vertices[triangle[2]].cast<double>() - a)
-                                       .normalized();
-    // Single precision: vertices of the face itself may lie a little above it.
-    constexpr double kRounding = 1e-6;  // [m]
-    return normal.dot(point - a) > kRounding &&
-           is_beyond_mesh(mesh, point - kRounding * normal, normal);
-  });
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const std::array<std::uint32_t, 3>& triangle) {
+                       const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
+                       const Eigen::Vector3d normal =
+                           (mesh.vertices[triangle[1]].cast<double>() - a)
+                               .cross(mesh.vertices[triangle[2]].cast<double>() - a)
+                               .normalized();
+                       // Single precision: vertices of the face itself may lie a little above it.
+                       constexpr double kRounding = 1e-6;  // [m]
+                       return normal.dot(point - a) > kRounding &&
+                              is_beyond_mesh(mesh, point - kRounding * normal, normal);
+                     });
 }
 
 bool is_in_hull(const TriangleMesh& mesh, const Eigen::Vector3d& point) {

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/signals.hpp"
 #include "pcavr/identification/sliding.hpp"
