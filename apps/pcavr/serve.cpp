@@ -161,7 +161,8 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
   if (!haptic) return haptic.error();
   Expected<std::unique_ptr<Device>> device = make_device(arguments.page, configuration);
   if (!device) return device.error();
-  Expected<std::unique_ptr<LiveArm>> arm = make_served_arm(manifest, scene, arguments, configuration);
+  Expected<std::unique_ptr<LiveArm>> arm =
+      make_served_arm(manifest, scene, arguments, configuration);
   if (!arm) return arm.error();
   LiveWorldOptions options = configuration.live;
   options.p_base_tool_start = scene.p_base_tool_start;

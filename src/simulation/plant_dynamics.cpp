@@ -132,7 +132,7 @@ void SpringArm::fly(const Eigen::Vector3d& load, double dt) {
 }
 
 void SpringArm::advance(const Eigen::Vector3d& p_base, const Eigen::Vector3d& v_base,
-                  const Eigen::Vector3d& load, double dt) {
+                        const Eigen::Vector3d& load, double dt) {
   const Eigen::Vector3d acceleration = rate_ * rate_ * (p_base - tip_.p_base) +
                                        2.0 * kArmDampingRatio * rate_ * (v_base - tip_.v_base) -
                                        load / mass_;
