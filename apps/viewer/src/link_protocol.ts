@@ -37,7 +37,7 @@ export interface RobotState {
 
 export interface LinkInfo {
   isConnected: boolean;
-  silence: number; // [s] since the robot's site was last heard
+  silence: number; // [s] since a message from the robot's site
   lead: number; // [s] of the shown world before the robot's
   roundTrip: number; // [s]
   clockStd: number; // [s]

@@ -117,7 +117,7 @@ struct LiveArmState {
 /// The link to a robot's site, in a state of an operator's site.
 struct LiveLinkState {
   bool is_connected = false;
-  float silence = 0.0F;     ///< [s] since the robot's site was last heard
+  float silence = 0.0F;     ///< [s] since a message from the robot's site
   float lead = 0.0F;        ///< [s] by which the shown world is ahead of the robot's
   float round_trip = 0.0F;  ///< [s]
   float clock_std = 0.0F;   ///< [s]

@@ -22,7 +22,7 @@ namespace pcavr {
 /// The link to a robot's site, in a snapshot. Times [s] are CLOCK_MONOTONIC.
 struct LinkSnapshot {
   bool is_connected = false;            ///< false: the robot holds, and the clutch is open
-  double silence = 0.0;                 ///< [s] since the robot's site was last heard
+  double silence = 0.0;                 ///< [s] since a message from the robot's site
   double lead = 0.0;                    ///< [s] from sending a command to its execution
   double round_trip = 0.0;              ///< [s] fastest
   double clock_std = 0.0;               ///< [s] of the shared clock
