@@ -223,6 +223,8 @@ std::string_view OperatorPage::device_name() const { return content_->cycle.devi
 RemoteDevice* OperatorPage::page_device() noexcept { return content_->cycle.page_device(); }
 
 void OperatorPage::hold(bool is_on_hold) noexcept {
+  // The release of a stop ends on hold: no earlier request may resume it.
+  if (!is_on_hold && content_->cycle.is_stopped()) return;
   if (is_on_hold) content_->cycle.hold(true);
   content_->hold.store(is_on_hold ? Content::Request::on : Content::Request::off,
                        std::memory_order_relaxed);
