@@ -192,12 +192,16 @@ Expected<CommandResult> predict_reach(const PredictArguments& arguments,
         fmt::format("  the tip can be there after {:.3f} s at the earliest\n", *answer.min_time);
     result.json["min_time"] = *answer.min_time;
   }
-  result.summary +=
-      fmt::format("  at {:.3f} s: {:.2f} mm from the target\n", answer.time, 1e3 * answer.error);
-  result.summary +=
-      fmt::format("  speed: at most {:.0f} % of a joint's limit\n", 100.0 * answer.speed_ratio);
-  result.json["error"] = answer.error;
-  result.json["speed_ratio"] = answer.speed_ratio;
+  if (answer.error) {
+    result.summary +=
+        fmt::format("  at {:.3f} s: {:.2f} mm from the target\n", answer.time, 1e3 * *answer.error);
+    result.json["error"] = *answer.error;
+  }
+  if (answer.speed_ratio > 0.0) {
+    result.summary +=
+        fmt::format("  speed: at most {:.0f} % of a joint's limit\n", 100.0 * answer.speed_ratio);
+    result.json["speed_ratio"] = answer.speed_ratio;
+  }
   describe_answer(answer.is_possible, answer.reason, answer.torque, predicted->arm, result);
   return result;
 }
@@ -214,11 +218,13 @@ Expected<CommandResult> predict_hold(const PredictArguments& arguments,
   const HoldAnswer answer = can_hold(predicted->arm, T_robot_base * vector_of(arguments.point),
                                      T_robot_base.rotation() * force_base, options);
   CommandResult result;
-  result.summary =
-      fmt::format("  the tip gives way by {:.2f} mm\n  at most {:.4g} N in this direction\n",
-                  1e3 * answer.deflection, answer.max_force);
-  result.json["deflection"] = answer.deflection;
-  result.json["max_force"] = answer.max_force;
+  if (answer.deflection) {
+    result.summary =
+        fmt::format("  the tip gives way by {:.2f} mm\n  at most {:.4g} N in this direction\n",
+                    1e3 * *answer.deflection, answer.max_force);
+    result.json["deflection"] = *answer.deflection;
+    result.json["max_force"] = answer.max_force;
+  }
   describe_answer(answer.is_possible, answer.reason, answer.torque, predicted->arm, result);
   return result;
 }

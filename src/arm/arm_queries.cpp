@@ -165,7 +165,7 @@ ReachAnswer try_reach(Query& query, const QueriedArm& arm, const Eigen::Vector3d
   answer.torque = query.torque();
   answer.error = (query.p_tip() - p_target).norm();
   answer.reason = query.fault();
-  if (answer.reason.empty() && !(answer.error <= options.position_tolerance)) {
+  if (answer.reason.empty() && !(*answer.error <= options.position_tolerance)) {
     answer.reason = "the tip is not there yet";
   }
   answer.is_possible = answer.reason.empty();

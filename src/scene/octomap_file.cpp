@@ -23,12 +23,14 @@ class OctreeParser {
                const std::function<void(const OctomapLeaf&)>& on_leaf)
       : bytes_(bytes), content_(content), on_leaf_(on_leaf) {}
 
-  /// False where the bytes end early, or the tree is deeper than kLevels.
+  /// False where the bytes end early, or the tree is deeper than kLevels, or an inner node has no
+  /// children: OctoMap would take it for an occupied leaf.
   bool parse(int level, const Eigen::Vector3i& corner) {
     if (level == kLevels || bytes_.size() < 2) return false;
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes_[i]); };
     const unsigned children = byte(0) | static_cast<unsigned>(byte(1)) << 8;
     bytes_.remove_prefix(2);
+    if (children == 0) return false;
     const int edge = 1 << (kLevels - level - 1);
     for (int child = 0; child < 8; ++child) {
       const unsigned state = children >> (2 * child) & 3;
@@ -98,7 +100,7 @@ Expected<OctomapContent> parse_octomap(
   }
   OctreeParser parser(bytes.substr(end + kHeaderEnd.size()), content, on_leaf);
   const bool is_complete = nodes == 0 || parser.parse(0, Eigen::Vector3i::Constant(-kOriginKey));
-  if (!is_complete) return invalid("is truncated");
+  if (!is_complete) return invalid("is truncated, or not a tree");
   if (!parser.is_at_end()) return invalid("has extra bytes after its tree");
   return content;
 }

@@ -20,16 +20,6 @@ constexpr double kMaxMissedFrames = 3.5;
 constexpr int kMaxAveragedFrames = 30;
 // Share of a frame's std that averaging does not reduce: calibration, and noise that is correlated.
 constexpr double kSystematicShare = 0.5;
-// A stated std counts up to so many times the scatter of the frames, and to the errors of
-// calibration that remain [m, rad]: a constant error is in every pose, and no correction removes
-// it. Scatter by the newest frames, from so many on; a normal distribution's std over its median
-// absolute value.
-constexpr double kMaxScatterRatio = 3.0;
-constexpr double kMinPositionStd = 1e-4, kMinRotationStd = 1e-3;
-constexpr std::size_t kScatterFrames = 60, kMinScatterFrames = 10;
-constexpr double kStdOfMedian = 1.4826;
-// [m] A smaller std of a frame is a tracker without noise.
-constexpr double kMinFrameStd = 1e-6;
 // Frames over which the motion of a pushed body is measured, the contact's displacement over which
 // it can be [m], and stds of a rotation that is one.
 constexpr std::size_t kMotionFrames = 5;
@@ -61,14 +51,10 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       tool_radius_(tool_radius),
       latest_{start, object.T_base_object, std::sqrt(3.0) * options.pose.initial_std, 0.0},
       T_base_object_(object.T_base_object),
-      frame_interval_(kTypicalFrameInterval),
-      working_force_(assumed.friction.limiting_force) {
-  learner.set_working_force(working_force_);
-}
+      frame_interval_(kTypicalFrameInterval) {}
 
 void RobotObject::forget_learned() {
   learner = ObjectLearner(source_->parameters, learning_, source_->is_movable);
-  learner.set_working_force(working_force_);
   learned.clear();
 }
 
@@ -78,7 +64,6 @@ void RobotObject::update_tracking(double t, double camera_offset) {
   for (; !waiting_.empty() && waiting_.front().t - camera_offset <= t; waiting_.pop_front()) {
     TrackedPose seen = waiting_.front();
     seen.t -= camera_offset;
-    limit_std(seen);
     measure_interval(seen.t);
     const bool has_seen_before = frames_ > 0;
     const TrackedPose before = seen_.size() > 1 ? seen_[seen_.size() - 2] : latest_;
@@ -118,53 +103,20 @@ void RobotObject::measure_interval(double t) {
 
 TrackedPose RobotObject::averaged_at_rest(const TrackedPose& seen) {
   const Pose moved = latest_.T_base_object.inverse() * seen.T_base_object;
-  const double std = seen.position_std / std::sqrt(3.0);
-  const double position_limit = options_.moved_stds * std;
+  const double position_limit = options_.moved_stds * seen.position_std / std::sqrt(3.0);
   const double rotation_limit = options_.moved_stds * seen.rotation_std;
   const bool rests = frames_ > 0 && !is_seen_moving_ && monitor.phase() != MotionPhase::sliding &&
                      moved.translation().norm() <= position_limit &&
                      std::abs(heading_of(moved)) <= rotation_limit;
-  // A Kalman filter of a pose that a touching tip may push along, as far as it goes: slow pushes
-  // move it by less than the noise from one frame to the next.
-  const double pushed =
-      is_pushed() ? (p_base_tip_ - p_base_tip_frame_).head<2>().norm() / std::max(std, kMinFrameStd)
-                  : 0.0;
-  p_base_tip_frame_ = p_base_tip_;
-  const double variance = averaged_variance_ + pushed * pushed;
-  const double gain = rests ? std::max(variance / (variance + 1.0), 1.0 / kMaxAveragedFrames) : 1.0;
-  averaged_variance_ = gain;  // (1 - gain) variance, in units of a frame's
-  if (gain == 1.0) return seen;
+  averaged_frames_ = rests ? std::min(averaged_frames_ + 1, kMaxAveragedFrames) : 1;
+  if (averaged_frames_ == 1) return seen;
   TrackedPose mean = seen;
-  mean.T_base_object = interpolate(latest_.T_base_object, seen.T_base_object, gain);
-  const double share = std::max(std::sqrt(averaged_variance_), kSystematicShare);
-  mean.position_std *= share;
-  mean.rotation_std *= share;
+  mean.T_base_object =
+      interpolate(latest_.T_base_object, seen.T_base_object, 1.0 / averaged_frames_);
+  const double gain = std::max(1.0 / std::sqrt(averaged_frames_), kSystematicShare);
+  mean.position_std *= gain;
+  mean.rotation_std *= gain;
   return mean;
-}
-
-void RobotObject::limit_std(TrackedPose& seen) {
-  scattered_.push_back(planar_pose_of(seen.T_base_object));
-  if (scattered_.size() > 2) {
-    const PlanarPose &a = scattered_[0], &b = scattered_[1], &c = scattered_[2];
-    second_differences_.push_back(
-        {a.x - 2.0 * b.x + c.x, a.y - 2.0 * b.y + c.y,
-         std::remainder(c.yaw - b.yaw, 2.0 * M_PI) - std::remainder(b.yaw - a.yaw, 2.0 * M_PI)});
-    scattered_.pop_front();
-  }
-  if (second_differences_.size() > kScatterFrames) second_differences_.pop_front();
-  if (second_differences_.size() < kMinScatterFrames) return;
-  std::vector<double> shifts, turns;
-  for (const Eigen::Vector3d& one : second_differences_) {
-    shifts.push_back(std::abs(one.x()));
-    shifts.push_back(std::abs(one.y()));
-    turns.push_back(std::abs(one.z()));
-  }
-  // A steady motion has no second differences; those of noise have sqrt(6) times a frame's std.
-  const double factor = kMaxScatterRatio * kStdOfMedian / std::sqrt(6.0);
-  const double position_std = std::max(factor * median(std::move(shifts)), kMinPositionStd);
-  const double rotation_std = std::max(factor * median(std::move(turns)), kMinRotationStd);
-  seen.position_std = std::min(seen.position_std, std::sqrt(3.0) * position_std);
-  seen.rotation_std = std::min(seen.rotation_std, rotation_std);
 }
 
 void RobotObject::measure_motion() {
@@ -180,13 +132,7 @@ void RobotObject::measure_motion() {
     if (std::abs(rotation) < kTurnStds * std::hypot(now.rotation_std, past.rotation_std)) return;
     const Eigen::Vector3d shift =
         now.T_base_object.translation() - past.T_base_object.translation();
-    // Per displacement of the touched point as the frames show it: that by force and tip is late at
-    // an onset.
-    const Eigen::Vector3d arm = p_base_tip_ - now.T_base_object.translation();
-    const Eigen::Vector3d touched = shift + rotation * Eigen::Vector3d(-arm.y(), arm.x(), 0.0);
-    const double displacement = touched.dot(monitor.direction_base());
-    if (displacement < kMinMotion) continue;
-    motion_ = PushedMotion{shift.head<2>() / displacement, rotation / displacement};
+    motion_ = PushedMotion{shift.head<2>() / (*end - *begin), rotation / (*end - *begin)};
     return;
   }
 }
@@ -217,7 +163,6 @@ Touch RobotObject::touch(const Eigen::Vector3d& p_base_tip) const {
 }
 
 PoseEstimate RobotObject::estimate_pose(const TouchSample& sample, const PlanarPose& predicted) {
-  p_base_tip_ = sample.p_base_tip;
   if (!is_lost(sample.t)) return estimate_from_frame(sample);
   PoseEstimate estimate = estimate_from_prediction(sample, predicted);
   T_base_object_ = estimate.T_base_object;

@@ -117,8 +117,6 @@ class RobotObject {
   [[nodiscard]] double displacement_since_frame(double t) const;
   /// The mean of the newest frames while the object rests: their noise is no motion.
   [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
-  /// Limits a stated std by the scatter of the newest frames.
-  void limit_std(TrackedPose& seen);
   void measure_interval(double t);
   /// How the body moves while it is pushed, from its newest frames.
   void measure_motion();
@@ -144,19 +142,14 @@ class RobotObject {
   std::deque<TrackedPose> seen_;     ///< those processed last
   /// Empty while it does not turn: it moves with the contact.
   std::optional<PushedMotion> motion_ = {};
-  std::deque<double> gaps_;                               ///< [s] between the newest frames
-  std::size_t frames_ = 0;                                ///< processed
-  double averaged_variance_ = 1.0;                        ///< of `latest_`, over that of a frame
-  Eigen::Vector3d p_base_tip_ = Eigen::Vector3d::Zero();  ///< newest
-  Eigen::Vector3d p_base_tip_frame_ = Eigen::Vector3d::Zero();  ///< at the last frame
-  std::deque<PlanarPose> scattered_;                            ///< the last two frames
-  std::deque<Eigen::Vector3d> second_differences_;              ///< [x y yaw] of the newest frames
-  TrackedPose latest_;     ///< or the mean of the latest; the scene's pose before the first frame
-  Pose T_base_object_;     ///< latest frame, or the estimate while it is lost
-  double yaw_rate_ = 0.0;  ///< [rad/s]
+  std::deque<double> gaps_;  ///< [s] between the newest frames
+  std::size_t frames_ = 0;   ///< processed
+  int averaged_frames_ = 0;  ///< in `latest_`
+  TrackedPose latest_;       ///< or the mean of the latest; the scene's pose before the first frame
+  Pose T_base_object_;       ///< latest frame, or the estimate while it is lost
+  double yaw_rate_ = 0.0;    ///< [rad/s]
   bool is_seen_moving_ = false;
   double frame_interval_;
-  double working_force_;  ///< [N] F_M as assumed at the start
   Eigen::Vector3d touched_offset_ =
       Eigen::Vector3d::Zero();  ///< from the tracked position to that by contact [m]
   double touched_std_ = 0.0;    ///< [m]; 0: not touched at this pose

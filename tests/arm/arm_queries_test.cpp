@@ -46,7 +46,7 @@ TEST(CanReach, KnowsTheLeastTimeAndThatLessIsNotEnough) {
   ASSERT_TRUE(earliest.min_time.has_value());
   EXPECT_GT(*earliest.min_time, 0.1);
   EXPECT_LT(*earliest.min_time, 2.0);
-  EXPECT_LE(earliest.error, ArmQueryOptions().position_tolerance);
+  EXPECT_LE(earliest.error.value(), ArmQueryOptions().position_tolerance);
   EXPECT_TRUE(can_reach(arm, still, 1.2 * *earliest.min_time).is_possible);
   const ReachAnswer sooner = can_reach(arm, still, 0.7 * *earliest.min_time);
   EXPECT_FALSE(sooner.is_possible);
@@ -71,7 +71,7 @@ TEST(CanReach, CatchesABodyThatPasses) {
   const ReachAnswer caught = can_reach(arm, passing, {});
   ASSERT_TRUE(caught.is_possible) << caught.reason;
   EXPECT_EQ(caught.p_target, passing(caught.time));
-  EXPECT_LE(caught.error, ArmQueryOptions().position_tolerance);
+  EXPECT_LE(caught.error.value(), ArmQueryOptions().position_tolerance);
   // It cannot wait: 3 s later the body has left.
   EXPECT_FALSE(can_reach(arm, passing, 3.0).is_possible);
 }

@@ -186,7 +186,7 @@ TEST_F(Outputs, NeedAValidFileName) {
   expect_refused({"build", "@home/bare", "-o", long_name}, "too long");
   expect_refused({"identify", "contact", "@home/recording", "-o", long_name}, "too long");
   expect_refused({"tags", "--ids", "0", "-o", long_name}, "too long");
-  expect_refused({"tags", "--ids", "0", "-o", ""}, "name");
+  expect_refused({"tags", "--ids", "0", "-o", ""}, "empty");
   EXPECT_EQ(run({"build", "@home/bare", "-o", "@" + std::string(255, 'n')}).exit_code, 0);
 }
 

@@ -141,8 +141,6 @@ TEST(OtherPlants, ArePredictedNoWorseWithCorrections) {
   // Fast pushes, whose peak force exceeds the limit, and a turning body.
   expect_corrections_no_worse("plants/probe-2");
   expect_corrections_no_worse("plants/offcentre-3");
-  // At a vertex.
-  expect_corrections_no_worse("plants/probe-3");
 }
 
 TEST_F(PushedObjects, AreIdentified) {

@@ -55,8 +55,8 @@ struct ReachAnswer {
   bool is_possible = false;
   std::string reason = {};  ///< where it is not
   double time = 0.0;        ///< [s] that was asked for, or else the least that was found
-  std::optional<double> min_time = {};                 ///< [s] of the earliest possible arrival
-  double error = 0.0;                                  ///< [m] of the tip, at `time`
+  std::optional<double> min_time = {};  ///< [s] of the earliest possible arrival
+  std::optional<double> error = {};     ///< [m] of the tip, at `time`; where a motion was simulated
   Eigen::Vector3d p_target = Eigen::Vector3d::Zero();  ///< then
   TorqueUse torque = {};
   double speed_ratio = 0.0;  ///< the greatest speed of a joint over its limit, as planned
@@ -72,7 +72,7 @@ struct ReachAnswer {
 struct HoldAnswer {
   bool is_possible = false;
   std::string reason = {};
-  double deflection = 0.0;  ///< [m] of the tip at the end
+  std::optional<double> deflection = {};  ///< [m] of the tip at the end; where it reached the point
   TorqueUse torque = {};
   double max_force = 0.0;  ///< [N] in that direction, for which it is possible
 };
