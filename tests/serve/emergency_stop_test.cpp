@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <memory>
 #include <variant>
 #include <vector>
@@ -16,6 +17,12 @@ namespace {
 
 constexpr double kCycle = 0.001;
 const Eigen::Vector3d kInTheBox{0.1, 0.0, 0.05};
+
+/// [m] in which friction alone stops the box.
+double coasting_distance(double speed) {
+  const auto friction = test::foam_physics().friction;
+  return speed * speed * friction.mass / (2.0 * friction.coulomb_force);
+}
 
 /// Returns the test's sample.
 class HandDevice final : public Device {
@@ -57,16 +64,28 @@ class EmergencyStop : public testing::Test {
   double t_ = 0.0;
 };
 
-// Only the release ends it, and then the clutch has to open first.
+// From the stop on nothing but friction acts on the box. Only the release ends it, and then the
+// clutch has to open first.
 TEST_F(EmergencyStop, AnEmergencyStopDisengagesTheToolUntilItsRelease) {
   move(kInTheBox, 1500);
   cycle_.emergency_stop();
-  const double box = run(1).world.bodies[0].T_base_object.translation().x();
-  const WorldSnapshot& stopped = move({0.3, 0.0, 0.05}, 500);
+  const WorldSnapshot& at_stop = run(1);
+  const double box = at_stop.world.bodies[0].T_base_object.translation().x();
+  const double speed = at_stop.speeds[0];
+  EXPECT_NEAR(speed, 0.2, 0.02);  // with the hand
+  double max_tool_force = 0.0;
+  for (int i = 1; i <= 500; ++i) {
+    sample_.p_base_tip.x() = kInTheBox.x() + 4e-4 * i;
+    max_tool_force = std::max(max_tool_force, run(1).world.bodies[0].tool_force_base.norm());
+  }
+  const WorldSnapshot& stopped = cycle_.newest();
   EXPECT_TRUE(stopped.is_stopped);
   EXPECT_FALSE(stopped.world.is_engaged);
   EXPECT_TRUE(stopped.world.force_base.isZero(1e-9));
-  EXPECT_NEAR(stopped.world.bodies[0].T_base_object.translation().x(), box, 5e-3);
+  EXPECT_EQ(max_tool_force, 0.0);
+  EXPECT_EQ(stopped.speeds[0], 0.0);
+  EXPECT_NEAR(stopped.world.bodies[0].T_base_object.translation().x() - box,
+              coasting_distance(speed), 2e-4);
   cycle_.hold(false);  // a resume is no release
   EXPECT_TRUE(run(10).is_stopped);
   cycle_.release_emergency_stop();
