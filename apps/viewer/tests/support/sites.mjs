@@ -35,8 +35,9 @@ export async function startSite(...args) {
 }
 
 /// Seed 3 is that of makeScene.
-export function startRobot(scene, port = 0) {
-  return startSite('robot-site', scene, '--plant', 'push', '--seed', '3', '--port', String(port));
+export function startRobot(scene, port = 0, ...more) {
+  const plant = ['--plant', 'push', '--seed', '3'];
+  return startSite('robot-site', scene, ...plant, '--port', String(port), ...more);
 }
 
 export function startOperator(scene, port, ...more) {
