@@ -453,7 +453,6 @@ class OperatorSiteLoop {
     shared_clock_ = {};
     round_trips_ = 0;
     session_ = new_session();
-    last_received_ = now;
     next_hello_ = now;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -35,6 +36,8 @@ constexpr std::size_t kMaxMessagesPerCycle = 500;  // of all peers: the robot's 
 constexpr double kAuthorisationInterval = 0.5;     // [s] between two checks of the operator's key
 constexpr double kMinNoticeInterval = 30.0;        // [s] between two lines for the same cause
 constexpr double kRecordingTail = 0.2;             // [s] after its end, for the last corrections
+constexpr std::size_t kMaxUnsensed = 2000;         // commands: of a robot that gives no samples
+constexpr double kSameTime = 1e-9;                 // [s]
 // Cycles behind the clock, of more all are skipped: this process did not run.
 constexpr double kMaxBacklog = 100.0;
 
@@ -47,6 +50,13 @@ struct OperatorSession {
   std::uint32_t newest_stop = 0;  ///< sequence number of the newest hold, stop or release
   CorrectionSender corrections;
   CommandBuffer commands;
+};
+
+/// [s] on the shared clock.
+struct ExecutedCommand {
+  double t = 0.0;  ///< of execution, as the operator's site wanted it
+  double received = 0.0;
+  double applied = 0.0;  ///< when it became the setpoint
 };
 
 class RobotSiteLoop {
@@ -241,6 +251,7 @@ class RobotSiteLoop {
 
   void end_session() {
     collect(*session_);
+    unsensed_.clear();
     session_.reset();
     is_engaged_ = false;
     target_.reset();
@@ -255,9 +266,7 @@ class RobotSiteLoop {
     if (session_) {
       for (const LinkCommand& command : session_->commands.take_due(now)) {
         ++report_.commands;
-        executed_ = command.t;
-        received_ = session_->commands.last_arrival();
-        applied_ = now;
+        unsensed_.push_back({command.t, session_->commands.last_arrival(), now});
         is_engaged_ = command.is_engaged;
         target_ = command.p_base_tip.cast<double>();
         q_base_tool_ = command.q_base_tool.cast<double>().normalized();
@@ -305,12 +314,22 @@ class RobotSiteLoop {
     }
   }
 
+  /// A sample at `t` contains nothing of a command that became the setpoint later.
+  void sense(double t) {
+    for (; !unsensed_.empty(); unsensed_.pop_front()) {
+      const bool is_sensed = unsensed_.front().applied <= t + kSameTime;
+      if (!is_sensed && unsensed_.size() <= kMaxUnsensed) return;
+      if (is_sensed) sensed_ = unsensed_.front();
+    }
+  }
+
   void send_state(double now) {
     LinkState state;
     state.t = start_ ? *start_ + tool_.t : now;
-    state.executed = executed_;
-    state.received = received_;
-    state.applied = applied_;
+    sense(state.t);
+    state.executed = sensed_.t;
+    state.received = sensed_.received;
+    state.applied = sensed_.applied;
     if (const auto lead = session_->commands.take_min_lead()) lead_ = *lead;
     state.lead = static_cast<float>(lead_);
     state.limits = std::exchange(limits_, 0U);
@@ -391,9 +410,8 @@ class RobotSiteLoop {
   bool has_silence_hold_ = false;  ///< until the next session
   std::optional<Eigen::Vector3d> target_;
   Eigen::Quaterniond q_base_tool_ = Eigen::Quaterniond::Identity();
-  double executed_ = 0.0;  ///< [s] time of execution of the newest command
-  double received_ = 0.0;  ///< [s] its arrival
-  double applied_ = 0.0;   ///< [s] when it became the setpoint
+  std::deque<ExecutedCommand> unsensed_;  ///< later than the newest sample
+  ExecutedCommand sensed_;                ///< the newest of the others
   double lead_ = 0.0;
   std::uint32_t limits_ = 0;
   RobotSamples samples_;

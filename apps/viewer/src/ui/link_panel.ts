@@ -10,6 +10,7 @@ import { milliseconds } from './format';
 import { linkStages, stageNames } from './link_delays';
 
 const limitNames = ['workspace', 'step', 'speed', 'acceleration', 'force'];
+const unusualLimits = 0b10011; // the tool of this page keeps to the others by itself
 const stopKey = 'KeyX';
 
 /// The emergency stop, in the header and on a key; and of an operator's site the link's state, with
@@ -37,7 +38,7 @@ export class LinkPanel {
     private readonly disengage: () => void,
   ) {
     this.alert.setAttribute('role', 'alert');
-    this.alert.append(this.title, this.text, create('div', {}, this.release));
+    this.alert.append(this.title, this.text, this.release);
     byId('stage', HTMLElement).append(this.line, this.alert);
     byId('actions', HTMLDivElement).append(this.stop);
     this.stop.addEventListener('click', () => this.stopNow());
@@ -64,12 +65,12 @@ export class LinkPanel {
     const state = this.app.session.latest();
     this.stop.disabled = !state;
     const link = state?.link ?? null;
-    this.line.hidden = !link;
-    if (link) {
-      setText(this.line, lineText(link));
-      this.line.classList.toggle('warning', !link.isConnected || (link.robot?.limits ?? 0) !== 0);
-    }
     this.showAlert(state);
+    this.line.hidden = !link || !this.alert.hidden;
+    if (!link || this.line.hidden) return;
+    setText(this.line, lineText(link));
+    const isLimited = ((link.robot?.limits ?? 0) & unusualLimits) !== 0;
+    this.line.classList.toggle('warning', isLimited);
   }
 
   /// Once a drawn frame.
@@ -90,17 +91,17 @@ export class LinkPanel {
     this.release.hidden = !state?.isStopped;
     if (this.alert.hidden) return;
     setText(this.title, state?.isStopped ? 'Emergency stop' : "No link to the robot's site");
+    const silence = state?.link?.silence ?? 0;
     setText(
       this.text,
       state?.isStopped
-        ? 'The tool is disengaged and stays where it is. After the release the world is on hold.'
-        : 'The robot holds, and the clutch is open. Connecting again…',
+        ? 'The tool stays where it is. After the release the world is on hold.'
+        : `silent for ${silence.toFixed(1)} s. The robot holds, the clutch is open. Connecting again…`,
     );
   }
 }
 
 function lineText(link: LinkInfo): string {
-  if (!link.isConnected) return `link silent for ${link.silence.toFixed(1)} s: the robot holds`;
   const parts = [`robot ${milliseconds(link.lead)} behind`];
   parts.push(`round trip ${milliseconds(link.roundTrip)}`);
   parts.push(`corrections ${link.robot?.corrections ?? 0}`);
