@@ -19,7 +19,7 @@ constexpr double kDelay = 0.05;       // [s] of the simulated network, each way
 constexpr double kRobotCycle = 0.02;  // [s] long, so that a stamp of another cycle is seen
 constexpr double kMaxError = 1e-3;    // [s]
 constexpr std::size_t kDelays = 60;   // commands whose way is compared
-constexpr double kPatience = 10.0;    // [s]: a busy machine is no silent network
+constexpr double kTimeout = 10.0;     // [s]: a busy machine is no silent network
 
 double outside_clock() { return read_clock(CLOCK_MONOTONIC); }
 
@@ -88,9 +88,9 @@ TEST(LinkDelays, EachStageAgreesWithAnOutsideClockWithinAMillisecond) {
   ASSERT_TRUE(site);
   RobotSiteOptions robot_options;
   robot_options.cycle = kRobotCycle;
-  robot_options.commands.timeout = kPatience;
+  robot_options.commands.timeout = kTimeout;
   OperatorSiteOptions operator_options;
-  operator_options.timeout = kPatience;
+  operator_options.timeout = kTimeout;
   std::atomic<bool> stop = false;
   StampedRobot robot;
   std::thread robot_thread(

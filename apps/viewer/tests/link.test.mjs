@@ -17,7 +17,7 @@ const delay = ['--forward-delay', '0.2', '--backward-delay', '0.2'];
 
 /// A busy machine delays the sites and the page by more than a silent network: only the test of
 /// silence keeps the defaults.
-const patience = [
+const timeouts = [
   'robot_site.link: {timeout: 5}',
   'operator_site: {timeout: 5}',
   'devices.page: {timeout: 10}',
@@ -30,8 +30,8 @@ let sites = [];
 
 before(async () => {
   scene = makeScene();
-  config = join(scene.folder, 'patience.yaml');
-  writeFileSync(config, patience);
+  config = join(scene.folder, 'timeouts.yaml');
+  writeFileSync(config, timeouts);
   browser = await openBrowser();
 }, limit);
 afterEach(async () => {

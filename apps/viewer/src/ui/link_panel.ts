@@ -95,8 +95,8 @@ export class LinkPanel {
     setText(
       this.text,
       state?.isStopped
-        ? 'The tool stays where it is. After the release the world is on hold.'
-        : `silent for ${silence.toFixed(1)} s. The robot holds, the clutch is open. Connecting again…`,
+        ? 'The tool stays where it is; after the release, on hold.'
+        : `silent for ${silence.toFixed(1)} s: it holds, the clutch is open. Connecting again…`,
     );
   }
 }
