@@ -250,6 +250,7 @@ void add_operator_site(CLI::App& app, Configuration& configuration, Action& acti
   command->callback([arguments, &configuration, &action, &app] {
     arguments->page.as_json = app.get_option("--json")->count() > 0;
     arguments->page.parameters = arguments->site.parameters;
+    arguments->page.is_operator_site = true;
     action = [arguments, &configuration](const Observer& observer) {
       return operator_site(*arguments, configuration, observer);
     };

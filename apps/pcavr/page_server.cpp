@@ -162,7 +162,9 @@ Expected<void> print_startup_message(const LiveServer& server, const PageWorld& 
       .code = server.pairing_code(),
       .is_local = server.pairing_code().empty(),
       .is_at_localhost = server.pairing_code().empty() || is_wildcard(arguments.server.host),
-      .is_tls = arguments.server.tls.has_value()};
+      .is_tls = arguments.server.tls.has_value(),
+      .host_option = arguments.is_operator_site ? "--page-host" : "--host",
+      .takes_certificate = !arguments.is_operator_site};
   if (arguments.server.tls) {
     const Expected<CertificateInfo> certificate =
         read_certificate(arguments.server.tls->certificate);

@@ -32,6 +32,7 @@ struct PageArguments {
   double max_force = 0.0;    ///< [N]; 0: not given
   ServerOptions server;      ///< the configuration's, completed by prepare_server
   bool as_json = false;
+  bool is_operator_site = false;  ///< its --host and --key are those of the link
 };
 
 /// Completes arguments.server but for the scene's, and checks whether it could be opened now.

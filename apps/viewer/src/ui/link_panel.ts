@@ -10,7 +10,7 @@ import { milliseconds } from './format';
 import { linkStages, stageNames } from './link_delays';
 
 const limitNames = ['workspace', 'step', 'speed', 'acceleration', 'force'];
-const unusualLimits = 0b10011; // the tool of this page keeps to the others by itself
+const unusualLimits = 0b10011; // this page's tool keeps to the others anyway
 const stopKey = 'KeyX';
 
 /// The emergency stop, in the header and on a key; and of an operator's site the link's state, with
