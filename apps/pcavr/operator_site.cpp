@@ -1,17 +1,24 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include <fmt/core.h>
 
+#include "pcavr/devices/open_device.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
+#include "pcavr/serve/operator_page.hpp"
+#include "pcavr/serve/scene_content.hpp"
 
 #include "commands.hpp"
 #include "link_arguments.hpp"
 #include "link_options.hpp"
 #include "number_option.hpp"
+#include "page_server.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -20,6 +27,7 @@ struct OperatorSiteArguments {
   SiteArguments site;
   std::string robot_key;  ///< file
   SimulatedNetwork network;
+  PageArguments page;  ///< without --trace
 };
 
 Expected<LinkClient> open_client(const OperatorSiteArguments& arguments) {
@@ -64,6 +72,10 @@ CommandResult describe_operator_site(const OperatorSiteReport& report) {
                  {"clock_std_s", report.clock_std},
                  {"cpu_s", report.cpu},
                  {"t_corrected", report.t_corrected}};
+  for (const DelayMeans::Stage& stage : report.delays.stages()) {
+    result.json["delays_s"][std::string(stage.name)] = stage.mean;
+    result.summary += fmt::format("  {:<22} {:.1f} ms\n", stage.name, 1e3 * stage.mean);
+  }
   result.json["interruptions"] = nlohmann::ordered_json::array();
   for (const OperatorSiteReport::Interruption& interruption : report.interruptions) {
     result.json["interruptions"].push_back(
@@ -74,27 +86,140 @@ CommandResult describe_operator_site(const OperatorSiteReport& report) {
   return result;
 }
 
-Expected<CommandResult> operator_site(const OperatorSiteArguments& arguments,
-                                      const Configuration& configuration,
-                                      const Observer& observer) {
-  const Expected<ReplayOptions> options = site_options(arguments.site, configuration);
+/// What both kinds of operator have in common.
+struct OperatorInputs {
+  ReplayOptions options;
+  SceneManifest scene;
+  TeleopInput world;
+};
+
+Expected<OperatorInputs> read_operator_inputs(const SiteArguments& arguments,
+                                              const Configuration& configuration,
+                                              const Observer& observer) {
+  Expected<ReplayOptions> options = site_options(arguments, configuration);
   if (!options) return options.error();
-  const Expected<SceneManifest> scene = read_scene_manifest(arguments.site.scene);
+  Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
+  Expected<TeleopInput> world = read_teleop_world(*scene, *options, observer);
+  if (!world) return world.error();
+  return OperatorInputs{std::move(*options), std::move(*scene), std::move(*world)};
+}
+
+Expected<CommandResult> run_recorded(const OperatorSiteArguments& arguments, OperatorInputs& inputs,
+                                     const Configuration& configuration, const Observer& observer) {
   const Expected<Recording> trace =
       read_with_warnings(arguments.site.recording, false, configuration, observer);
   if (!trace) return trace.error();
-  Expected<TeleopInput> world = read_teleop_world(*scene, *options, observer);
-  if (!world) return world.error();
-  add_tool_motion(*trace, *world);
+  add_tool_motion(*trace, inputs.world);
   Expected<LinkClient> client = open_client(arguments);
   if (!client) return client.error();
+  const Expected<std::unique_ptr<OperatorInterface>> person =
+      make_recorded_operator(inputs.world, inputs.options.teleop);
+  if (!person) return person.error();
   const std::atomic<bool>& stop = stop_on_signals();
   const Expected<OperatorSiteReport> report =
-      run_operator_site(*client, *world, options->teleop, site_scene_of(*scene, *world),
-                        configuration.operator_site, arguments.network, observer, stop);
+      run_operator_site(*client, **person, inputs.world, inputs.options.teleop,
+                        site_scene_of(inputs.scene, inputs.world), configuration.operator_site,
+                        arguments.network, observer, stop);
   if (!report) return report.error();
   return describe_operator_site(*report);
+}
+
+Expected<std::unique_ptr<OperatorPage>> make_operator_page(const OperatorSiteArguments& arguments,
+                                                           const OperatorInputs& inputs,
+                                                           SceneWorld& scene,
+                                                           const Configuration& configuration) {
+  Expected<std::unique_ptr<Device>> device = make_device(arguments.page, configuration);
+  if (!device) return device.error();
+  Expected<std::unique_ptr<LiveArm>> arm = make_arm(inputs.scene, scene, configuration);
+  if (!arm) return arm.error();
+  LiveWorldOptions options = configuration.live;
+  options.p_base_tool_start = scene.p_base_tool_start;
+  options.full_scale_force = scene.full_scale_force;
+  std::vector<std::string> names;
+  for (const TeleopObject& object : inputs.world.objects) names.push_back(object.name);
+  return OperatorPage::create(std::move(scene.model), names, std::move(*device), options,
+                              configuration.robot_site.limits, std::move(*arm));
+}
+
+/// The site on a thread of its own, the server on this one; each ends the other.
+Expected<CommandResult> run_both(LiveServer& server, OperatorPage& page, LinkClient& client,
+                                 const OperatorSiteArguments& arguments,
+                                 const OperatorInputs& inputs, const Configuration& configuration,
+                                 const Observer& observer) {
+  std::atomic<bool> stop = false;
+  std::optional<Expected<OperatorSiteReport>> report;
+  std::thread site([&] {
+    report.emplace(run_operator_site(client, page, inputs.world, inputs.options.teleop,
+                                     site_scene_of(inputs.scene, inputs.world),
+                                     configuration.operator_site, arguments.network, observer,
+                                     stop));
+    server.stop();
+  });
+  server.run();
+  stop = true;
+  site.join();
+  if (!*report) return report->error();
+  return describe_operator_site(**report);
+}
+
+Expected<CommandResult> run_page(OperatorSiteArguments arguments, OperatorInputs& inputs,
+                                 const Configuration& configuration, const Observer& observer) {
+  ServerOptions& options = arguments.page.server;
+  options.scene = scene_name(inputs.scene);
+  Expected<SceneWorld> scene =
+      make_page_world(inputs.scene, inputs.options.parameters, inputs.world.tool_radius,
+                      arguments.page, configuration, observer);
+  if (!scene) return scene.error();
+  options.tool_radius = scene->model.world.tool_radius;
+  const std::size_t triangles = scene->triangles;
+  const Expected<std::unique_ptr<OperatorPage>> page =
+      make_operator_page(arguments, inputs, *scene, configuration);
+  if (!page) return page.error();
+  const Expected<SceneContent> content = SceneContent::create(
+      inputs.scene, inputs.options.parameters, observer, Parallelism::max(), configuration.content);
+  if (!content) return content.error();
+  Expected<LinkClient> client = open_client(arguments);
+  if (!client) return client.error();
+  Expected<LiveServer> server = LiveServer::open(options, **page, *content);
+  if (!server) return server.error();
+  const Expected<void> printed = print_startup_message(*server, **page, arguments.page, triangles);
+  if (!printed) return printed.error();
+  return run_both(*server, **page, *client, arguments, inputs, configuration, observer);
+}
+
+Expected<CommandResult> operator_site(OperatorSiteArguments arguments,
+                                      const Configuration& configuration,
+                                      const Observer& observer) {
+  const bool has_page = arguments.site.recording.empty();
+  // Before the long work.
+  const Expected<void> possible =
+      has_page ? prepare_server(arguments.page, configuration) : Expected<void>();
+  if (!possible) return possible.error();
+  Expected<OperatorInputs> inputs = read_operator_inputs(arguments.site, configuration, observer);
+  if (!inputs) return inputs.error();
+  return has_page ? run_page(std::move(arguments), *inputs, configuration, observer)
+                  : run_recorded(arguments, *inputs, configuration, observer);
+}
+
+/// The page's options carry a prefix: --host, --port and --key are those of the robot's site.
+void add_page_options(CLI::App& command, ServerOptions& network, PageArguments& page) {
+  add_whole<std::uint16_t>(command, "--page-port", network.port, 0,
+                           std::numeric_limits<std::uint16_t>::max(),
+                           "TCP port of the page; 0: any free port")
+      ->capture_default_str();
+  command
+      .add_option("--page-host", network.host,
+                  "Address of the page; other than a loopback address needs --tls and the pairing "
+                  "code that is printed at the start")
+      ->capture_default_str();
+  command.add_flag("--tls", page.with_tls, "Serve the page by https, as pcavr serve does");
+  command.add_option("--page", page.page, "Folder of the built web page");
+  command
+      .add_option(
+          "--device", page.device,
+          "Haptic or input device that moves the tool: page, " + std::string(kDeviceChoices))
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -103,14 +228,13 @@ void add_operator_site(CLI::App& app, Configuration& configuration, Action& acti
   CLI::App* command = app.add_subcommand(
       "operator-site", "Run the operator's site: predict the remote world, command the tool");
   command->footer(
-      "Example:\n  pcavr operator-site my_scene --trace my_recording --host robot.example "
-      "--key alice.key --robot-key robot.pub");
+      "Example:\n  pcavr operator-site my_scene --host robot.example --key alice.key "
+      "--robot-key robot.pub");
   auto arguments = std::make_shared<OperatorSiteArguments>();
   add_site_options(*command, arguments->site);
-  command
-      ->add_option("--trace", arguments->site.recording,
-                   "Recording whose tool motion is the operator's command")
-      ->required();
+  command->add_option("--trace", arguments->site.recording,
+                      "Recording whose tool motion is the operator's command; default: a page");
+  add_page_options(*command, configuration.network, arguments->page);
   command->add_option("--host", arguments->site.host, "Address of the robot's site")
       ->capture_default_str();
   command->add_option("--robot-key", arguments->robot_key, "Public key of the robot's site");
@@ -123,7 +247,10 @@ void add_operator_site(CLI::App& app, Configuration& configuration, Action& acti
       ->capture_default_str();
   add_link_conditions(*command, network.forward, network.backward);
   add_seed(*command, network.seed, "Seed of the simulated network")->capture_default_str();
-  command->callback([arguments, &configuration, &action] {
+  command->callback([arguments, &configuration, &action, &app] {
+    arguments->page.as_json = app.get_option("--json")->count() > 0;
+    arguments->page.parameters = arguments->site.parameters;
+    arguments->page.is_operator_site = true;
     action = [arguments, &configuration](const Observer& observer) {
       return operator_site(*arguments, configuration, observer);
     };

@@ -9,8 +9,10 @@
 #include <fmt/core.h>
 
 #include "pcavr/core/json_text.hpp"
+#include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
+#include "pcavr/simulation/simulate.hpp"
 
 #include "commands.hpp"
 #include "link_arguments.hpp"
@@ -22,6 +24,8 @@ namespace {
 struct RobotSiteArguments {
   SiteArguments site;
   std::string authorized;
+  std::string plant;  ///< a case of pcavr simulate
+  std::uint64_t seed = 1;
   bool without_corrections = false;
   bool as_json = false;
 };
@@ -47,16 +51,18 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
   CommandResult result;
   const double cycles = static_cast<double>(std::max<std::size_t>(report.cycles, 1));
   result.summary = fmt::format(
-      "sessions {}, holds {}\ncommands {}, {} discarded\ncorrections {}, {} bytes of {} that "
+      "sessions {}, holds {}, emergency stops {}\ncommands {}, {} discarded\ncorrections {}, {} "
+      "bytes of {} that "
       "streaming would send, {} sent again\ncycles {}, {} late, {:.1f} us CPU each, {:.2f} ms at "
       "most with corrections\n",
-      report.sessions, report.holds, report.commands, report.discarded_commands,
-      report.corrections.size(), report.correction_bytes, report.streaming_bytes,
-      report.repeated_corrections, report.cycles, report.late_cycles, 1e6 * report.cpu / cycles,
-      1e3 * report.max_correction_time);
+      report.sessions, report.holds, report.emergency_stops, report.commands,
+      report.discarded_commands, report.corrections.size(), report.correction_bytes,
+      report.streaming_bytes, report.repeated_corrections, report.cycles, report.late_cycles,
+      1e6 * report.cpu / cycles, 1e3 * report.max_correction_time);
   for (const std::string& note : report.notes) result.summary += "  note: " + note + '\n';
   result.json = {{"sessions", report.sessions},
                  {"holds", report.holds},
+                 {"emergency_stops", report.emergency_stops},
                  {"commands", report.commands},
                  {"discarded_commands", report.discarded_commands},
                  {"invalid_messages", report.invalid_messages},
@@ -92,6 +98,59 @@ void announce(const LinkServer& server, const RobotInterface& robot,
   std::cout << std::flush;
 }
 
+/// The robot, and the world that it and the site know. The input must not move: the robot refers
+/// to it.
+struct SimulatedOrRecorded {
+  std::unique_ptr<TeleopInput> input;
+  std::unique_ptr<RobotInterface> robot;
+};
+
+Expected<SimulatedOrRecorded> read_recorded(const RobotSiteArguments& arguments,
+                                            const SceneManifest& scene,
+                                            const ReplayOptions& options,
+                                            const Configuration& configuration,
+                                            const Observer& observer) {
+  const Expected<Recording> recording =
+      read_with_warnings(arguments.site.recording, false, configuration, observer);
+  if (!recording) return recording.error();
+  Expected<TeleopInput> input = read_teleop_input(*recording, scene, options, observer);
+  if (!input) return input.error();
+  if (input->t_tool.size() < 2) {
+    return Error{.message = "the recording has no motion of the tool",
+                 .file = arguments.site.recording};
+  }
+  SimulatedOrRecorded source{std::make_unique<TeleopInput>(std::move(*input)), {}};
+  source.robot = make_recorded_robot(*source.input, options.teleop.pose.tracking_latency);
+  return source;
+}
+
+Expected<SimulatedOrRecorded> read_robot(const RobotSiteArguments& arguments,
+                                         const SceneManifest& scene, const ReplayOptions& options,
+                                         const Configuration& configuration,
+                                         const Observer& observer) {
+  if (!arguments.site.recording.empty()) {
+    return read_recorded(arguments, scene, options, configuration, observer);
+  }
+  const std::vector<SimulationCase>& cases = simulation_cases();
+  const auto chosen = std::find_if(cases.begin(), cases.end(), [&](const SimulationCase& one) {
+    return one.name == arguments.plant && one.task != ToolTask::none;
+  });
+  if (chosen == cases.end()) {
+    return Error{.message = arguments.plant.empty()
+                                ? "a robot is missing: --plant or --recording"
+                                : arguments.plant + " is not a case with a tool",
+                 .hint = "give --plant push, or another case of pcavr simulate with a tool"};
+  }
+  Expected<TeleopInput> input = read_teleop_world(scene, options, observer);
+  if (!input) return input.error();
+  SimulatedOrRecorded source{std::make_unique<TeleopInput>(std::move(*input)), {}};
+  Expected<std::unique_ptr<RobotInterface>> robot = make_plant_robot(
+      chosen->task, arguments.seed, *source.input, options.teleop.pose.tracking_latency);
+  if (!robot) return robot.error();
+  source.robot = std::move(*robot);
+  return source;
+}
+
 Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
                                    const Configuration& configuration, const Observer& observer) {
   Expected<LinkServer> server = open_server(arguments);
@@ -101,25 +160,19 @@ Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
   if (arguments.without_corrections) options->teleop.with_corrections = false;
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.site.scene);
   if (!scene) return scene.error();
-  const Expected<Recording> recording =
-      read_with_warnings(arguments.site.recording, false, configuration, observer);
-  if (!recording) return recording.error();
-  const Expected<TeleopInput> input = read_teleop_input(*recording, *scene, *options, observer);
-  if (!input) return input.error();
-  if (input->t_tool.size() < 2) {
-    return Error{.message = "the recording has no motion of the tool",
-                 .file = arguments.site.recording};
-  }
-  Expected<LiveRobotSite> site =
-      LiveRobotSite::create(*input, options->teleop, input->t_tool.front());
+  const Expected<SimulatedOrRecorded> source =
+      read_robot(arguments, *scene, *options, configuration, observer);
+  if (!source) return source.error();
+  const TeleopInput& input = *source->input;
+  RobotInterface* const robot = source->robot.get();
+  const double start = input.t_tool.empty() ? 0.0 : input.t_tool.front();
+  Expected<LiveRobotSite> site = LiveRobotSite::create(input, options->teleop, start);
   if (!site) return site.error();
-  const std::unique_ptr<RobotInterface> robot =
-      make_recorded_robot(*input, options->teleop.pose.tracking_latency);
   const std::atomic<bool>& stop = stop_on_signals();
   announce(*server, *robot, arguments);
   const Expected<RobotSiteReport> report =
-      run_robot_site(*server, *robot, *site, site_scene_of(*scene, *input),
-                     configuration.robot_site, observer, stop);
+      run_robot_site(*server, *robot, *site, site_scene_of(*scene, input), configuration.robot_site,
+                     observer, stop);
   if (!report) return report.error();
   return describe_robot_site(*report);
 }
@@ -130,14 +183,20 @@ void add_robot_site(CLI::App& app, Configuration& configuration, Action& action)
   CLI::App* command = app.add_subcommand(
       "robot-site", "Run the robot's site: measure, identify, and correct the operator's world");
   command->footer(
-      "Example:\n  pcavr robot-site my_scene --recording my_recording --key robot.key "
+      "Example:\n  pcavr robot-site my_scene --plant push --seed 1 --key robot.key "
       "--authorized operators --host 0.0.0.0");
   auto arguments = std::make_shared<RobotSiteArguments>();
   add_site_options(*command, arguments->site);
+  CLI::Option* recording =
+      command->add_option("--recording", arguments->site.recording,
+                          "Play this recording in real time in place of a robot");
   command
-      ->add_option("--recording", arguments->site.recording,
-                   "Play this recording in real time in place of a robot")
-      ->required();
+      ->add_option("--plant", arguments->plant,
+                   "Simulate a robot in real time that follows the commands: the case of pcavr "
+                   "simulate that the scene was made from")
+      ->excludes(recording);
+  add_seed(*command, arguments->seed, "Seed of the plant, as given to pcavr simulate")
+      ->capture_default_str();
   command->add_option("--tracked", arguments->site.tracked,
                       "Run whose tracking is used instead of tracking again");
   command->add_option("--host", arguments->site.host, "Address to listen on")

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
-#include <iostream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -9,19 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/core.h>
-
 #include "pcavr/arm/identified_arm.hpp"
-#include "pcavr/core/json_text.hpp"
 #include "pcavr/devices/open_device.hpp"
-#include "pcavr/devices/remote_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recording/recording.hpp"
-#include "pcavr/serve/certificate.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/replay_content.hpp"
-#include "pcavr/serve/scene_arm.hpp"
 #include "pcavr/serve/scene_content.hpp"
 #include "pcavr/serve/scene_world.hpp"
 #include "pcavr/serve/server.hpp"
@@ -29,36 +21,22 @@
 #include "commands.hpp"
 #include "damping_option.hpp"
 #include "number_option.hpp"
-#include "startup_message.hpp"
+#include "page_server.hpp"
 
 namespace pcavr::app {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr char kPageDevice[] = "page";
-/// Of the device's force.
-constexpr double kMaxWeightShare = 0.5;
 constexpr InputRange kTimeScale{"time scale", 0.1, 1.0, "", "slower: nothing seems to move"};
 
 struct ServeArguments {
   std::string scene;
   std::string recording;
   std::string tracked;
-  std::string parameters;
   std::string damping_law;  ///< empty: the file's damping
-  std::string page;
-  std::string device = kPageDevice;
-  std::string certificate;
-  std::string key;
-  std::string identified;  ///< report of identify robot
+  std::string identified;   ///< report of identify robot
   bool is_torque_driven = false;
-  bool with_tls = false;
-  double tool_radius = 0.0;  ///< [m]; 0: not given
-  double max_force = 0.0;    ///< [N]; 0: not given
-  double time_scale = 0.0;   ///< 0: not given
-  ServerOptions server;      ///< the configuration's, completed by what serve finds
-  bool as_json = false;
+  double time_scale = 0.0;  ///< 0: not given
+  PageArguments page;
 };
 
 /// The inputs, read before anything is served.
@@ -88,40 +66,15 @@ class ServedContent final : public ContentSource {
   std::optional<ReplayContent> replay_;
 };
 
-/// Next to the executable in the build tree, or in the installation.
-Expected<fs::path> find_page() {
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const fs::path& candidate :
-       {folder / "../viewer", folder / "../viewer/dist", folder / "../share/pcavr/viewer",
-        fs::path(PCAVR_SOURCE_PAGE)}) {
-    if (fs::exists(candidate / "index.html", ignored)) return candidate;
-  }
-  return Error{
-      .message = "the web page is not built",
-      .hint = "run npm ci && npm run build in apps/viewer, or give its folder with --page"};
-}
-
-Expected<std::optional<TlsFiles>> tls_files(const ServeArguments& arguments) {
-  if (arguments.certificate.empty() != arguments.key.empty()) {
-    return Error{.message = "--certificate and --key must be given together"};
-  }
-  if (!arguments.key.empty()) return std::optional(TlsFiles{arguments.certificate, arguments.key});
-  if (!arguments.with_tls) return std::optional<TlsFiles>();
-  Expected<TlsFiles> own = load_or_create_certificate(data_folder());
-  if (!own) return own.error();
-  return std::optional(std::move(*own));
-}
-
 Expected<ServeInputs> read_inputs(const ServeArguments& arguments,
                                   const Configuration& configuration, const Observer& observer) {
   Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
   ServeInputs inputs{std::move(*scene), {}, {}};
-  if (!arguments.parameters.empty()) {
+  if (!arguments.page.parameters.empty()) {
     std::vector<std::string> notes;
     Expected<ParameterTable> parameters =
-        read_parameters_with_damping(arguments.parameters, arguments.damping_law, notes);
+        read_parameters_with_damping(arguments.page.parameters, arguments.damping_law, notes);
     if (!parameters) return parameters.error();
     for (const std::string& note : notes) observer.on_warning(note);
     inputs.parameters = std::move(*parameters);
@@ -145,7 +98,7 @@ Expected<ServedContent> make_content(const ServeInputs& inputs, const ServeArgum
   options.perception = configuration.perception();
   options.teleop = configuration.teleop;
   options.parameters = inputs.parameters;
-  options.parameters_file = arguments.parameters;
+  options.parameters_file = arguments.page.parameters;
   if (!arguments.tracked.empty()) options.tracked = arguments.tracked;
   const Expected<Replay> replay =
       replay_recording(*inputs.recording, inputs.scene, options, observer);
@@ -154,42 +107,6 @@ Expected<ServedContent> make_content(const ServeInputs& inputs, const ServeArgum
                                                         observer, configuration.content);
   if (!shown) return shown.error();
   return ServedContent(std::move(*scene), std::move(*shown));
-}
-
-Expected<SceneWorld> make_world(const ServeInputs& inputs, const ServeArguments& arguments,
-                                const Configuration& configuration, const Observer& observer) {
-  SceneWorldOptions options = configuration.serve;
-  options.world = configuration.teleop.world;
-  options.unknown_objects = configuration.teleop.unknown_objects;
-  options.parameters = inputs.parameters;
-  options.parameters_file = arguments.parameters;
-  if (inputs.recording) {
-    options.tool_radius = inputs.recording->manifest.tool_radius.value_or(options.tool_radius);
-  }
-  if (arguments.tool_radius > 0.0) options.tool_radius = arguments.tool_radius;
-  if (arguments.device == kPageDevice) options.force.max_force = options.max_shown_force;
-  if (arguments.max_force > 0.0) options.force.max_force = arguments.max_force;
-  const double weight = configuration.live.tool.weight();
-  if (arguments.device != kPageDevice) {
-    if (weight > kMaxWeightShare * options.force.max_force) {
-      return Error{.message = fmt::format("the tool's weight of {:.3g} N leaves too little of the "
-                                          "device's {:.3g} N for contacts",
-                                          weight, options.force.max_force),
-                   .place = "serve.tool.mass",
-                   .hint = "give a lighter tool, or the device's force with --max-force"};
-    }
-    options.force.max_force -= weight;
-  }
-  Expected<SceneWorld> world = make_scene_world(inputs.scene, options);
-  if (!world) return world;
-  for (const std::string& note : world->notes) observer.on_warning(note);
-  for (const AssumedParameters& body : world->assumed) {
-    if (body.names.empty()) continue;
-    std::string line = body.object + ": using defaults for:";
-    for (const std::string& name : body.names) line += ' ' + name;
-    observer.on_warning(line);
-  }
-  return world;
 }
 
 /// With --torque-driven or --identified.
@@ -215,85 +132,44 @@ Expected<void> drive_if_requested(const SceneArm& arm, const ServeArguments& arg
   return {};
 }
 
-Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
-                                               const SceneWorld& scene,
-                                               const ServeArguments& arguments,
-                                               const Configuration& configuration) {
-  const std::string& device_name = arguments.device;
-  Expected<HapticWorld> haptic = HapticWorld::create(scene.model);
-  if (!haptic) return haptic.error();
-  RemoteDeviceOptions page = configuration.page;
-  page.name = kPageDevice;
-  std::unique_ptr<Device> device = std::make_unique<RemoteDevice>(page);
-  if (device_name != kPageDevice) {
-    Expected<std::unique_ptr<Device>> opened = open_device(device_name, configuration.devices);
-    if (!opened) return opened.error();
-    device = std::move(*opened);
-  }
+/// Null where the scene has no arm.
+Expected<std::unique_ptr<LiveArm>> make_served_arm(const SceneManifest& manifest,
+                                                   const SceneWorld& scene,
+                                                   const ServeArguments& arguments,
+                                                   const Configuration& configuration) {
   const Expected<std::optional<SceneArm>> arm = read_scene_arm(manifest);
   if (!arm) return arm.error();
-  std::unique_ptr<LiveArm> live_arm;
-  if (*arm) {
-    live_arm = std::make_unique<LiveArm>(make_live_arm(**arm, scene, configuration.arm));
-    const Expected<void> driven = drive_if_requested(**arm, arguments, configuration, *live_arm);
-    if (!driven) return driven.error();
-  } else if (arguments.is_torque_driven || !arguments.identified.empty()) {
+  if (!*arm) {
+    if (!arguments.is_torque_driven && arguments.identified.empty()) {
+      return std::unique_ptr<LiveArm>();
+    }
     return Error{.message = "has no arm to drive by torques",
                  .file = arguments.scene,
                  .hint = "omit --torque-driven and --identified"};
   }
+  auto live = std::make_unique<LiveArm>(make_live_arm(**arm, scene, configuration.arm));
+  const Expected<void> driven = drive_if_requested(**arm, arguments, configuration, *live);
+  if (!driven) return driven.error();
+  return live;
+}
+
+Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
+                                               const SceneWorld& scene,
+                                               const ServeArguments& arguments,
+                                               const Configuration& configuration) {
+  Expected<HapticWorld> haptic = HapticWorld::create(scene.model);
+  if (!haptic) return haptic.error();
+  Expected<std::unique_ptr<Device>> device = make_device(arguments.page, configuration);
+  if (!device) return device.error();
+  Expected<std::unique_ptr<LiveArm>> arm =
+      make_served_arm(manifest, scene, arguments, configuration);
+  if (!arm) return arm.error();
   LiveWorldOptions options = configuration.live;
   options.p_base_tool_start = scene.p_base_tool_start;
   options.full_scale_force = scene.full_scale_force;
   if (arguments.time_scale > 0.0) options.time_scale = arguments.time_scale;
-  return std::make_unique<LiveWorld>(std::move(*haptic), std::move(device), options,
-                                     std::move(live_arm));
-}
-
-bool is_ipv6(const std::string& host) { return host.find(':') != std::string::npos; }
-
-/// All interfaces.
-bool is_wildcard(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
-
-/// The server's URLs; one for each of the machine's addresses where it listens on all interfaces.
-std::vector<std::string> addresses_of(const LiveServer& server, const ServerOptions& options) {
-  std::vector<std::string> hosts{options.host};
-  if (is_wildcard(options.host)) hosts = machine_addresses();
-  if (options.host == "0.0.0.0") std::erase_if(hosts, is_ipv6);
-  if (hosts.empty()) hosts.emplace_back("localhost");
-  std::vector<std::string> addresses;
-  addresses.reserve(hosts.size());
-  for (const std::string& host : hosts) {
-    addresses.push_back((options.tls ? "https://" : "http://") +
-                        (is_ipv6(host) ? '[' + host + ']' : host) + ':' +
-                        std::to_string(server.port()) + '/');
-  }
-  return addresses;
-}
-
-Expected<void> print_startup_message(const LiveServer& server, const LiveWorld& world,
-                                     const ServeArguments& arguments, std::size_t triangles) {
-  StartupInfo info{
-      .addresses = addresses_of(server, arguments.server),
-      .port = server.port(),
-      .scene = arguments.server.scene,
-      .mode = arguments.server.is_replay ? "replay" : "live",
-      .device = std::string(world.device_name()),
-      .objects = world.names(),
-      .triangles = triangles,
-      .code = server.pairing_code(),
-      .is_local = server.pairing_code().empty(),
-      .is_at_localhost = server.pairing_code().empty() || is_wildcard(arguments.server.host),
-      .is_tls = arguments.server.tls.has_value()};
-  if (arguments.server.tls) {
-    const Expected<CertificateInfo> certificate =
-        read_certificate(arguments.server.tls->certificate);
-    if (!certificate) return certificate.error();
-    info.fingerprint = certificate->fingerprint;
-  }
-  std::cout << (arguments.as_json ? json_text(startup_json(info)) + '\n' : startup_message(info))
-            << std::flush;
-  return {};
+  return std::make_unique<LiveWorld>(std::move(*haptic), std::move(*device), options,
+                                     std::move(*arm));
 }
 
 Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArguments& arguments,
@@ -301,7 +177,7 @@ Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArg
   const Expected<std::vector<std::string>> notes = world.start();
   if (!notes) return notes.error();
   for (const std::string& note : *notes) observer.on_warning(note);
-  const Expected<void> printed = print_startup_message(server, world, arguments, triangles);
+  const Expected<void> printed = print_startup_message(server, world, arguments.page, triangles);
   if (!printed) return printed.error();
   server.run();
   world.stop();
@@ -318,25 +194,18 @@ Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArg
 
 Expected<CommandResult> serve(ServeArguments arguments, const Configuration& configuration,
                               const Observer& observer) {
-  arguments.server = configuration.network;
-  Expected<std::optional<TlsFiles>> tls = tls_files(arguments);
-  if (!tls) return tls.error();
-  const Expected<fs::path> page =
-      arguments.page.empty() ? find_page() : Expected<fs::path>(arguments.page);
-  if (!page) return page.error();
-  ServerOptions& options = arguments.server;
-  options.tls = std::move(*tls);
-  options.page = *page;
-  options.version = PCAVR_VERSION;
+  ServerOptions& options = arguments.page.server;
   options.is_replay = !arguments.recording.empty();
-  options.ends_on_signals = true;
   // Before the long work.
-  const Expected<void> possible = check_server(options);
+  const Expected<void> possible = prepare_server(arguments.page, configuration);
   if (!possible) return possible.error();
   const Expected<ServeInputs> inputs = read_inputs(arguments, configuration, observer);
   if (!inputs) return inputs.error();
   options.scene = scene_name(inputs->scene);
-  Expected<SceneWorld> scene = make_world(*inputs, arguments, configuration, observer);
+  std::optional<double> tool_radius;
+  if (inputs->recording) tool_radius = inputs->recording->manifest.tool_radius;
+  Expected<SceneWorld> scene = make_page_world(inputs->scene, inputs->parameters, tool_radius,
+                                               arguments.page, configuration, observer);
   if (!scene) return scene.error();
   options.tool_radius = scene->model.world.tool_radius;
   Expected<std::unique_ptr<LiveWorld>> world =
@@ -349,7 +218,7 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
   return run(*server, **world, arguments, scene->triangles, observer);
 }
 
-void add_network_options(CLI::App& command, ServerOptions& network, ServeArguments& arguments) {
+void add_network_options(CLI::App& command, ServerOptions& network, PageArguments& arguments) {
   add_whole<std::uint16_t>(command, "--port", network.port, 0,
                            std::numeric_limits<std::uint16_t>::max(), "TCP port; 0: any free port")
       ->capture_default_str();
@@ -386,17 +255,18 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
       ->add_option("--tracked", arguments->tracked,
                    "Run whose tracking the replay uses instead of tracking again")
       ->needs("--replay");
-  command->add_option("--parameters", arguments->parameters, "Parameter file from pcavr identify");
+  command->add_option("--parameters", arguments->page.parameters,
+                      "Parameter file from pcavr identify");
   add_damping_law(*command, arguments->damping_law, "--parameters");
-  add_network_options(*command, configuration.network, *arguments);
+  add_network_options(*command, configuration.network, arguments->page);
   command
       ->add_option(
-          "--device", arguments->device,
+          "--device", arguments->page.device,
           "Haptic or input device that moves the tool: page, " + std::string(kDeviceChoices))
       ->capture_default_str();
-  add_number(*command, "--tool-radius", arguments->tool_radius, ranges::kToolRadius,
+  add_number(*command, "--tool-radius", arguments->page.tool_radius, ranges::kToolRadius,
              "Radius of the spherical tool tip [m]; default: the replay's, or 0.01");
-  add_number(*command, "--max-force", arguments->max_force, ranges::kHandForce,
+  add_number(*command, "--max-force", arguments->page.max_force, ranges::kHandForce,
              "Limit of the rendered force [N]; default: 5 for a device, 100 for the page");
   command->add_flag("--torque-driven", arguments->is_torque_driven,
                     "The scene's arm moves by its own dynamics, and its tip is the tool: the hand "
@@ -408,7 +278,7 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
   add_number(*command, "--time-scale", arguments->time_scale, kTimeScale,
              "Simulated over real time, 0.1 to 1; default: 1");
   command->callback([arguments, &configuration, &action, &app] {
-    arguments->as_json = app.get_option("--json")->count() > 0;
+    arguments->page.as_json = app.get_option("--json")->count() > 0;
     action = [arguments, &configuration](const Observer& observer) {
       return serve(*arguments, configuration, observer);
     };

@@ -15,7 +15,8 @@ std::string headset_instructions(const StartupInfo& info) {
   const std::string scheme = info.is_tls ? "https" : "http";
   std::string text = "to connect a headset's browser, use one of\n";
   if (info.is_local) {
-    text += "  network    restart with --host 0.0.0.0 --tls, then type the code shown\n";
+    text += "  network    restart with " + info.host_option +
+            " 0.0.0.0 --tls, then type the code shown\n";
   } else {
     text += "  network    open " + info.addresses.front() +
             " there, accept the certificate, type the code\n";
@@ -24,9 +25,12 @@ std::string headset_instructions(const StartupInfo& info) {
     text += "  cable      adb reverse tcp:" + port + " tcp:" + port + ", then " + scheme +
             "://localhost:" + port + "/ there\n";
   } else {
-    text += "  cable      restart without --host, then follow the instructions shown\n";
+    text += "  cable      restart without " + info.host_option +
+            ", then follow the instructions shown\n";
   }
-  text += "  your own   --host ADDRESS --certificate FILE --key FILE, both PEM\n";
+  if (info.takes_certificate) {
+    text += "  your own   --host ADDRESS --certificate FILE --key FILE, both PEM\n";
+  }
   return text;
 }
 

@@ -10,7 +10,7 @@
 
 namespace pcavr::app {
 
-/// What `pcavr serve` prints once the server accepts connections.
+/// What `pcavr serve` and `pcavr operator-site` print once the server accepts connections.
 struct StartupInfo {
   std::vector<std::string> addresses;  ///< "http://127.0.0.1:8080/", the preferred one first
   std::uint16_t port = 0;
@@ -24,6 +24,8 @@ struct StartupInfo {
   bool is_local = true;          ///< reachable from this machine only
   bool is_at_localhost = true;   ///< listens on localhost, which adb reverse forwards to
   bool is_tls = false;
+  std::string host_option = "--host";
+  bool takes_certificate = true;  ///< --certificate and --key
 };
 
 /// Human-readable, with the three ways to connect a headset.

@@ -39,6 +39,30 @@ constexpr double kMaxTipCoordinate = 1e3;
 /// squeeze it.
 constexpr int kMaxOverlapIterations = 12;
 
+/// Bodies of the haptic world's own.
+class OwnBodies final : public PushedBodies {
+ public:
+  explicit OwnBodies(PredictedWorld world) : world_(std::move(world)) {}
+
+  [[nodiscard]] std::size_t size() const override { return world_.size(); }
+  [[nodiscard]] const std::string& name(std::size_t body) const override {
+    return world_.name(body);
+  }
+  [[nodiscard]] const std::vector<BodyState>& state() const override { return world_.state(); }
+  [[nodiscard]] Pose T_base_object(std::size_t body) const override {
+    return world_.T_base_object(body);
+  }
+  void set_state(const std::vector<BodyState>& state) override { world_.set_state(state); }
+  void step(const Eigen::Vector3d& p_base_before, const Eigen::Vector3d& p_base_tip,
+            double dt) noexcept override {
+    world_.step(p_base_before, p_base_tip, dt);
+  }
+  void rest(const Eigen::Vector3d&, double dt) noexcept override { world_.step(dt); }
+
+ private:
+  PredictedWorld world_;
+};
+
 bool is_valid_tip(const Eigen::Vector3d& p) noexcept {
   return (p.array().abs() <= kMaxTipCoordinate).all();
 }
@@ -59,7 +83,7 @@ struct HapticWorld::Content {
     std::optional<detail::FallingBody> fall;
   };
 
-  Content(const HapticWorldModel& model, PredictedWorld predicted);
+  Content(const HapticWorldModel& model, std::unique_ptr<PushedBodies> pushed);
 
   void reset(const Eigen::Vector3d& tip) noexcept;
   void step(const ToolCommand& command, double dt) noexcept;
@@ -89,7 +113,7 @@ struct HapticWorld::Content {
   void publish_bodies() noexcept;
 
  public:
-  PredictedWorld world;
+  std::unique_ptr<PushedBodies> world;
   std::vector<BodyState> start;
   std::vector<BodyState> work;  ///< buffer, so that removing a body does not allocate
   detail::Supports supports;
@@ -118,9 +142,9 @@ struct HapticWorld::Content {
       Eigen::Vector3d::Zero();  ///< [m] the proxy's centre among static surfaces only
 };
 
-HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld predicted)
-    : world(std::move(predicted)),
-      start(world.state()),
+HapticWorld::Content::Content(const HapticWorldModel& model, std::unique_ptr<PushedBodies> pushed)
+    : world(std::move(pushed)),
+      start(world->state()),
       work(start),
       supports(model.supports_base, model.options.support_height_tolerance),
       floor(model.world.static_mesh_base, model.supports_base,
@@ -155,8 +179,8 @@ HapticWorld::Content::Content(const HapticWorldModel& model, PredictedWorld pred
     added.max_penetration = std::min(
         penetration_at_max, proxy.radius() + kMaxThicknessShare * added.shape.min_thickness);
     const Eigen::Vector3d centre = body.T_base_object * added.shape.centre_of_mass;
-    added.has_support =
-        body.is_movable && supports.is_supported(centre.head<2>(), added.shape.bottom);
+    added.has_support = world->can_set_state() && body.is_movable &&
+                        supports.is_supported(centre.head<2>(), added.shape.bottom);
     const Eigen::Vector3d bounding_centre = body.T_base_object * added.shape.bounding_centre;
     top = std::max(top, bounding_centre.z() + added.shape.bounding_radius);
   }
@@ -193,11 +217,11 @@ bool HapticWorld::Content::is_collision_free(const Eigen::Vector3d& centre) cons
 }
 
 void HapticWorld::Content::reset(const Eigen::Vector3d& wanted_tip) noexcept {
-  world.set_state(start);
+  world->set_state(start);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     bodies[i].fall.reset();
     bodies[i].is_under_tool = false;
-    bodies[i].T_base_object = world.T_base_object(i);
+    bodies[i].T_base_object = world->T_base_object(i);
     proxy.set_pose(kFirstBody + i, bodies[i].T_base_object);
   }
   is_placed = is_valid_tip(wanted_tip);
@@ -332,24 +356,24 @@ void HapticWorld::Content::start_falling(std::size_t i) noexcept {
   const Eigen::Vector3d centre = body.T_base_object * body.shape.centre_of_mass;
   const auto edge = supports.nearest_edge(centre.head<2>(), body.shape.bottom);
   if (!edge) return;
-  const BodyState& latest = world.state()[i];
+  const BodyState& latest = world->state()[i];
   body.fall.emplace(detail::FallingBody::Start{
       body.T_base_object, body.shape.centre_of_mass, latest.planar.twist.head<2>(),
       body.shape.gyration_radius, *edge, options.max_tilt, options.max_fall_height,
       body.shape.surface.bounds()});
   body.is_under_tool = false;
   proxy.remove(kFirstBody + i);
-  std::copy(world.state().begin(), world.state().end(), work.begin());
+  std::copy(world->state().begin(), world->state().end(), work.begin());
   work[i] = BodyState{};
   work[i].is_present = false;
-  world.set_state(work);
+  world->set_state(work);
 }
 
 void HapticWorld::Content::move_bodies(double dt) noexcept {
   if (tip) {
-    world.step(*tip_before, *tip, dt);
+    world->step(*tip_before, *tip, dt);
   } else {
-    world.step(dt);
+    world->rest(proxy.centre(), dt);
   }
   body_displacement = 0.0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -360,9 +384,9 @@ void HapticWorld::Content::move_bodies(double dt) noexcept {
       continue;
     }
     const Pose T_before = body.T_base_object;
-    body.T_base_object = world.T_base_object(i);
+    body.T_base_object = world->T_base_object(i);
     proxy.set_pose(kFirstBody + i, body.T_base_object);
-    const Eigen::Vector2d centre = world.state()[i].planar.position;
+    const Eigen::Vector2d centre = world->state()[i].planar.position;
     if (body.has_support && !supports.is_supported(centre, body.shape.bottom)) start_falling(i);
     if (body.is_under_tool) {
       const Eigen::Vector3d moved_centre =
@@ -397,7 +421,7 @@ void HapticWorld::Content::compute_force(const Eigen::Vector3d& device, double d
   Eigen::Vector3d out = Eigen::Vector3d::Zero();
   state.touched_body.reset();
   for (std::size_t i = 0; i < bodies.size() && state.is_engaged; ++i) {
-    const Eigen::Vector3d& tool_force = world.state()[i].tool_force_base;
+    const Eigen::Vector3d& tool_force = world->state()[i].tool_force_base;
     body_force -= tool_force;
     if (bodies[i].contact_mass > 0.0) {
       body_force -= inertial_force(acceleration.value(), tool_force, bodies[i].contact_mass);
@@ -418,9 +442,9 @@ void HapticWorld::Content::compute_force(const Eigen::Vector3d& device, double d
 
 void HapticWorld::Content::publish_bodies() noexcept {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const BodyState& latest = world.state()[i];
+    const BodyState& latest = world->state()[i];
     HapticBodyState& published = state.bodies[i];
-    published.T_base_object = bodies[i].T_base_object;
+    published.T_base_object = bodies[i].fall ? bodies[i].T_base_object : world->shown(i);
     published.tool_force_base = latest.tool_force_base;
     published.phase = latest.phase;
     published.is_outside_model = bodies[i].fall.has_value();
@@ -457,19 +481,25 @@ HapticWorld& HapticWorld::operator=(HapticWorld&&) noexcept = default;
 HapticWorld::~HapticWorld() = default;
 
 Expected<HapticWorld> HapticWorld::create(const HapticWorldModel& model) {
+  auto predicted = PredictedWorld::create(model.world);
+  if (!predicted) return predicted.error();
+  return create(model, std::make_unique<OwnBodies>(std::move(predicted).value()));
+}
+
+Expected<HapticWorld> HapticWorld::create(const HapticWorldModel& model,
+                                          std::unique_ptr<PushedBodies> bodies) {
   const HapticWorldOptions& options = model.options;
   PCAVR_REQUIRE(std::isfinite(options.scan_friction) && options.scan_friction >= 0.0,
                 options.scan_friction);
   PCAVR_REQUIRE(options.max_penetration_speed > 0.0 && options.catch_up_speed >= 0.0);
   PCAVR_REQUIRE(options.max_push_force > 0.0 && options.max_push_ratio > 0.0);
   PCAVR_REQUIRE(options.acceleration_time > 0.0, options.acceleration_time);
-  auto predicted = PredictedWorld::create(model.world);
-  if (!predicted) return predicted.error();
-  return HapticWorld(std::make_unique<Content>(model, std::move(predicted).value()));
+  PCAVR_REQUIRE(bodies != nullptr && bodies->size() == model.world.bodies.size());
+  return HapticWorld(std::make_unique<Content>(model, std::move(bodies)));
 }
 
 std::size_t HapticWorld::size() const { return content_->bodies.size(); }
-const std::string& HapticWorld::name(std::size_t body) const { return content_->world.name(body); }
+const std::string& HapticWorld::name(std::size_t body) const { return content_->world->name(body); }
 void HapticWorld::reset(const Eigen::Vector3d& p_base_tip) noexcept { content_->reset(p_base_tip); }
 void HapticWorld::step(const ToolCommand& command, double dt) noexcept {
   content_->step(command, dt);

@@ -36,7 +36,7 @@ bool CommandBuffer::add(LinkCommand command, double now) {
   const auto max_waiting = static_cast<std::size_t>(options_.max_lead / kMinCycle);
   if (lead < -options_.max_age || lead > options_.max_lead || is_superseded ||
       waiting_.size() >= max_waiting ||
-      !waiting_.try_emplace(command.t, std::move(command)).second) {
+      !waiting_.try_emplace(command.t, Waiting{std::move(command), now}).second) {
     ++discarded_;
     return false;
   }
@@ -52,7 +52,8 @@ std::vector<LinkCommand> CommandBuffer::take_due(double now) {
     if (next.key() < now - options_.max_age) {
       ++discarded_;  // waited in vain: this site was not running
     } else {
-      due.push_back(std::move(next.mapped()));
+      last_arrival_ = next.mapped().arrival;
+      due.push_back(std::move(next.mapped().command));
     }
   }
   return due;

@@ -247,6 +247,8 @@ void write_content(const LinkState& state, ByteWriter& writer) {
       (state.is_engaged ? 1U : 0U) | (state.is_on_hold ? 2U : 0U) | (state.is_stopped ? 4U : 0U);
   writer.f64(state.t);
   writer.f64(state.executed);
+  writer.f64(state.received);
+  writer.f64(state.applied);
   writer.f32(state.lead);
   writer.integer(state.limits);
   writer.integer(static_cast<std::uint32_t>(flags));
@@ -263,6 +265,8 @@ void write_content(const LinkState& state, ByteWriter& writer) {
 void read_content(LinkReader& reader, LinkState& state) {
   state.t = reader.f64();
   state.executed = reader.f64();
+  state.received = reader.f64();
+  state.applied = reader.f64();
   state.lead = reader.f32();
   state.limits = reader.at_most<std::uint32_t>(kKnownLimits, "limits");
   const auto flags = reader.at_most<std::uint32_t>(7, "flags");

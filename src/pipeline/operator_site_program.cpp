@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <optional>
 #include <random>
 #include <utility>
@@ -42,6 +44,9 @@ constexpr double kFirstPingInterval = 0.01;  // [s] until the first command
 constexpr double kPingInterval = 0.1;        // [s]
 constexpr std::size_t kMinRoundTrips = 10;
 constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
+constexpr double kRequestInterval =
+    0.02;  // [s] until a stop or a hold is seen in the robot's state
+constexpr double kPreparationMargin = 1.5;  // of the time that the last preparation took
 constexpr double kDelayVariations = 4.0;
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
@@ -58,15 +63,15 @@ std::uint32_t new_session() {
 
 class OperatorSiteLoop {
  public:
-  OperatorSiteLoop(LinkClient& client, const TeleopInput& world, const TeleopOptions& teleop,
-                   const SiteScene& scene, RecordedCommand command,
+  OperatorSiteLoop(LinkClient& client, OperatorInterface& person, const TeleopInput& world,
+                   const TeleopOptions& teleop, const SiteScene& scene,
                    const OperatorSiteOptions& options, const SimulatedNetwork& network,
                    const Observer& observer)
       : client_(client),
+        person_(person),
         world_(world),
         teleop_(teleop),
         scene_(scene),
-        command_(std::move(command)),
         options_(options),
         observer_(observer),
         forward_(network.forward, Random(network.seed).fork(2)),
@@ -82,6 +87,8 @@ class OperatorSiteLoop {
       wait_until(site_ ? std::min(local_time_of(next_cycle_), idle) : idle);
       const double now = clock_.now();
       check_link(now);
+      if (!site_) person_.wait(link_at(now));
+      request(now);
       if (site_ && now < local_time_of(next_cycle_)) {
         ping(now, kFirstPingInterval);
       } else if (site_) {
@@ -178,13 +185,66 @@ class OperatorSiteLoop {
     } else if (auto* correction = std::get_if<LinkCorrection>(&message->content)) {
       if (!corrections_.accept(std::move(*correction))) ++report_.repeated_corrections;
     } else if (auto* state = std::get_if<LinkState>(&message->content)) {
-      if (!state_ || state->t > state_->t) state_ = std::move(*state);
+      on_state(message->header, std::move(*state), now);
     }
+  }
+
+  void on_state(const LinkHeader& header, LinkState state, double now) {
+    if (header.sequence <= state_sequence_) return;  // overtaken
+    state_sequence_ = header.sequence;
+    state_ = std::move(state);
+    if (!shared_clock_.is_known()) return;
+    const std::optional<SentCommands::Sent> sent = sent_.find(state_->executed);
+    if (!sent) return;
+    const auto local = [this](double shared) {
+      return clock_.monotonic(shared_clock_.local_at(shared));
+    };
+    delays_ = DelayStamps{sent->device_clock,      clock_.monotonic(sent->sent),
+                          local(state_->received), local(state_->applied),
+                          local(state_->t),        local(header.clock),
+                          clock_.monotonic(now)};
+    report_.delays.add(*delays_);
+  }
+
+  [[nodiscard]] OperatorLink link_at(double now) const {
+    return {.now = clock_.monotonic(now),
+            .is_connected = site_.has_value(),
+            .silence = now - last_received_,
+            .lead = lead_,
+            .round_trip = shared_clock_.is_known() ? shared_clock_.min_delay() : 0.0,
+            .clock_std = shared_clock_.is_known() ? shared_clock_.std() : 0.0,
+            .robot = state_ ? &*state_ : nullptr,
+            .delays = delays_};
+  }
+
+  /// Stops and holds are repeated until the robot's state agrees. A release or a resume that was
+  /// not confirmed is not carried into another session: there it has to be wanted anew.
+  void request(double now) {
+    const OperatorRequests wanted = person_.take_requests();
+    if (wanted.is_stopped) wanted_.is_stopped = wanted.is_stopped;
+    if (wanted.is_on_hold) wanted_.is_on_hold = wanted.is_on_hold;
+    if (wanted.is_stopped || wanted.is_on_hold) next_request_ = now;
+    if (!welcome_) drop_releases();
+    if (!welcome_ || now < next_request_) return;
+    next_request_ = now + kRequestInterval;
+    if (state_ && wanted_.is_stopped == state_->is_stopped) wanted_.is_stopped.reset();
+    if (state_ && wanted_.is_on_hold == state_->is_on_hold) wanted_.is_on_hold.reset();
+    if (wanted_.is_stopped) {
+      send(*wanted_.is_stopped ? LinkStop::emergency_stop : LinkStop::reset);
+    }
+    if (wanted_.is_on_hold) send(*wanted_.is_on_hold ? LinkStop::hold : LinkStop::resume);
+  }
+
+  void drop_releases() {
+    if (wanted_.is_stopped == false) wanted_.is_stopped.reset();
+    if (wanted_.is_on_hold == false) wanted_.is_on_hold.reset();
   }
 
   void on_reject(const LinkReject& rejected) {
     if (rejected.reason == LinkRejection::ended) {
-      is_done_ = true;
+      // Without an end of its own, this site waits for the robot's to be started again.
+      is_done_ = person_.cycles().has_value();
+      if (!is_done_ && welcome_) lose(clock_.now(), "the robot's site has ended");
       return;
     }
     if (rejected.reason == LinkRejection::busy) {
@@ -202,6 +262,11 @@ class OperatorSiteLoop {
       fault_ = Error{.message = "the robot's site has another scene: " + welcome.scene +
                                 ", with other objects than " + scene_.name,
                      .hint = "give both sites the same scene"};
+      return;
+    }
+    if (person_.needs_follower() && !welcome.follows_commands) {
+      fault_ = Error{.message = "the robot's site plays a recording, which follows no commands",
+                     .hint = "start it with --plant, or give this site --trace"};
       return;
     }
     welcome_ = std::move(welcome);
@@ -243,36 +308,20 @@ class OperatorSiteLoop {
   }
 
   /// The world as the scene describes it; the robot's site then sends what differs.
+  /// It takes as long as a session lasts without messages, so it is made while round trips go on.
   void begin(double now) {
-    has_connected_ = true;
-    const double lead = 0.5 * shared_clock_.mean_delay() +
-                        kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
-    report_.lead = lead;
-    // Time of the recorded motion: the scene's, or since the first session.
-    if (!trace_zero_) {
-      trace_zero_ = welcome_->follows_commands ? shared_clock_.shared_at(now) - welcome_->start -
-                                                     command_.start() + kIdleWait
-                                               : 0.0;
-    }
-    const double scene_now = shared_clock_.shared_at(now) - welcome_->start + lead;
-    const double step = teleop_.predictor.step;
-    const double passed = (scene_now - *trace_zero_ - command_.start()) / step;
-    next_cycle_ = static_cast<std::size_t>(std::max(0.0, std::ceil(passed))) + 1;
-    lead_ = lead;
-    if (next_cycle_ > command_.cycles()) {
-      is_done_ = true;
-      return;
-    }
-    TeleopOptions options = teleop_;
-    options.forward_delay = lead;
-    options.backward_delay = std::max(0.5 * shared_clock_.mean_delay(), teleop_.backward_delay);
-    Expected<LiveOperatorSite> site = LiveOperatorSite::create(
-        world_, options, scene_time_of(next_cycle_ - 1), command_.p_base_tip(next_cycle_ - 1));
+    if (!preparing_.valid()) return prepare(now);
+    if (preparing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    preparation_time_ = std::max(preparation_time_, kPreparationMargin * (now - prepared_since_));
+    Expected<LiveOperatorSite> site = preparing_.get();
     if (!site) {
       fault_ = site.error();
       return;
     }
+    has_connected_ = true;
     site_.emplace(std::move(*site));
+    if (welcome_->follows_commands) place_objects();
+    person_.begin(*site_);
     corrections_ = {};
     if (lost_at_) {
       report_.interruptions.back().duration = now - *lost_at_;
@@ -281,8 +330,56 @@ class OperatorSiteLoop {
     }
   }
 
+  void prepare(double now) {
+    prepared_since_ = now;
+    const double lead = 0.5 * shared_clock_.mean_delay() +
+                        kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
+    report_.lead = lead;
+    // Time of the recorded motion: the scene's, or since the first session; without one, since this
+    // session, because a robot's site that was started again has another clock.
+    if (!trace_zero_ || !person_.cycles()) {
+      trace_zero_ = welcome_->follows_commands
+                        ? shared_clock_.shared_at(now) - welcome_->start - person_.start()
+                        : 0.0;
+    }
+    const double scene_now =
+        shared_clock_.shared_at(now + preparation_time_) - welcome_->start + lead;
+    const double step = teleop_.predictor.step;
+    const double passed = (scene_now - *trace_zero_ - person_.start()) / step;
+    next_cycle_ = static_cast<std::size_t>(std::max(0.0, std::ceil(passed))) + 1;
+    lead_ = lead;
+    if (is_after_end()) {
+      is_done_ = true;
+      return;
+    }
+    TeleopOptions options = teleop_;
+    options.forward_delay = lead;
+    options.backward_delay = std::max(0.5 * shared_clock_.mean_delay(), teleop_.backward_delay);
+    const double start = scene_time_of(next_cycle_ - 1);
+    const Eigen::Vector3d p_base_tip =
+        person_.p_base_start(next_cycle_, state_ ? &*state_ : nullptr);
+    preparing_ = std::async(std::launch::async, [this, options, start, p_base_tip] {
+      return LiveOperatorSite::create(world_, options, start, p_base_tip);
+    });
+  }
+
+  /// Where the robot's site sees them: they were moved before this session.
+  void place_objects() {
+    if (!state_ || state_->objects.size() != site_->objects()) return;
+    for (std::size_t i = 0; i < state_->objects.size(); ++i) {
+      const LinkTrackedObject& object = state_->objects[i];
+      if (!object.is_tracked || !world_.objects[i].is_movable) continue;
+      site_->place(
+          i, Pose(object.orientation.cast<double>().normalized(), object.position.cast<double>()));
+    }
+  }
+
+  [[nodiscard]] bool is_after_end() const {
+    const std::optional<std::size_t> cycles = person_.cycles();
+    return cycles && next_cycle_ > *cycles;
+  }
   [[nodiscard]] double scene_time_of(std::size_t cycle) const {
-    return *trace_zero_ + command_.start() + teleop_.predictor.step * static_cast<double>(cycle);
+    return *trace_zero_ + person_.start() + teleop_.predictor.step * static_cast<double>(cycle);
   }
   /// When the cycle's command is to be sent, on this site's clock.
   [[nodiscard]] double local_time_of(std::size_t cycle) const {
@@ -304,17 +401,20 @@ class OperatorSiteLoop {
       ++report_.corrections;
       if (report_.t_corrected.size() < kMaxReportedTimes) report_.t_corrected.push_back(t);
     }
-    site_->step(command_.p_base_tip(next_cycle_), command_.a_base_tip(next_cycle_));
+    const OperatorCommand moved = person_.step(next_cycle_, *site_, link_at(now));
     LinkCommand command;
     command.t = welcome_->start + scene_time_of(next_cycle_);
-    command.p_base_tip = command_.p_base_tip(next_cycle_).cast<float>();
-    command.is_engaged = true;
+    command.p_base_tip = moved.p_base_tip.cast<float>();
+    command.q_base_tool = moved.q_base_tool.cast<float>();
+    command.is_engaged = moved.is_engaged;
     command.acknowledged = corrections_.acknowledgement();
     site_->get_predictions(command.predictions);
+    sent_.add(command.t, clock_.now(), moved.device_clock);
     send(std::move(command));
     ++report_.commands;
     ping(now, kPingInterval);
-    if (++next_cycle_ > command_.cycles()) is_done_ = true;
+    ++next_cycle_;
+    if (is_after_end()) is_done_ = true;
   }
 
   void ping(double now, double interval) {
@@ -338,14 +438,21 @@ class OperatorSiteLoop {
       report_.interruptions.push_back({scene_time_of(next_cycle_), 0.0});
       lost_at_ = now;
     }
-    if (site_) report_.late_corrections += site_->late();
+    if (site_) {
+      report_.late_corrections += site_->late();
+      person_.end();
+    }
     site_.reset();
+    preparing_ = {};
     welcome_.reset();
     state_.reset();
+    state_sequence_ = 0;
+    delays_.reset();
+    sent_.clear();
+    drop_releases();
     shared_clock_ = {};
     round_trips_ = 0;
     session_ = new_session();
-    last_received_ = now;
     next_hello_ = now;
   }
 
@@ -361,10 +468,10 @@ class OperatorSiteLoop {
   }
 
   LinkClient& client_;
+  OperatorInterface& person_;
   const TeleopInput& world_;
   const TeleopOptions& teleop_;
   const SiteScene& scene_;
-  RecordedCommand command_;
   const OperatorSiteOptions& options_;
   const Observer& observer_;
   SiteClock clock_;
@@ -380,8 +487,16 @@ class OperatorSiteLoop {
   bool has_connected_ = false;
   bool is_busy_ = false;  ///< another operator's site was connected
   std::optional<LiveOperatorSite> site_;
+  std::future<Expected<LiveOperatorSite>> preparing_;  ///< of the next session
+  double prepared_since_ = 0.0;                        ///< [s]
+  double preparation_time_ = 0.1;                      ///< [s] that it is expected to take
   CorrectionReceiver corrections_;
   std::optional<LinkState> state_;
+  std::uint32_t state_sequence_ = 0;  ///< its header's
+  SentCommands sent_;
+  std::optional<DelayStamps> delays_;
+  OperatorRequests wanted_;  ///< and not yet confirmed
+  double next_request_ = 0.0;
   std::optional<double> trace_zero_;
   std::size_t next_cycle_ = 1;
   double lead_ = 0.0;
@@ -404,16 +519,11 @@ OptionSection section_of(OperatorSiteOptions& options) {
   return make_section("operator_site", options, kOperatorSiteFields);
 }
 
-Expected<OperatorSiteReport> run_operator_site(LinkClient& client, const TeleopInput& world,
-                                               const TeleopOptions& teleop, const SiteScene& scene,
-                                               const OperatorSiteOptions& options,
-                                               const SimulatedNetwork& network,
-                                               const Observer& observer,
-                                               const std::atomic<bool>& stop) {
-  Expected<RecordedCommand> command = RecordedCommand::create(world, teleop);
-  if (!command) return command.error();
-  return OperatorSiteLoop(client, world, teleop, scene, std::move(*command), options, network,
-                          observer)
+Expected<OperatorSiteReport> run_operator_site(
+    LinkClient& client, OperatorInterface& person, const TeleopInput& world,
+    const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
+    const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop) {
+  return OperatorSiteLoop(client, person, world, teleop, scene, options, network, observer)
       .run(stop);
 }
 

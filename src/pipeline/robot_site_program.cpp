@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -35,6 +36,8 @@ constexpr std::size_t kMaxMessagesPerCycle = 500;  // of all peers: the robot's 
 constexpr double kAuthorisationInterval = 0.5;     // [s] between two checks of the operator's key
 constexpr double kMinNoticeInterval = 30.0;        // [s] between two lines for the same cause
 constexpr double kRecordingTail = 0.2;             // [s] after its end, for the last corrections
+constexpr std::size_t kMaxUnsensed = 2000;         // commands: of a robot that gives no samples
+constexpr double kSameTime = 1e-9;                 // [s]
 // Cycles behind the clock, of more all are skipped: this process did not run.
 constexpr double kMaxBacklog = 100.0;
 
@@ -44,9 +47,16 @@ struct OperatorSession {
   std::string key;
   std::uint32_t id = 0;
   double last_received = 0.0;
-  std::uint32_t newest_command = 0;  ///< its header's sequence
+  std::uint32_t newest_stop = 0;  ///< sequence number of the newest hold, stop or release
   CorrectionSender corrections;
   CommandBuffer commands;
+};
+
+/// [s] on the shared clock.
+struct ExecutedCommand {
+  double t = 0.0;  ///< of execution, as the operator's site wanted it
+  double received = 0.0;
+  double applied = 0.0;  ///< when it became the setpoint
 };
 
 class RobotSiteLoop {
@@ -136,9 +146,9 @@ class RobotSiteLoop {
     if (!is_of_session(packet, message)) return;  // of a session that has ended
     session_->last_received = now;
     if (const auto* command = std::get_if<LinkCommand>(&message.content)) {
-      on_command(message.header, *command, now);
+      on_command(*command, now);
     } else if (const auto* stop = std::get_if<LinkStop>(&message.content)) {
-      on_stop(*stop);
+      on_stop(message.header.sequence, *stop);
     } else if (std::holds_alternative<LinkReject>(message.content)) {
       observer_.on_warning("the operator's site has ended: the tool holds");
       has_silence_hold_ = true;
@@ -168,12 +178,15 @@ class RobotSiteLoop {
                                .key = packet.key,
                                .id = header.session,
                                .last_received = now,
-                               .newest_command = 0,
+                               .newest_stop = 0,
                                .corrections = {},
                                .commands = CommandBuffer(options_.commands)};
     ++report_.sessions;
     if (!start_) start_ = now + options_.start_delay;
-    if (report_.sessions > 1) site_.restart(std::max(now - *start_, 0.0));
+    // A robot that follows commands may have moved its objects before the first session.
+    if (report_.sessions > 1 || robot_.follows_commands()) {
+      site_.restart(std::max(now - *start_, 0.0));
+    }
     has_silence_hold_ = false;
     observer_.on_warning("operator's site connected: " +
                          (hello.name.empty() ? std::string("without name") : hello.name));
@@ -186,13 +199,15 @@ class RobotSiteLoop {
     send(session_->peer, session_->id, std::move(welcome));
   }
 
-  void on_command(const LinkHeader& header, const LinkCommand& command, double now) {
+  void on_command(const LinkCommand& command, double now) {
     session_->corrections.acknowledge(command.acknowledged, now);
-    if (header.sequence > session_->newest_command) session_->newest_command = header.sequence;
     session_->commands.add(command, now);
   }
 
-  void on_stop(LinkStop stop) {
+  /// One that a newer one has overtaken, or that arrives twice, must not undo the newer one.
+  void on_stop(std::uint32_t sequence, LinkStop stop) {
+    if (sequence <= session_->newest_stop) return;
+    session_->newest_stop = sequence;
     switch (stop) {
       case LinkStop::hold:
         is_on_hold_ = true;
@@ -201,9 +216,12 @@ class RobotSiteLoop {
         if (!is_stopped_) is_on_hold_ = false;
         break;
       case LinkStop::emergency_stop:
+        if (!is_stopped_) observer_.on_warning("emergency stop: the tool holds until its release");
+        report_.emergency_stops += is_stopped_ ? 0U : 1U;
         is_stopped_ = is_on_hold_ = true;
         break;
       case LinkStop::reset:
+        if (is_stopped_) observer_.on_warning("the emergency stop was released: on hold");
         is_stopped_ = false;
         break;
     }
@@ -233,6 +251,7 @@ class RobotSiteLoop {
 
   void end_session() {
     collect(*session_);
+    unsensed_.clear();
     session_.reset();
     is_engaged_ = false;
     target_.reset();
@@ -247,7 +266,7 @@ class RobotSiteLoop {
     if (session_) {
       for (const LinkCommand& command : session_->commands.take_due(now)) {
         ++report_.commands;
-        executed_ = command.t;
+        unsensed_.push_back({command.t, session_->commands.last_arrival(), now});
         is_engaged_ = command.is_engaged;
         target_ = command.p_base_tip.cast<double>();
         q_base_tool_ = command.q_base_tool.cast<double>().normalized();
@@ -277,6 +296,7 @@ class RobotSiteLoop {
       if (tracked_.size() <= tracked.object) tracked_.resize(tracked.object + 1);
       tracked_[tracked.object] = tracked.pose;
     }
+    if (!session_) site_.idle(now - *start_);
   }
 
   void correct(double now) {
@@ -294,10 +314,22 @@ class RobotSiteLoop {
     }
   }
 
+  /// A sample at `t` contains nothing of a command that became the setpoint later.
+  void sense(double t) {
+    for (; !unsensed_.empty(); unsensed_.pop_front()) {
+      const bool is_sensed = unsensed_.front().applied <= t + kSameTime;
+      if (!is_sensed && unsensed_.size() <= kMaxUnsensed) return;
+      if (is_sensed) sensed_ = unsensed_.front();
+    }
+  }
+
   void send_state(double now) {
     LinkState state;
-    state.t = now;
-    state.executed = executed_;
+    state.t = start_ ? *start_ + tool_.t : now;
+    sense(state.t);
+    state.executed = sensed_.t;
+    state.received = sensed_.received;
+    state.applied = sensed_.applied;
     if (const auto lead = session_->commands.take_min_lead()) lead_ = *lead;
     state.lead = static_cast<float>(lead_);
     state.limits = std::exchange(limits_, 0U);
@@ -378,7 +410,8 @@ class RobotSiteLoop {
   bool has_silence_hold_ = false;  ///< until the next session
   std::optional<Eigen::Vector3d> target_;
   Eigen::Quaterniond q_base_tool_ = Eigen::Quaterniond::Identity();
-  double executed_ = 0.0;
+  std::deque<ExecutedCommand> unsensed_;  ///< later than the newest sample
+  ExecutedCommand sensed_;                ///< the newest of the others
   double lead_ = 0.0;
   std::uint32_t limits_ = 0;
   RobotSamples samples_;

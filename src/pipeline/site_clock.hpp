@@ -17,6 +17,8 @@ namespace pcavr {
 class SiteClock {
  public:
   [[nodiscard]] double now() const { return read_clock(CLOCK_MONOTONIC) - start_; }
+  /// CLOCK_MONOTONIC [s] at `t` of this clock.
+  [[nodiscard]] double monotonic(double t) const { return start_ + t; }
 
  private:
   double start_ = read_clock(CLOCK_MONOTONIC);

@@ -60,10 +60,13 @@ LiveCycle::LiveCycle(HapticWorld world, std::unique_ptr<Device> device,
 }
 
 ToolCommand LiveCycle::command_from(const DeviceSample& sample, bool is_on_hold) noexcept {
+  if (is_stopped()) must_open_ = true;
   if (!sample.is_present || !sample.is_engaged) {
+    if (!is_stopped()) must_open_ = false;
     p_tip_offset_.setZero();
     return {world_.state().p_base_hip, false};
   }
+  if (must_open_) return {world_.state().p_base_hip, false};
   if (!is_on_hold) return {sample.p_base_tip + p_tip_offset_, true};
   // A clutch that closes on hold does not engage the tool. The offset absorbs the device's motion
   // during the hold, so that the tool does not jump when it resumes.
@@ -73,16 +76,36 @@ ToolCommand LiveCycle::command_from(const DeviceSample& sample, bool is_on_hold)
   return {frozen, command_.is_engaged};
 }
 
-void LiveCycle::reset_if_requested(const DeviceSample& sample) noexcept {
+/// The tool's motion as a robot with these limits can follow it.
+ToolCommand LiveCycle::limited(ToolCommand wanted) noexcept {
+  if (!limits_) return wanted;
+  if (wanted.is_engaged) {
+    if (!limiter_) limiter_.emplace(*limits_, world_.state().p_base_hip);
+    wanted.p_base_tip = limiter_->step(wanted.p_base_tip, Eigen::Vector3d::Zero(), options_.cycle);
+  } else if (limiter_ && !limiter_->v_base().isZero(0.0) && !is_stopped()) {
+    wanted.p_base_tip = limiter_->step(std::nullopt, Eigen::Vector3d::Zero(), options_.cycle);
+    wanted.is_engaged = true;
+  } else {
+    limiter_.reset();
+  }
+  return wanted;
+}
+
+void LiveCycle::reset_if_requested() noexcept {
   const std::uint32_t requested = resets_.load(std::memory_order_relaxed);
   if (requested == resets_done_) return;
   resets_done_ = requested;
-  world_.reset(options_.p_base_tool_start);
+  restart(options_.p_base_tool_start);
+}
+
+void LiveCycle::restart(const Eigen::Vector3d& p_base_tool) noexcept {
+  world_.reset(p_base_tool);
   pulses_.reset();
+  limiter_.reset();
   if (arm_) arm_->follower.reset();
   if (arm_ && arm_->driven) arm_->driven->reset(arm_->follower.state().q);
   command_.p_base_tip = world_.state().p_base_hip;
-  p_tip_offset_ = command_.p_base_tip - sample.p_base_tip;
+  p_tip_offset_ = command_.p_base_tip - sample_.p_base_tip;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     positions_[i] = world_.state().bodies[i].T_base_object.translation();
   }
@@ -143,11 +166,11 @@ Eigen::Vector3d LiveCycle::drive_arm() noexcept {
 
 void LiveCycle::step(double t) noexcept {
   const HapticWorldState& state = world_.state();
-  const DeviceSample sample = device_->exchange(t, options_.cycle, feedback());
-  if (sample.is_present) q_base_tool_ = sample.q_base_tool;
-  reset_if_requested(sample);
+  sample_ = device_->exchange(t, options_.cycle, feedback());
+  if (sample_.is_present) q_base_tool_ = sample_.q_base_tool;
+  reset_if_requested();
   was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);
-  command_ = command_from(sample, was_on_hold_);
+  command_ = limited(command_from(sample_, was_on_hold_));
   // Faster only while no force acts: else the hand would get back more energy than it put in.
   const double wanted = time_scale();
   if (wanted < cycle_scale_ || state.force_base.isZero(0.0)) cycle_scale_ = wanted;
@@ -171,6 +194,8 @@ void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) 
   snapshot.world.force_base *= cycle_scale_;
   snapshot.speeds = speeds_;
   snapshot.is_on_hold = was_on_hold_;
+  snapshot.is_stopped = is_stopped();
+  snapshot.link = link_;
   snapshot.time_scale = cycle_scale_;
   snapshot.pulse = pulses_.amplitude();
   snapshot.pulses = pulses_.count();

@@ -5,8 +5,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "pcavr/link/motion_limiter.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 
@@ -21,6 +23,8 @@ class LiveCycle {
  public:
   LiveCycle(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options,
             std::unique_ptr<LiveArm> arm = nullptr);
+  /// The tool then moves within these limits, and brakes when its clutch opens. Before step().
+  void limit_motion(const MotionLimits& limits) { limits_ = limits; }
 
   /// One thread; never allocates, locks, waits or throws. `t` [s]: the device's clock.
   void step(double t) noexcept;
@@ -28,11 +32,30 @@ class LiveCycle {
   void publish(double duration, std::uint32_t late_cycles, double now) noexcept;
 
   void hold(bool is_on_hold) noexcept { is_on_hold_.store(is_on_hold, std::memory_order_relaxed); }
+  /// Until the release the tool is disengaged; then the world is on hold.
+  void emergency_stop() noexcept { is_stopped_.store(true, std::memory_order_relaxed); }
+  void release_emergency_stop() noexcept {
+    hold(true);
+    is_stopped_.store(false, std::memory_order_relaxed);
+  }
+  [[nodiscard]] bool is_stopped() const noexcept {
+    return is_stopped_.load(std::memory_order_relaxed);
+  }
   void reset() noexcept { resets_.fetch_add(1, std::memory_order_relaxed); }
   void set_time_scale(double scale) noexcept;
   [[nodiscard]] double time_scale() const noexcept {
     return time_scale_.load(std::memory_order_relaxed);
   }
+  // For the thread of step() only.
+  /// The clutch is open until the device opens it and closes it again.
+  void open_clutch() noexcept { must_open_ = true; }
+  /// Places the tool anew.
+  void restart(const Eigen::Vector3d& p_base_tool) noexcept;
+  /// What is published of the link.
+  [[nodiscard]] std::optional<LinkSnapshot>& link() noexcept { return link_; }
+  [[nodiscard]] const HapticWorldState& state() const noexcept { return world_.state(); }
+  [[nodiscard]] const DeviceSample& sample() const noexcept { return sample_; }
+
   [[nodiscard]] const WorldSnapshot& newest() noexcept { return buffer_.newest(); }
 
   [[nodiscard]] CycleTimes times() const noexcept { return histogram_.times_of_all(); }
@@ -42,7 +65,8 @@ class LiveCycle {
 
  private:
   [[nodiscard]] ToolCommand command_from(const DeviceSample& sample, bool is_on_hold) noexcept;
-  void reset_if_requested(const DeviceSample& sample) noexcept;
+  [[nodiscard]] ToolCommand limited(ToolCommand wanted) noexcept;
+  void reset_if_requested() noexcept;
   [[nodiscard]] DeviceFeedback feedback() noexcept;
   void measure_speeds() noexcept;
   void move_arm(const Eigen::Vector3d& p_base_tip) noexcept;
@@ -60,6 +84,12 @@ class LiveCycle {
   std::vector<Eigen::Vector3d> positions_;  ///< of the bodies, one cycle ago
   std::vector<double> speeds_;
   std::atomic<bool> is_on_hold_{false};
+  std::atomic<bool> is_stopped_{false};
+  std::optional<MotionLimits> limits_;
+  std::optional<MotionLimiter> limiter_;  ///< while the tool is engaged, or brakes
+  std::optional<LinkSnapshot> link_;
+  DeviceSample sample_;     ///< of the last cycle
+  bool must_open_ = false;  ///< the clutch, before it can close again
   std::atomic<double> time_scale_{1.0};
   double cycle_scale_ = 1.0;       ///< time scale of the latest cycle
   double simulated_cycles_ = 0.0;  ///< cycles, times their time scale

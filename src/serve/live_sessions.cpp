@@ -54,10 +54,43 @@ void copy_arm(const WorldSnapshot& snapshot, bool has_scan, LiveState& state) {
   }
 }
 
+LiveLinkState::Robot robot_of(const LinkState& robot) {
+  LiveLinkState::Robot result;
+  result.is_on_hold = robot.is_on_hold;
+  result.is_stopped = robot.is_stopped;
+  result.limits = robot.limits;
+  result.corrections = robot.corrections;
+  result.p_base_tip = robot.p_base_tip;
+  result.force_base = robot.force_base;
+  for (const LinkTrackedObject& object : robot.objects) {
+    result.objects.push_back({object.position, object.orientation, object.age, object.is_tracked});
+  }
+  return result;
+}
+
+void copy_link(const WorldSnapshot& snapshot, bool is_from_page, LiveState& state) {
+  state.link.reset();
+  if (!snapshot.link) return;
+  const LinkSnapshot& link = *snapshot.link;
+  LiveLinkState& shown = state.link.emplace();
+  shown.is_connected = link.is_connected;
+  shown.silence = static_cast<float>(link.silence);
+  shown.lead = static_cast<float>(link.lead);
+  shown.round_trip = static_cast<float>(link.round_trip);
+  shown.clock_std = static_cast<float>(link.clock_std);
+  if (link.robot && link.robot->objects.size() == snapshot.world.bodies.size()) {
+    shown.robot = robot_of(*link.robot);
+  }
+  shown.delays = link.delays;
+  // The hand's clock is that of the page that moves it.
+  if (shown.delays && !is_from_page) shown.delays->device_clock.reset();
+}
+
 void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
   state.t = snapshot.t;
   state.is_engaged = snapshot.world.is_engaged;
   state.is_on_hold = snapshot.is_on_hold;
+  state.is_stopped = snapshot.is_stopped;
   state.time_scale = snapshot.time_scale;
   state.touches_scan = snapshot.world.touches_scan;
   state.touched_object = snapshot.world.touched_body;
@@ -77,7 +110,7 @@ void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
 
 }  // namespace
 
-LiveSessions::LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, double tool_timeout,
+LiveSessions::LiveSessions(PageWorld& world, LiveWelcome welcome, Send send, double tool_timeout,
                            double tool_idle_time)
     : world_(world),
       welcome_(std::move(welcome)),
@@ -179,6 +212,16 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
     case LiveCommand::reset:
       if (has_control) return reset(id, now);
       break;
+    case LiveCommand::emergency_stop:
+      // Any page, whether it has the tool or not.
+      if (!world_.newest().is_stopped) {
+        send_notice_to_all(LiveLevel::error, "emergency stop: the tool stays where it is", now);
+      }
+      world_.emergency_stop();
+      return;
+    case LiveCommand::release_stop:
+      if (has_control) return world_.release_emergency_stop();
+      break;
     case LiveCommand::take_tool:
       return take_tool(id, now);
     case LiveCommand::release_tool:
@@ -194,6 +237,10 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
 
 /// Resets the world, and states what that moved.
 void LiveSessions::reset(PageId id, double now) {
+  if (world_.is_remote()) {
+    return send_notice(id, LiveLevel::warning, "the objects at the robot's site can't be put back",
+                       now);
+  }
   const WorldSnapshot& before = world_.newest();
   std::string moved;
   for (std::size_t i = 0; i < before.world.bodies.size(); ++i) {
@@ -204,10 +251,14 @@ void LiveSessions::reset(PageId id, double now) {
                          1e3 * distance);
   }
   world_.reset();
-  const std::string text =
-      moved.empty() ? "reset: nothing had moved" : "back at the start: " + moved;
+  send_notice_to_all(LiveLevel::info,
+                     moved.empty() ? "reset: nothing had moved" : "back at the start: " + moved,
+                     now);
+}
+
+void LiveSessions::send_notice_to_all(LiveLevel level, const std::string& text, double now) {
   for (const auto& [page, state] : pages_) {
-    if (page == id || state.has_sent_hello) send_notice(page, LiveLevel::info, text, now);
+    if (state.has_sent_hello) send_notice(page, level, text, now);
   }
 }
 
@@ -277,6 +328,7 @@ void LiveSessions::write_state(PageId id, double now, double queue_age,
   const WorldSnapshot& snapshot = world_.newest();
   copy_world(snapshot, state_);
   const bool is_from_page = snapshot.page.sender == id;
+  copy_link(snapshot, is_from_page, state_);
   state_.page_clock =
       is_from_page ? snapshot.page.sender_clock : std::numeric_limits<double>::quiet_NaN();
   state_.has_tool = holder_ == id;

@@ -14,7 +14,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/serve/live_protocol.hpp"
-#include "pcavr/serve/live_world.hpp"
+#include "pcavr/serve/page_world.hpp"
 
 namespace pcavr {
 
@@ -29,7 +29,7 @@ class LiveSessions {
   /// that holds the clutch but sends nothing for `tool_timeout` [s] counts as disconnected
   /// (watchdog). A page that has not held the clutch for `tool_idle_time` [s] keeps the tool only
   /// until another one requests it.
-  LiveSessions(LiveWorld& world, LiveWelcome welcome, Send send, double tool_timeout,
+  LiveSessions(PageWorld& world, LiveWelcome welcome, Send send, double tool_timeout,
                double tool_idle_time);
 
   [[nodiscard]] PageId join();
@@ -61,6 +61,7 @@ class LiveSessions {
   [[nodiscard]] bool on_hello(PageId page, const PageMessage& message, double now);
   void move_tool(PageId page, const LiveHeader& header, const LiveTool& tool, double now);
   void handle_command(PageId page, LiveCommand command, double now);
+  void send_notice_to_all(LiveLevel level, const std::string& text, double now);
   void reset(PageId page, double now);
   void change_time_scale(bool is_faster);
   void take_tool(PageId page, double now);
@@ -68,7 +69,7 @@ class LiveSessions {
   /// Whether a page other than `id` has the tool and uses it.
   [[nodiscard]] bool is_used_by_another(PageId id, double now) const;
 
-  LiveWorld& world_;
+  PageWorld& world_;
   LiveWelcome welcome_;
   Send send_;
   double tool_timeout_;    ///< [s]

@@ -132,6 +132,8 @@ const std::vector<std::string>& LiveWorld::names() const { return content_->cycl
 std::string_view LiveWorld::device_name() const { return content_->cycle.device().name(); }
 RemoteDevice* LiveWorld::page_device() noexcept { return content_->cycle.page_device(); }
 void LiveWorld::hold(bool is_on_hold) noexcept { content_->cycle.hold(is_on_hold); }
+void LiveWorld::emergency_stop() noexcept { content_->cycle.emergency_stop(); }
+void LiveWorld::release_emergency_stop() noexcept { content_->cycle.release_emergency_stop(); }
 void LiveWorld::reset() noexcept { content_->cycle.reset(); }
 void LiveWorld::set_time_scale(double scale) noexcept { content_->cycle.set_time_scale(scale); }
 double LiveWorld::time_scale() const noexcept { return content_->cycle.time_scale(); }

@@ -60,7 +60,7 @@ class LivePage {
 
 /// State shared by all connections. For the network thread only, except `http_handler`.
 struct Hub {
-  Hub(const ServerOptions& server_options, LiveWorld& world, std::unique_ptr<HttpHandler> handler)
+  Hub(const ServerOptions& server_options, PageWorld& world, std::unique_ptr<HttpHandler> handler)
       : options(server_options),
         http_handler(std::move(handler)),
         sessions(

@@ -144,7 +144,7 @@ Expected<void> listen(tcp::acceptor& acceptor, const tcp::endpoint& endpoint,
 }  // namespace
 
 struct LiveServer::Impl {
-  Impl(const ServerOptions& options, LiveWorld& world, std::unique_ptr<HttpHandler> http_handler)
+  Impl(const ServerOptions& options, PageWorld& world, std::unique_ptr<HttpHandler> http_handler)
       : hub(options, world, std::move(http_handler)) {}
 
   void accept() {
@@ -255,7 +255,7 @@ Expected<void> check_server(const ServerOptions& options) {
   return listen(acceptor, *endpoint, options);
 }
 
-Expected<LiveServer> LiveServer::open(const ServerOptions& options, LiveWorld& world,
+Expected<LiveServer> LiveServer::open(const ServerOptions& options, PageWorld& world,
                                       const ContentSource& content) {
   PCAVR_REQUIRE(options.rate >= 1.0 && options.rate <= 1000.0, options.rate);
   PCAVR_REQUIRE(options.max_write_time > 0.0, options.max_write_time);

@@ -8,6 +8,7 @@
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 
+#include "link_wire.hpp"
 #include "live_wire.hpp"
 
 namespace pcavr {
@@ -27,6 +28,8 @@ enum StateFlag : std::uint32_t {
   kTouchesScan = 4,
   kHasTool = 8,
   kToolTaken = 16,
+  kStopped = 32,
+  kHasLink = 64,
 };
 
 void write_object(const LiveObject& object, ByteWriter& writer) {
@@ -62,7 +65,8 @@ constexpr std::uint32_t kNoObject = 0xffff'ffff;
 std::uint32_t flags_of(const LiveState& state) {
   return (state.is_engaged ? kEngaged : 0U) | (state.is_on_hold ? kOnHold : 0U) |
          (state.touches_scan ? kTouchesScan : 0U) | (state.has_tool ? kHasTool : 0U) |
-         (state.tool_taken ? kToolTaken : 0U) |
+         (state.tool_taken ? kToolTaken : 0U) | (state.is_stopped ? kStopped : 0U) |
+         (state.link ? kHasLink : 0U) |
          static_cast<std::uint32_t>(std::lround(kPercents * state.time_scale)) << kTimeScaleShift;
 }
 
@@ -88,10 +92,9 @@ void write_arm(const LiveArmState& arm, ByteWriter& writer) {
   for (const float position : arm.position) writer.f32(position);
 }
 
-/// The rest of a message; nothing if it is not exactly an arm.
-std::optional<LiveArmState> read_arm(ByteReader& reader) {
+/// Of the next `bytes`; nothing if they are not exactly an arm.
+std::optional<LiveArmState> read_arm(ByteReader& reader, std::size_t bytes) {
   LiveArmState arm;
-  const std::size_t bytes = reader.rest().size();
   const auto count = reader.integer<std::uint32_t>();
   if (bytes != kArmBytes + 4 * std::size_t{count}) return std::nullopt;
   arm.position.resize(count);
@@ -126,6 +129,7 @@ void write_state(const LiveState& state, ByteWriter& writer) {
   writer.integer(static_cast<std::uint32_t>(state.objects.size()));
   for (const LiveObject& object : state.objects) write_object(object, writer);
   if (state.arm) write_arm(*state.arm, writer);
+  if (state.link) write_link(*state.link, state.objects.size(), writer);
 }
 
 void read_flags(std::uint32_t flags, LiveState& state) {
@@ -134,6 +138,8 @@ void read_flags(std::uint32_t flags, LiveState& state) {
   state.touches_scan = (flags & kTouchesScan) != 0;
   state.has_tool = (flags & kHasTool) != 0;
   state.tool_taken = (flags & kToolTaken) != 0;
+  state.is_stopped = (flags & kStopped) != 0;
+  if ((flags & kHasLink) != 0) state.link.emplace();
   state.time_scale = (flags >> kTimeScaleShift & 0xffU) / kPercents;
 }
 
@@ -162,11 +168,15 @@ Expected<ServerMessage> read_state(const LiveFrame& frame) {
   }
   state.objects.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) state.objects.push_back(read_object(reader));
-  const bool has_arm = !reader.is_at_end();
-  if (has_arm) state.arm = read_arm(reader);
+  const std::size_t link_bytes = state.link ? link_bytes_of(count) : 0;
+  const std::size_t rest = reader.rest().size();
+  if (rest < link_bytes) return invalid_message("a state has the wrong length");
+  const bool has_arm = rest > link_bytes;
+  if (has_arm) state.arm = read_arm(reader, rest - link_bytes);
   if (has_arm && !state.arm) {
     return invalid_message("a state has the wrong length");
   }
+  if (state.link) state.link = read_link(reader, count);
   return ServerMessage{frame.header, std::move(state)};
 }
 

@@ -130,6 +130,8 @@ std::vector<LiveCorrection> LiveRobotSite::advance() {
   return corrections;
 }
 
+void LiveRobotSite::idle(double now) { impl_->site.idle(now); }
+
 void LiveRobotSite::restart(double now) {
   impl_->log.reset();
   impl_->newest.reset();
@@ -173,6 +175,12 @@ void LiveOperatorSite::step(const Eigen::Vector3d& p_base_tip, const Eigen::Vect
   impl_->site.step(impl_->site.now(), p_base_tip, a_base_tip);
 }
 
+void LiveOperatorSite::place(std::size_t object, const Pose& T_base_object) {
+  PCAVR_REQUIRE(object < impl_->objects, object, impl_->objects);
+  impl_->site.place(object, T_base_object);
+}
+
+const PredictedWorld& LiveOperatorSite::world() const { return impl_->site.world(); }
 double LiveOperatorSite::now() const { return impl_->site.now(); }
 
 void LiveOperatorSite::get_predictions(std::vector<LinkPrediction>& predictions) const {

@@ -124,6 +124,15 @@ void OperatorSite::apply(const CorrectionMessage& message) {
   limit_motion(message, before, stated);
 }
 
+void OperatorSite::place(std::size_t object, const Pose& T_base_object) {
+  Correction placed;
+  placed.t = predictor_.now();
+  placed.body = object;
+  placed.T_base_object = pose_at(planar_pose_of(T_base_object), objects_[object].T_base_start);
+  placed.twist = Eigen::Vector3d::Zero();
+  predictor_.correct(placed);
+}
+
 void OperatorSite::limit_motion(const CorrectionMessage& message, const PlanarPose& before,
                                 double stated) {
   const Pose T_base_after = predictor_.world().T_base_object(message.object);

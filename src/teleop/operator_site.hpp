@@ -56,7 +56,11 @@ class OperatorSite {
   void step(double wall, const Eigen::Vector3d& p_base_tip,
             const Eigen::Vector3d& a_base_tip = Eigen::Vector3d::Zero());
 
+  /// Places an object at rest, now.
+  void place(std::size_t object, const Pose& T_base_object);
+
   [[nodiscard]] double now() const { return predictor_.now(); }
+  [[nodiscard]] const PredictedWorld& world() const { return predictor_.world(); }
   [[nodiscard]] Prediction prediction(std::size_t object) const;
   [[nodiscard]] ShownBody shown(std::size_t object) const { return predictor_.shown(object); }
   [[nodiscard]] std::size_t late() const { return late_; }

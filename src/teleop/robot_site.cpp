@@ -143,6 +143,14 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
   return std::move(outgoing_);
 }
 
+void RobotSite::idle(double now) {
+  now_ = now;
+  processed_ = std::max(processed_, now);
+  update_tracking(now);
+  force_.discard_before(now - force_.lag() - stored_time());
+  tip_.discard_before(now - force_.lag() - stored_time());
+}
+
 void RobotSite::restart(double now) {
   now_ = now;
   processed_ = std::max(processed_, now);

@@ -53,6 +53,8 @@ class RobotSite {
   /// After an outage of the link: nothing is in flight, nothing before `now` [s] is compared, and
   /// the next comparison of each object sends all of its state.
   void restart(double now);
+  /// Nobody predicts: nothing is compared up to `now` [s], and old samples are forgotten.
+  void idle(double now);
 
   [[nodiscard]] const std::vector<RobotObject>& objects() const { return objects_; }
   /// The rows since the last call.

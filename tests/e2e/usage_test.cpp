@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-// Command lines that are wrong: exit code 2 (1 for options that exclude each other), one line, no output.
+// Wrong command lines: exit code 2 (1 for options that exclude each other), one line, no output.
 #include <algorithm>
 #include <filesystem>
 #include <string>

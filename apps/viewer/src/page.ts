@@ -16,6 +16,7 @@ import { byId, setPressed, setText } from './ui/dom';
 import { length, megabytes } from './ui/format';
 import { Hud } from './ui/hud';
 import { Labels } from './ui/labels';
+import { LinkPanel } from './ui/link_panel';
 import { fillDetail, fillLayersPanel, presentLayers } from './ui/layers_panel';
 import { fillHeightLegend, fillLegend } from './ui/legend';
 import type { LivePlot } from './ui/live_plot';
@@ -51,6 +52,7 @@ export class Page {
   private readonly reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
   private tool: DesktopTool | null = null;
   private toolPanel: ToolPanel | null = null;
+  private linkPanel: LinkPanel | null = null;
   private replay: ReplayPlayer | null = null;
   private plot: LivePlot | null = null;
   private lastStats = -Infinity; // [ms]
@@ -81,7 +83,7 @@ export class Page {
     this.objects = new ObjectsPanel(view.bodies, (text) => messages.announce(text));
     this.labels = new Labels(view, byId('stage', HTMLElement));
     this.measured = new MeasureLabels(view, byId('stage', HTMLElement));
-    this.hud = new Hud(session);
+    this.hud = new Hud(session, () => this.linkPanel?.delays() ?? []);
     this.restart = new RestartCheck((text) => messages.show({ level: 'warning', text }));
     addMarks(view, model);
     // Without a scan only the support planes show what the bodies stand on.
@@ -133,6 +135,8 @@ export class Page {
     this.tool = new DesktopTool(this.app, this.picking, handle);
     this.tool.isEnabled = true;
     this.toolPanel = new ToolPanel(this.app, this.tool, handle);
+    const { tool } = this;
+    this.linkPanel = new LinkPanel(this.app, () => tool.disengage());
     const { LivePlot } = await import('./ui/live_plot');
     byId('dock', HTMLElement).hidden = false;
     this.plot = new LivePlot(byId('plots', HTMLDivElement), this.model);
@@ -272,6 +276,7 @@ export class Page {
     this.navigation.update(seconds);
     this.tool?.update(seconds);
     if (this.isLinkRestored) this.link.update(time);
+    this.linkPanel?.update();
     const state = this.app.session.latest();
     if (state) {
       if (!this.hadState) this.showFirstState();
@@ -320,5 +325,6 @@ export class Page {
     this.labels.update(!this.app.renderer.xr.isPresenting);
     this.measured.update(this.picking.points);
     this.toolPanel?.update();
+    this.linkPanel?.drawn();
   }
 }

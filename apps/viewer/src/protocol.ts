@@ -4,6 +4,8 @@
 // The messages of docs/live-protocol.md, both ways. Little-endian; metres, newtons, seconds, base
 // frame (z up), quaternions x y z w. A malformed message gives null, never an exception.
 
+import { linkBytes, linkObjectBytes, readLink, type LinkInfo } from './link_protocol';
+
 export const protocolVersion = 1;
 export const headerBytes = 24;
 const magic = 0x52564350; // "PCVR"
@@ -31,6 +33,8 @@ export const Command = {
   release: 5,
   slower: 6,
   faster: 7,
+  emergencyStop: 8,
+  releaseStop: 9,
 } as const;
 export type Command = (typeof Command)[keyof typeof Command];
 
@@ -99,6 +103,7 @@ export interface LiveState {
   toolClock: number; // [s] this page's clock at the newest sample used; NaN before the first
   isEngaged: boolean;
   isOnHold: boolean;
+  isStopped: boolean; // emergency stop
   timeScale: number; // simulated over real time
   touchesScan: boolean;
   hasTool: boolean; // this page
@@ -115,6 +120,7 @@ export interface LiveState {
   age: { tool: number; state: number; queue: number }; // [s]
   objects: ObjectState[];
   arm: ArmState | null;
+  link: LinkInfo | null; // at an operator's site
 }
 
 export interface ToolSample {
@@ -172,11 +178,12 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
   const view = new DataView(buffer, headerBytes);
   const count = view.getUint32(100, true);
   const armAt = stateBytes + count * objectBytes;
-  const hasArm = header.length >= armAt + armBytes;
-  const armLength = hasArm ? armBytes + 4 * view.getUint32(armAt, true) : 0;
-  if (header.length !== armAt + armLength) return null;
-  const f32 = (at: number) => view.getFloat32(at, true);
   const flags = view.getUint32(16, true);
+  const linkLength = (flags & 64) !== 0 ? linkBytes + count * linkObjectBytes : 0;
+  const hasArm = header.length - linkLength >= armAt + armBytes;
+  const armLength = hasArm ? armBytes + 4 * view.getUint32(armAt, true) : 0;
+  if (header.length !== armAt + armLength + linkLength) return null;
+  const f32 = (at: number) => view.getFloat32(at, true);
   const objects: ObjectState[] = [];
   for (let i = 0; i < count; ++i) objects.push(readObject(view, stateBytes + i * objectBytes));
   return {
@@ -186,6 +193,7 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
     toolClock: view.getFloat64(8, true),
     isEngaged: (flags & 1) !== 0,
     isOnHold: (flags & 2) !== 0,
+    isStopped: (flags & 32) !== 0,
     timeScale: ((flags >>> 8) & 0xff) / 100,
     touchesScan: (flags & 4) !== 0,
     hasTool: (flags & 8) !== 0,
@@ -202,6 +210,7 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
     age: { tool: f32(88), state: f32(92), queue: f32(96) },
     objects,
     arm: hasArm ? readArm(view, armAt) : null,
+    link: linkLength > 0 ? readLink(view, armAt + armLength, count) : null,
   };
 }
 

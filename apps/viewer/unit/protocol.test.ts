@@ -18,6 +18,7 @@ import {
   writeTool,
   type LiveState,
 } from '../src/protocol';
+import { linkStages, stageNames } from '../src/ui/link_delays';
 import { writePong, writeState } from './server_messages';
 
 // Numbers that a float represents exactly, so that the round trip is exact.
@@ -28,6 +29,7 @@ const state: LiveState = {
   toolClock: 1700000000.125,
   isEngaged: true,
   isOnHold: false,
+  isStopped: false,
   timeScale: 0.25,
   touchesScan: true,
   hasTool: false,
@@ -65,7 +67,68 @@ const state: LiveState = {
     },
   ],
   arm: null,
+  link: null,
 };
+
+test('a state with a link is read back as written, with and without an arm', () => {
+  const tracked = {
+    position: [1, 2, 3],
+    quaternion: [0, 0, 0, 1],
+    age: 0.5,
+    isTracked: true,
+  } as const;
+  const robot = {
+    isOnHold: true,
+    isStopped: false,
+    limits: 5,
+    corrections: 3,
+    tip: [0.5, 0.25, 0.125],
+    force: [1, 2, 3],
+    objects: [tracked, { ...tracked, isTracked: false }],
+  };
+  const stamps = {
+    device: 1,
+    sent: 2,
+    received: 3,
+    applied: 4,
+    sensed: 5,
+    sentBack: 6,
+    receivedBack: 7,
+  };
+  const link = {
+    isConnected: true,
+    silence: 0.5,
+    lead: 0.25,
+    roundTrip: 0.125,
+    clockStd: 2 ** -14,
+    robot,
+    stamps,
+  } as unknown as LiveState['link'];
+  const arm = { position: [0.5], isStopped: false, isReached: true, nearest: null };
+  for (const withArm of [null, arm]) {
+    const sent = { ...state, isStopped: true, link, arm: withArm };
+    assert.deepEqual(readState(writeState(7, 12.5, sent)), sent);
+  }
+  const silent = { ...state, link: { ...link!, isConnected: false, robot: null, stamps: null } };
+  assert.deepEqual(readState(writeState(7, 12.5, silent)), silent);
+});
+
+test('the stages of a delay add up to what the page sees', () => {
+  const stamps = {
+    device: 100, // on the page's clock, 50 s behind the server's
+    sent: 150.02,
+    received: 150.22,
+    applied: 150.23,
+    sensed: 150.24,
+    sentBack: 150.25,
+    receivedBack: 150.45,
+  };
+  const stages = linkStages(stamps, 50, 100.5)!;
+  assert.equal(stages.length, stageNames.length);
+  assert.ok(Math.abs(stages.reduce((a, b) => a + b) - 0.5) < 1e-9);
+  assert.ok(Math.abs(stages[1] - 0.2) < 1e-9);
+  assert.equal(linkStages({ ...stamps, device: NaN }, 50, 100.5), null);
+});
 
 const nearTheScan = { distance: 0.0625, link: 3, otherLink: null, object: null };
 

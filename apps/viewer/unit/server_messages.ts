@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The server's messages, as specified in docs/live-protocol.md.
+import { linkBytes, linkObjectBytes, type LinkInfo } from '../src/link_protocol';
 import { headerBytes, makeMessage, MessageType, phaseNames, type LiveState } from '../src/protocol';
 
 const stateBytes = 104;
@@ -18,12 +19,9 @@ export function writePong(sequence: number, clock: number, pingClock: number): A
 /// The server's state message.
 export function writeState(sequence: number, clock: number, state: LiveState): ArrayBuffer {
   const armAt = stateBytes + objectBytes * state.objects.length;
-  const view = makeMessage(
-    MessageType.state,
-    sequence,
-    clock,
-    armAt + (state.arm ? armBytes + 4 * state.arm.position.length : 0),
-  );
+  const linkAt = armAt + (state.arm ? armBytes + 4 * state.arm.position.length : 0);
+  const linkLength = state.link ? linkBytes + linkObjectBytes * state.objects.length : 0;
+  const view = makeMessage(MessageType.state, sequence, clock, linkAt + linkLength);
   const f32 = (at: number, values: readonly number[]) =>
     values.forEach((value, i) => view.setFloat32(headerBytes + at + 4 * i, value, true));
   const u32 = (at: number, value: number) => view.setUint32(headerBytes + at, value, true);
@@ -35,6 +33,8 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
     state.touchesScan,
     state.hasTool,
     state.isToolTaken,
+    state.isStopped,
+    state.link !== null,
   ];
   u32(
     16,
@@ -74,5 +74,31 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
     u32(armAt + 16, nearest?.otherLink ?? nearest?.object ?? 0xffffffff);
     f32(armAt + armBytes, position);
   }
+  if (state.link) writeLink(new DataView(view.buffer, headerBytes + linkAt), state.link);
   return view.buffer as ArrayBuffer;
+}
+
+function writeLink(view: DataView, link: LinkInfo): void {
+  const { robot, stamps } = link;
+  const f32 = (at: number, values: readonly number[]) =>
+    values.forEach((value, i) => view.setFloat32(at + 4 * i, value, true));
+  const flags = [link.isConnected, robot, robot?.isOnHold, robot?.isStopped, stamps];
+  view.setUint32(
+    0,
+    flags.reduce<number>((bits, flag, i) => bits | (flag ? 1 << i : 0), 0),
+    true,
+  );
+  view.setUint32(4, robot?.limits ?? 0, true);
+  view.setUint32(8, robot?.corrections ?? 0, true);
+  f32(12, [link.silence, link.lead, link.roundTrip, link.clockStd]);
+  f32(28, [...(robot?.tip ?? []), ...(robot?.force ?? [])]);
+  const { device, sent, received, applied, sensed, sentBack, receivedBack } = stamps ?? {};
+  [device, sent, received, applied, sensed, sentBack, receivedBack].forEach((stamp, i) =>
+    view.setFloat64(52 + 8 * i, stamp ?? NaN, true),
+  );
+  robot?.objects.forEach(({ position, quaternion, age, isTracked }, i) => {
+    const at = linkBytes + i * linkObjectBytes;
+    f32(at, [...position, ...quaternion, age]);
+    view.setUint32(at + 32, isTracked ? 1 : 0, true);
+  });
 }

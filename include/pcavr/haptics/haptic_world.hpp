@@ -12,6 +12,7 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/geometry/pose.hpp"
+#include "pcavr/haptics/pushed_bodies.hpp"
 #include "pcavr/haptics/rendered_force.hpp"
 #include "pcavr/haptics/surface_proxy.hpp"
 #include "pcavr/prediction/predicted_world.hpp"
@@ -90,6 +91,9 @@ class HapticWorld {
   /// Fails where no collision shape can be built from a body's mesh. Throws ContractError for
   /// numbers out of range and for outlines of fewer than three corners.
   [[nodiscard]] static Expected<HapticWorld> create(const HapticWorldModel& model);
+  /// The same with bodies that are predicted elsewhere; as many as in the model: PCAVR_REQUIRE.
+  [[nodiscard]] static Expected<HapticWorld> create(const HapticWorldModel& model,
+                                                    std::unique_ptr<PushedBodies> bodies);
   HapticWorld(HapticWorld&&) noexcept;
   HapticWorld& operator=(HapticWorld&&) noexcept;
   ~HapticWorld();

@@ -37,6 +37,8 @@ class CommandBuffer {
   /// After an interruption: what waits is stale.
   void clear() { waiting_.clear(); }
 
+  /// [s] When the last one of take_due() arrived.
+  [[nodiscard]] double last_arrival() const { return last_arrival_; }
   [[nodiscard]] std::uint32_t discarded() const { return discarded_; }
   /// Smallest time from arrival to execution since the last call [s]; negative: late.
   [[nodiscard]] std::optional<double> take_min_lead() { return std::exchange(min_lead_, {}); }
@@ -45,7 +47,12 @@ class CommandBuffer {
   static constexpr double kMinCycle = 2e-4;  ///< [s] between two commands
 
   CommandOptions options_;
-  std::map<double, LinkCommand> waiting_;  ///< by time of execution
+  struct Waiting {
+    LinkCommand command;
+    double arrival = 0.0;  ///< [s]
+  };
+  std::map<double, Waiting> waiting_;  ///< by time of execution
+  double last_arrival_ = 0.0;
   std::optional<double> executed_ = {};
   std::optional<double> min_lead_ = {};
   std::uint32_t discarded_ = 0;

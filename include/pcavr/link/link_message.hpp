@@ -111,8 +111,10 @@ struct LinkTrackedObject {
 };
 
 struct LinkState {
-  double t = 0.0;         ///< [s] shared clock at which it was measured
-  double executed = 0.0;  ///< [s] time of execution of the newest executed command
+  double t = 0.0;         ///< [s] shared clock of the newest sample in it
+  double executed = 0.0;  ///< [s] time of execution of the newest command applied before t
+  double received = 0.0;  ///< [s] shared clock at which that command arrived
+  double applied = 0.0;   ///< [s] and at which it became the setpoint
   float lead = 0.0F;      ///< [s] smallest time, of late, from a command's arrival to its execution
   std::uint32_t limits = 0;  ///< LinkLimit: which act now
   bool is_engaged = false;

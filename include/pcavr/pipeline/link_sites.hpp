@@ -12,9 +12,11 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/link/command_buffer.hpp"
+#include "pcavr/link/delay_stages.hpp"
 #include "pcavr/link/link_conditions.hpp"
 #include "pcavr/link/link_transport.hpp"
 #include "pcavr/link/motion_limiter.hpp"
+#include "pcavr/pipeline/operator_interface.hpp"
 #include "pcavr/pipeline/robot_interface.hpp"
 #include "pcavr/teleop/live_sites.hpp"
 
@@ -47,6 +49,7 @@ struct SiteScene {
 struct RobotSiteReport {
   std::size_t sessions = 0;
   std::size_t holds = 0;  ///< by silence of the operator's site
+  std::size_t emergency_stops = 0;
   std::size_t commands = 0;
   std::size_t discarded_commands = 0;
   std::size_t invalid_messages = 0;
@@ -101,14 +104,15 @@ struct OperatorSiteReport {
   double clock_drift = 0.0;
   double clock_std = 0.0;  ///< [s]
   std::size_t late_cycles = 0;
+  DelayMeans delays;                ///< of the states that named a command of this site
   double cpu = 0.0;                 ///< [s] of this thread
   std::vector<double> t_corrected;  ///< [s] times that the first corrections speak of
 };
 
-/// Plays the recorded motion in `world` as the operator's command.
+/// `person` commands the tool in `world`, which the robot's site corrects.
 [[nodiscard]] Expected<OperatorSiteReport> run_operator_site(
-    LinkClient& client, const TeleopInput& world, const TeleopOptions& teleop,
-    const SiteScene& scene, const OperatorSiteOptions& options, const SimulatedNetwork& network,
-    const Observer& observer, const std::atomic<bool>& stop);
+    LinkClient& client, OperatorInterface& person, const TeleopInput& world,
+    const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
+    const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop);
 
 }  // namespace pcavr

@@ -15,6 +15,7 @@
 #include <Eigen/Geometry>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/link/delay_stages.hpp"
 #include "pcavr/prediction/predicted_world.hpp"
 
 namespace pcavr {
@@ -55,7 +56,9 @@ enum class LiveCommand : std::uint32_t {
   take_tool,
   release_tool,
   slower,  ///< the next slower of kTimeScales
-  faster
+  faster,
+  emergency_stop,  ///< the tool is disengaged and stays where it is
+  release_stop     ///< of the emergency stop: the world is then on hold
 };
 /// Time scales that pages choose from.
 inline constexpr double kTimeScales[] = {0.1, 0.25, 0.5, 1.0};
@@ -111,12 +114,40 @@ struct LiveArmState {
   std::optional<Nearest> nearest;
 };
 
+/// The link to a robot's site, in a state of an operator's site.
+struct LiveLinkState {
+  bool is_connected = false;
+  float silence = 0.0F;     ///< [s] since a message from the robot's site
+  float lead = 0.0F;        ///< [s] by which the shown world is ahead of the robot's
+  float round_trip = 0.0F;  ///< [s]
+  float clock_std = 0.0F;   ///< [s]
+  struct Object {
+    Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< as tracked, in base [m]
+    Eigen::Quaternionf orientation = Eigen::Quaternionf::Identity();
+    float age = 0.0F;  ///< [s] of the frame
+    bool is_tracked = false;
+  };
+  struct Robot {
+    bool is_on_hold = false;
+    bool is_stopped = false;
+    std::uint32_t limits = 0;                              ///< LinkLimit bits
+    std::uint32_t corrections = 0;                         ///< sent so far
+    Eigen::Vector3f p_base_tip = Eigen::Vector3f::Zero();  ///< as measured [m]
+    Eigen::Vector3f force_base = Eigen::Vector3f::Zero();  ///< that its tool exerts [N]
+    std::vector<Object> objects;  ///< as many as the state has: required for encoding
+  };
+  std::optional<Robot> robot;
+  /// On the server's clock, but for device_clock: the receiving page's.
+  std::optional<DelayStamps> delays;
+};
+
 struct LiveState {
   double t = 0.0;  ///< [s] simulation time
   /// [s] the page's clock at the newest tool sample that the world has used; NaN before the first
   double page_clock = std::numeric_limits<double>::quiet_NaN();
   bool is_engaged = false;
   bool is_on_hold = false;
+  bool is_stopped = false;  ///< emergency stop
   double time_scale = 1.0;  ///< simulated over real time; whole per cents
   bool touches_scan = false;
   bool has_tool = false;    ///< the receiving page has the tool
@@ -137,6 +168,7 @@ struct LiveState {
   float queue_age = 0.0F;      ///< [s] that the last message took to be sent
   std::vector<LiveObject> objects;
   std::optional<LiveArmState> arm;
+  std::optional<LiveLinkState> link;
 };
 
 enum class LiveLevel { info, warning, error };

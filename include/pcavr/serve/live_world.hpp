@@ -17,37 +17,12 @@
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
 #include "pcavr/robot/arm_follower.hpp"
+#include "pcavr/serve/page_world.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
-
-/// Quantiles of the cycles' durations [s].
-struct CycleTimes {
-  double median = 0.0;
-  double p99 = 0.0;
-  double p999 = 0.0;
-  double longest = 0.0;
-};
-
-/// The world at the end of one cycle, with timing statistics.
-struct WorldSnapshot {
-  double t = 0.0;          ///< [s] simulation time: cycles times their period and time scale
-  double published = 0.0;  ///< [s] by LiveWorld::clock
-  HapticWorldState world;
-  std::vector<double> speeds;  ///< [m/s] of each body's origin, in simulated time
-  bool is_on_hold = false;
-  double time_scale = 1.0;   ///< simulated over real time
-  double pulse = 0.0;        ///< 0 to 1: vibration amplitude for a controller
-  std::uint32_t pulses = 0;  ///< first contacts and breakaways so far
-  std::uint32_t cycles = 0;
-  std::uint32_t late_cycles = 0;     ///< overruns: began at least a cycle late, or were skipped
-  CycleTimes times = {};             ///< over the last second
-  std::optional<ArmState> arm = {};  ///< if there is an arm
-  bool arm_meets_scan = false;       ///< its surface 0 is the scan, else the first body
-  RemoteStatus page = {};            ///< if a page moves the tool: the sample that was used
-};
 
 /// Vibration of controllers without force feedback.
 struct VibrationOptions {
@@ -98,12 +73,12 @@ struct LiveWorldOptions {
 ///
 /// Deadlines are absolute. A late cycle is still run, so that simulation time follows the clock;
 /// with more than `max_backlog` cycles of backlog they are skipped. Both count as overruns.
-class LiveWorld {
+class LiveWorld final : public PageWorld {
  public:
   /// Options in range: PCAVR_REQUIRE. `arm`, if any, follows the tool.
   LiveWorld(HapticWorld world, std::unique_ptr<Device> device, const LiveWorldOptions& options,
             std::unique_ptr<LiveArm> arm = nullptr);
-  ~LiveWorld();
+  ~LiveWorld() override;
   LiveWorld(const LiveWorld&) = delete;
   LiveWorld& operator=(const LiveWorld&) = delete;
 
@@ -119,24 +94,17 @@ class LiveWorld {
   /// Of all cycles so far. Call before start() or after stop().
   [[nodiscard]] CycleTimes times() const;
 
-  /// What start() has returned: of a missing real-time priority, for example.
-  [[nodiscard]] const std::vector<std::string>& notes() const;
-  [[nodiscard]] const std::vector<std::string>& names() const;
-  [[nodiscard]] std::string_view device_name() const;
-  /// The device that pages send samples to; null if another device moves the tool.
-  [[nodiscard]] RemoteDevice* page_device() noexcept;
-
-  /// Freezes the tool's command; opening the clutch still disengages the tool. After resuming, the
-  /// tool continues from its current pose. Any thread; takes effect with the next cycle.
-  void hold(bool is_on_hold) noexcept;
-  /// Restores the initial state of all bodies and of the tool. Any thread.
-  void reset() noexcept;
-  /// Sets the time scale, clamped to 0.1 to 1. Any thread; takes effect with the next cycle.
-  void set_time_scale(double scale) noexcept;
-  [[nodiscard]] double time_scale() const noexcept;
-
-  /// The newest snapshot; valid until the next call. One thread at a time.
-  [[nodiscard]] const WorldSnapshot& newest() noexcept;
+  [[nodiscard]] const std::vector<std::string>& notes() const override;
+  [[nodiscard]] const std::vector<std::string>& names() const override;
+  [[nodiscard]] std::string_view device_name() const override;
+  [[nodiscard]] RemoteDevice* page_device() noexcept override;
+  void hold(bool is_on_hold) noexcept override;
+  void emergency_stop() noexcept override;
+  void release_emergency_stop() noexcept override;
+  void reset() noexcept override;
+  void set_time_scale(double scale) noexcept override;
+  [[nodiscard]] double time_scale() const noexcept override;
+  [[nodiscard]] const WorldSnapshot& newest() noexcept override;
 
  private:
   struct Content;

@@ -13,6 +13,7 @@
 #include "pcavr/serve/certificate.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
+#include "pcavr/serve/page_world.hpp"
 
 namespace pcavr {
 
@@ -62,7 +63,7 @@ class LiveServer {
   /// Listens, but serves no request yet. `world` and `content` must outlive it. Errors: a port in
   /// use, an address that is not this machine's, one that others can reach without TLS, a page that
   /// was not built, a bad certificate.
-  [[nodiscard]] static Expected<LiveServer> open(const ServerOptions& options, LiveWorld& world,
+  [[nodiscard]] static Expected<LiveServer> open(const ServerOptions& options, PageWorld& world,
                                                  const ContentSource& content);
   LiveServer(LiveServer&&) noexcept;
   LiveServer& operator=(LiveServer&&) noexcept;

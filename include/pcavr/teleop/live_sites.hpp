@@ -50,6 +50,8 @@ class LiveRobotSite {
   void add_predictions(double t, std::span<const LinkPrediction> predictions);
   /// Processes what was measured up to the newest of these times.
   [[nodiscard]] std::vector<LiveCorrection> advance();
+  /// In place of advance() without an operator's site: forgets what is older than needed.
+  void idle(double now);
   /// After an interruption: what was sent may be lost, and nothing before `now` [s] is compared.
   /// The next predictions begin a new series.
   void restart(double now);
@@ -84,7 +86,12 @@ class LiveOperatorSite {
   void step(const Eigen::Vector3d& p_base_tip,
             const Eigen::Vector3d& a_base_tip = Eigen::Vector3d::Zero());
 
+  /// Places an object at rest, for the start of a session; it stays upright on its support.
+  void place(std::size_t object, const Pose& T_base_object);
+
   [[nodiscard]] double now() const;
+  /// As predicted, without the blending of shown().
+  [[nodiscard]] const PredictedWorld& world() const;
   /// By object, for now().
   void get_predictions(std::vector<LinkPrediction>& predictions) const;
   [[nodiscard]] ShownBody shown(std::size_t object) const;

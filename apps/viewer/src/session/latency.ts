@@ -110,6 +110,11 @@ export class Latency {
     };
   }
 
+  /// The server's clock minus the page's [s]; NaN before the first.
+  offset(): number {
+    return this.clockOffset;
+  }
+
   /// The newest state's age at `now` beyond the shortest recent transit time [s].
   lag(now: number): number {
     return this.age(now) - this.transit.at(now).reduce((a, b) => Math.min(a, b), Infinity);

@@ -15,7 +15,8 @@ export class CallToAction {
   /// `ring`: its centre on the stage [CSS pixels]; null while it is not shown.
   update(state: LiveState | null, ring: { x: number; y: number } | null): void {
     if (state?.hasTool && state.isEngaged && state.touchedObject >= 0) this.isDone = true;
-    const isFree = state !== null && !state.isOnHold && (state.hasTool || !state.isToolTaken);
+    const isHeld = !state || state.isOnHold || state.isStopped || state.link?.isConnected === false;
+    const isFree = !isHeld && (state.hasTool || !state.isToolTaken);
     this.element.hidden = this.isDone || !isFree || ring === null;
     if (!ring || this.element.hidden) return;
     // Below a ring near the upper edge, where the statistics are.

@@ -11,7 +11,11 @@ export class Hud {
   private readonly line = byId('hud-line', HTMLElement);
   private readonly list = byId('hud-list', HTMLElement);
 
-  constructor(private readonly session: Session) {}
+  constructor(
+    private readonly session: Session,
+    /// Further rows: of the link.
+    private readonly more: () => readonly (readonly [string, string])[] = () => [],
+  ) {}
 
   /// To be called a few times a second, so that the text can be read.
   update(): void {
@@ -23,9 +27,10 @@ export class Hud {
     const parts = [`${stats.stateRate} Hz`, `state age ${milliseconds(stats.age)}`];
     if (Number.isFinite(latency)) parts.push(`latency ${milliseconds(latency)}`);
     if (state.timeScale < 1) parts.push(`time × ${state.timeScale}`);
+    if (state.isStopped) parts.push('emergency stop');
     if (state.isOnHold) parts.push('on hold');
     setText(this.line, parts.join(' · '));
-    if (this.box.open) fillList(this.list, this.rows(state));
+    if (this.box.open) fillList(this.list, [...this.rows(state), ...this.more()]);
   }
 
   private rows(state: LiveState): [string, string][] {

@@ -24,6 +24,7 @@ const width = 512;
 const height = 614;
 // The panel's width: 0.3 mm a pixel is readable at arm's length in a headset [m].
 const metres = 0.16;
+export const panelHeight = (metres * height) / width; // [m]
 // The state age from which the number is red: six frames at 60 Hz [s].
 const staleAge = 0.1;
 // Redraw interval of numbers: faster can't be read, and each redraw uploads a texture [ms].

@@ -10,12 +10,13 @@ import { Clutch } from './clutch';
 import { type Hand, HandReader, type Side, toQuaternion, toVector } from './hands';
 import { HandsView } from './hands_view';
 import { Locomotion, nextScale, snapAngle } from './locomotion';
-import { Panel, type PanelButton } from './panel';
+import { Panel, panelHeight, type PanelButton } from './panel';
 import { playbackStep } from './panel_buttons';
 import { Person } from './person';
 import { Placing } from './placing';
 import { Pulses } from './pulses';
 import { Sign } from './sign';
+import { StopButton } from './stop_button';
 import { attachCamera, makeFloorGrid } from './stage';
 import { floorHeight, type Ground, startPose } from './start';
 
@@ -37,6 +38,7 @@ export class VrMode {
   private readonly reader = new HandReader();
   private readonly hands = new HandsView();
   private readonly panel = new Panel();
+  private readonly stopButton = new StopButton(panelHeight);
   private readonly cards = new Cards();
   private readonly sign = new Sign();
   private readonly sizes = new Map<Body, Sphere>(); // bounding spheres in the bodies' frames
@@ -58,6 +60,7 @@ export class VrMode {
   ) {
     this.locomotion = new Locomotion(this.person, () => this.levels());
     this.person.rig.add(this.hands.group, this.panel.mesh, this.cards.group, this.sign.mesh);
+    this.panel.mesh.add(this.stopButton.mesh);
     app.renderer.xr.setReferenceSpaceType('local-floor');
     document.addEventListener('visibilitychange', () => {
       if (document.hidden) this.disengage('page hidden');
@@ -189,6 +192,8 @@ export class VrMode {
     const tip = free && !this.clutch.isClosed ? tool?.fingertip : undefined;
     const touched = this.panel.pressedBy(tip);
     const { playback } = this.app;
+    this.stopButton.mesh.visible = !playback;
+    if (!playback) this.handleStop(now, tool?.fingertip, state);
     const isHoldPressed = touched === 'hold' || hands.some((h) => h.isHoldPressed);
     if (isHoldPressed && playback) playback.toggle();
     else if (isHoldPressed) this.toggleHold(state);
@@ -199,6 +204,17 @@ export class VrMode {
     if (isSwapped && free) this.toolSide = free.side;
     else if (touched === 'time') this.changeTimeScale(state);
     else if (touched) this.pressPanel(touched, now, head);
+  }
+
+  /// The emergency stop, also for a hand that moves the tool.
+  private handleStop(now: number, tip: Vector3 | undefined, state: LiveState | null): void {
+    const { session } = this.app;
+    const at = tip && this.person.rig.localToWorld(tip.clone());
+    const pressed = this.stopButton.update(at, state?.isStopped ?? false, now);
+    if (pressed === 'release') session.command(Command.releaseStop);
+    if (pressed !== 'stop') return;
+    this.disengage('emergency stop');
+    session.command(Command.emergencyStop);
   }
 
   /// The panel's other buttons: hands without a controller have no others.

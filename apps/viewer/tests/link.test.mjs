@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Two programs and a page: a live simulated plant is pushed through 200 + 200 ms.
+import assert from 'node:assert/strict';
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, afterEach, before, test } from 'node:test';
+import { openBrowser, openPage, screenshot } from './support/browser.mjs';
+import { loaded, onScreen } from './support/drawn.mjs';
+import { until } from './support/live.mjs';
+import { makeScene } from './support/pcavr.mjs';
+import { startOperator, startRobot } from './support/sites.mjs';
+
+const limit = { timeout: 120_000 };
+const delay = ['--forward-delay', '0.2', '--backward-delay', '0.2'];
+
+/// A busy machine delays the sites and the page by more than a silent network: only the test of
+/// silence keeps the defaults.
+const timeouts = [
+  'robot_site.link: {timeout: 5}',
+  'operator_site: {timeout: 5}',
+  'devices.page: {timeout: 10}',
+].join('\n');
+
+let scene;
+let config;
+let browser;
+let sites = [];
+
+before(async () => {
+  scene = makeScene();
+  config = join(scene.folder, 'timeouts.yaml');
+  writeFileSync(config, timeouts);
+  browser = await openBrowser();
+}, limit);
+afterEach(async () => {
+  await browser?.closePages();
+  for (const site of sites.reverse()) await site.stop();
+  sites = [];
+});
+after(async () => {
+  await browser?.close();
+  scene?.remove();
+});
+
+/// Both sites, and the operator's page once it is connected.
+async function openSites(...options) {
+  const robot = await startRobot(scene.scene, 0, ...options);
+  sites.push(robot);
+  const site = await startOperator(
+    scene.scene,
+    robot.ready.port,
+    '--parameters',
+    scene.parameters,
+    ...delay,
+    ...options,
+  );
+  sites.push(site);
+  const { page, seen } = await openPage(browser.context, site.ready.addresses[0]);
+  await loaded(page);
+  await page.waitForFunction(() => window.__pcavr.state?.link?.isConnected);
+  return { robot, page, seen };
+}
+
+const stateOf = (page) => page.evaluate(() => window.__pcavr.state);
+
+/// Moves the mouse so that it shows points of base, from one to the other in `seconds`.
+async function move(page, from, to, seconds) {
+  const begin = performance.now();
+  for (let share = 0; share < 1;) {
+    share = Math.min(1, (performance.now() - begin) / (1000 * seconds));
+    const point = from.map((value, i) => value + share * (to[i] - value));
+    const { x, y } = await onScreen(page, point);
+    await page.mouse.move(x, y);
+    await page.waitForTimeout(20);
+  }
+}
+
+const near = (a, b, limit) => Math.hypot(...a.map((value, i) => value - b[i])) < limit;
+
+test('a box of the live plant is pushed, and shown where the robot sees it', limit, async () => {
+  const { page, seen } = await openSites('--config', config);
+  const first = await stateOf(page);
+  assert.ok(first.link.lead > 0.2 && first.link.lead < 0.5, `lead ${first.link.lead}`);
+  const [x, y, z] = first.objects[0].position;
+  const start = first.link.robot.objects[0].position;
+  // The ring, to beside the box, down with Shift to its height, then slowly against it.
+  const ring = await page.locator('#handle').boundingBox();
+  await page.mouse.move(ring.x + ring.width / 2, ring.y + ring.height / 2);
+  await page.mouse.down();
+  const above = [x - 0.14, y, first.proxy[2]];
+  const beside = [x - 0.14, y, z];
+  await move(page, first.proxy, above, 1);
+  await until(async () => near((await stateOf(page)).proxy, above, 0.03), 'the place');
+  await page.keyboard.down('Shift');
+  await move(page, above, beside, 1);
+  await page.keyboard.up('Shift');
+  await until(async () => near((await stateOf(page)).proxy, beside, 0.03), 'the height');
+  const pushed = move(page, beside, [x, y, z], 4);
+  await until(async () => {
+    const { link, force } = await stateOf(page);
+    return Math.hypot(...force) > 0.5 && link.robot.objects[0].position[0] > start[0] + 0.02;
+  }, "the robot's box pushed, and a force on the hand");
+  await screenshot(page, 'link-pushing');
+  await pushed;
+  await page.mouse.up();
+  await page.waitForTimeout(1500); // a round trip, and the last corrections
+  const { objects, link } = await stateOf(page);
+  const tracked = link.robot.objects[0].position;
+  const apart = Math.hypot(...tracked.map((value, i) => value - objects[0].position[i]));
+  assert.ok(apart < 0.003, `shown and tracked differ by ${1000 * apart} mm`);
+  assert.deepEqual(seen.errors, []);
+});
+
+/// The silence [s] of the link in the first frame that shows it.
+const shownSilence = (page) =>
+  page.evaluate(
+    () =>
+      new Promise((resolve) => {
+        const look = () => {
+          if (document.getElementById('link-alert').hidden) return requestAnimationFrame(look);
+          resolve(window.__pcavr.state.link.silence);
+        };
+        look();
+      }),
+  );
+
+async function resumed(page) {
+  await page.waitForFunction(() => window.__pcavr.state?.link?.isConnected);
+  await page.waitForFunction(() => document.getElementById('link-alert').hidden);
+}
+
+test('silence is shown within 0.5 s, the clutch opens, and the link resumes', limit, async () => {
+  const { robot, page } = await openSites();
+  robot.signal('SIGSTOP');
+  const silence = await shownSilence(page);
+  await screenshot(page, 'link-silent');
+  assert.ok(silence > 0.2 && silence < 0.5, `shown after ${silence} s`);
+  assert.equal((await stateOf(page)).isEngaged, false);
+  robot.signal('SIGCONT');
+  await resumed(page);
+  // The robot's site ends, and starts again.
+  await robot.stop();
+  await shownSilence(page);
+  sites.push(await startRobot(scene.scene, robot.ready.port));
+  await resumed(page);
+});
+
+test('an emergency stop reaches the robot, and only its release ends it', limit, async () => {
+  const { page } = await openSites('--config', config);
+  await page.keyboard.press('x');
+  await page.waitForFunction(() => window.__pcavr.state?.link?.robot?.isStopped);
+  await screenshot(page, 'link-stopped');
+  const stopped = await stateOf(page);
+  assert.ok(stopped.isStopped);
+  await page.keyboard.press('x');
+  await page.locator('#view').focus();
+  await page.keyboard.press('h'); // resumes a hold, not a stop
+  await page.waitForTimeout(800);
+  assert.ok((await stateOf(page)).link.robot.isStopped);
+  await page.click('#release-stop');
+  await page.waitForFunction(() => window.__pcavr.state?.link?.robot?.isStopped === false);
+  await page.waitForFunction(() => !window.__pcavr.state.isStopped);
+  assert.ok((await stateOf(page)).isOnHold, 'on hold after the release');
+});

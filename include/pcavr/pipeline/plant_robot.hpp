@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/pipeline/robot_interface.hpp"
+#include "pcavr/simulation/plant_case.hpp"
+#include "pcavr/teleop/run_teleop.hpp"
+
+namespace pcavr {
+
+/// A simulated robot that follows commands: the plant of `pcavr simulate` for that task and seed in
+/// real time, with its sensors and its tracker, whose poses arrive `tracking_latency` [s] after
+/// their frames. Its boxes stand where `world` has the objects of the same names. An Error if an
+/// object of one is not in the other. If it was not advanced for a while, as when the process was
+/// stopped, the plant stood still meanwhile.
+[[nodiscard]] Expected<std::unique_ptr<RobotInterface>> make_plant_robot(ToolTask task,
+                                                                         std::uint64_t seed,
+                                                                         const TeleopInput& world,
+                                                                         double tracking_latency);
+
+}  // namespace pcavr

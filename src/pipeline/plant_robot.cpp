@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/pipeline/plant_robot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pcavr/simulation/live_plant.hpp"
+
+namespace pcavr {
+namespace {
+
+// Of the plant's time that one call catches up with [s]; more is skipped: this process did not run.
+constexpr double kMaxCatchUp = 0.05;
+
+class PlantRobot final : public RobotInterface {
+ public:
+  PlantRobot(const PlantCase& plant, std::uint64_t seed, std::vector<std::size_t> objects,
+             double tracking_latency)
+      : plant_(plant, seed),
+        objects_(std::move(objects)),
+        tracking_latency_(tracking_latency),
+        start_(plant.tool.p_base_start),
+        p_base_command_(start_) {}
+
+  [[nodiscard]] std::string name() const override { return "simulated plant"; }
+  [[nodiscard]] bool follows_commands() const override { return true; }
+  [[nodiscard]] Eigen::Vector3d p_base_start() const override { return start_; }
+  void set_command(const Eigen::Vector3d& p_base_tip, const Eigen::Quaterniond&) override {
+    p_base_command_ = p_base_tip;
+  }
+
+  void advance(double t, RobotSamples& samples) override {
+    if (t - now() > kMaxCatchUp) skipped_ += t - now() - LivePlant::kStep;
+    const auto steps = static_cast<int>(std::floor((t - now()) / LivePlant::kStep + 1e-6));
+    const Eigen::Vector3d from = last_command_.value_or(p_base_command_);
+    measured_.clear();
+    // The command arrives once a call: between two of them it goes in a straight line.
+    for (int i = 1; i <= steps; ++i) {
+      plant_.step(from + (static_cast<double>(i) / steps) * (p_base_command_ - from), measured_);
+    }
+    if (steps > 0) last_command_ = p_base_command_;
+    append(samples);
+    deliver_tracking(t, samples);
+  }
+
+ private:
+  [[nodiscard]] double now() const { return plant_.t() + skipped_; }
+
+  void append(RobotSamples& samples) {
+    for (const LivePlantSamples::Tool& tool : measured_.tool) {
+      samples.tool.push_back(
+          {tool.t + skipped_, tool.T_base_tool.translation(), tool.T_base_tool.rotation()});
+    }
+    for (const LivePlantSamples::Wrench& wrench : measured_.wrench) {
+      samples.wrench.push_back({wrench.t + skipped_, wrench.force_base, wrench.torque_base});
+    }
+    for (const LivePlantSamples::Tracked& seen : measured_.tracked) {
+      const TrackedPose pose{seen.t + skipped_, seen.T_base_object, seen.position_std,
+                             seen.rotation_std};
+      waiting_.push_back({objects_[seen.body], pose});
+    }
+  }
+
+  void deliver_tracking(double t, RobotSamples& samples) {
+    for (; !waiting_.empty() && waiting_.front().pose.t + tracking_latency_ <= t;
+         waiting_.pop_front()) {
+      samples.tracked.push_back(waiting_.front());
+    }
+  }
+
+  LivePlant plant_;
+  std::vector<std::size_t> objects_;  ///< of the world, by the plant's body
+  double tracking_latency_;           ///< [s]
+  Eigen::Vector3d start_;
+  Eigen::Vector3d p_base_command_;
+  std::optional<Eigen::Vector3d> last_command_ = {};
+  double skipped_ = 0.0;  ///< [s] of the scene's time in which the plant stood still
+  LivePlantSamples measured_;
+  std::deque<RobotSamples::Tracked> waiting_;
+};
+
+/// Where the scene has it: on the table, turned about the vertical only.
+void place(const Pose& T_base_object, PlantBody& body) {
+  const Eigen::Vector3d x = T_base_object.rotation() * Eigen::Vector3d::UnitX();
+  const double yaw = std::atan2(x.y(), x.x());
+  const Eigen::Vector3d& p = T_base_object.translation();
+  body.T_base_object = Pose(Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
+                            {p.x(), p.y(), body.T_base_object.translation().z()});
+}
+
+Error other_objects(const std::string& name, const char* where) {
+  return Error{.message = name + " is not an object of " + where,
+               .hint = "give --plant the case and --seed the seed of the scene's recording"};
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<RobotInterface>> make_plant_robot(ToolTask task, std::uint64_t seed,
+                                                           const TeleopInput& world,
+                                                           double tracking_latency) {
+  PlantCase plant = make_plant_case(task, seed);
+  std::vector<std::size_t> objects;
+  for (PlantBody& body : plant.bodies) {
+    const auto found =
+        std::find_if(world.objects.begin(), world.objects.end(),
+                     [&](const TeleopObject& object) { return object.name == body.name; });
+    if (found == world.objects.end()) return other_objects(body.name, "the scene");
+    objects.push_back(static_cast<std::size_t>(found - world.objects.begin()));
+    place(found->T_base_object, body);
+    body.is_movable = body.is_movable && found->is_movable;
+  }
+  for (const TeleopObject& object : world.objects) {
+    const bool is_known =
+        std::any_of(plant.bodies.begin(), plant.bodies.end(),
+                    [&](const PlantBody& body) { return body.name == object.name; });
+    if (!is_known) return other_objects(object.name, "the plant");
+  }
+  return std::unique_ptr<RobotInterface>(
+      std::make_unique<PlantRobot>(plant, seed, std::move(objects), tracking_latency));
+}
+
+}  // namespace pcavr
