@@ -74,10 +74,18 @@ ToolCommand LiveCycle::command_from(const DeviceSample& sample, bool is_on_hold)
 }
 
 void LiveCycle::reset_if_requested(const DeviceSample& sample) noexcept {
-  const std::uint32_t requested = resets_.load(std::memory_order_relaxed);
-  if (requested == resets_done_) return;
-  resets_done_ = requested;
-  world_.reset(options_.p_base_tool_start);
+  const std::uint32_t resets = resets_.load(std::memory_order_relaxed);
+  const std::uint32_t undos = undos_.load(std::memory_order_relaxed);
+  const bool is_reset = resets != resets_done_;
+  const bool is_undone = undos != undos_done_ && world_.state().can_undo_reset;
+  resets_done_ = resets;
+  undos_done_ = undos;
+  if (!is_reset && !is_undone) return;
+  if (is_reset) {
+    world_.reset(options_.p_base_tool_start);
+  } else {
+    world_.undo_reset(options_.p_base_tool_start);
+  }
   pulses_.reset();
   if (arm_) arm_->follower.reset();
   if (arm_ && arm_->driven) arm_->driven->reset(arm_->follower.state().q);

@@ -29,6 +29,7 @@ class LiveCycle {
 
   void hold(bool is_on_hold) noexcept { is_on_hold_.store(is_on_hold, std::memory_order_relaxed); }
   void reset() noexcept { resets_.fetch_add(1, std::memory_order_relaxed); }
+  void undo_reset() noexcept { undos_.fetch_add(1, std::memory_order_relaxed); }
   void set_time_scale(double scale) noexcept;
   [[nodiscard]] double time_scale() const noexcept {
     return time_scale_.load(std::memory_order_relaxed);
@@ -65,6 +66,8 @@ class LiveCycle {
   double simulated_cycles_ = 0.0;  ///< cycles, times their time scale
   std::atomic<std::uint32_t> resets_{0};
   std::uint32_t resets_done_ = 0;
+  std::atomic<std::uint32_t> undos_{0};
+  std::uint32_t undos_done_ = 0;
   std::uint32_t cycles_ = 0;
   bool was_on_hold_ = false;
   ToolCommand command_;                                              ///< of the last cycle

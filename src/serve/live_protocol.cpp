@@ -23,7 +23,10 @@ constexpr float kMaxNormError = 1e-3F;
 constexpr std::uint8_t kInputDevices = 4;
 // Larger numbers are not protocol versions.
 constexpr std::uint64_t kMaxProtocol = 1'000'000;
-constexpr std::uint32_t kCommands = 7;
+constexpr bool is_command(std::uint32_t value) {
+  return (value >= 1 && value <= static_cast<std::uint32_t>(LiveCommand::faster)) ||
+         value == static_cast<std::uint32_t>(LiveCommand::undo_reset);
+}
 
 Expected<PageMessage> read_hello(const LiveFrame& frame) {
   const auto json = ordered_json::parse(frame.body.begin(), frame.body.end(), nullptr, false);
@@ -60,7 +63,7 @@ Expected<PageMessage> read_tool(const LiveFrame& frame) {
 Expected<PageMessage> read_command(const LiveFrame& frame) {
   ByteReader reader(frame.body);
   const auto command = reader.integer<std::uint32_t>();
-  if (!reader.is_valid() || !reader.is_at_end() || command < 1 || command > kCommands) {
+  if (!reader.is_valid() || !reader.is_at_end() || !is_command(command)) {
     return invalid_message("unknown command");
   }
   return PageMessage{frame.header, static_cast<LiveCommand>(command)};

@@ -57,6 +57,7 @@ void copy_arm(const WorldSnapshot& snapshot, bool has_scan, LiveState& state) {
 void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
   state.t = snapshot.t;
   state.is_engaged = snapshot.world.is_engaged;
+  state.can_undo_reset = snapshot.world.can_undo_reset;
   state.is_on_hold = snapshot.is_on_hold;
   state.time_scale = snapshot.time_scale;
   state.touches_scan = snapshot.world.touches_scan;
@@ -178,6 +179,9 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
       break;
     case LiveCommand::reset:
       if (has_control) return reset(id, now);
+      break;
+    case LiveCommand::undo_reset:
+      if (has_control) return world_.undo_reset();
       break;
     case LiveCommand::take_tool:
       return take_tool(id, now);

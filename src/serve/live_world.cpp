@@ -133,6 +133,7 @@ std::string_view LiveWorld::device_name() const { return content_->cycle.device(
 RemoteDevice* LiveWorld::page_device() noexcept { return content_->cycle.page_device(); }
 void LiveWorld::hold(bool is_on_hold) noexcept { content_->cycle.hold(is_on_hold); }
 void LiveWorld::reset() noexcept { content_->cycle.reset(); }
+void LiveWorld::undo_reset() noexcept { content_->cycle.undo_reset(); }
 void LiveWorld::set_time_scale(double scale) noexcept { content_->cycle.set_time_scale(scale); }
 double LiveWorld::time_scale() const noexcept { return content_->cycle.time_scale(); }
 const WorldSnapshot& LiveWorld::newest() noexcept { return content_->cycle.newest(); }

@@ -27,6 +27,7 @@ enum StateFlag : std::uint32_t {
   kTouchesScan = 4,
   kHasTool = 8,
   kToolTaken = 16,
+  kCanUndoReset = 128,
 };
 
 void write_object(const LiveObject& object, ByteWriter& writer) {
@@ -62,7 +63,7 @@ constexpr std::uint32_t kNoObject = 0xffff'ffff;
 std::uint32_t flags_of(const LiveState& state) {
   return (state.is_engaged ? kEngaged : 0U) | (state.is_on_hold ? kOnHold : 0U) |
          (state.touches_scan ? kTouchesScan : 0U) | (state.has_tool ? kHasTool : 0U) |
-         (state.tool_taken ? kToolTaken : 0U) |
+         (state.tool_taken ? kToolTaken : 0U) | (state.can_undo_reset ? kCanUndoReset : 0U) |
          static_cast<std::uint32_t>(std::lround(kPercents * state.time_scale)) << kTimeScaleShift;
 }
 
@@ -134,6 +135,7 @@ void read_flags(std::uint32_t flags, LiveState& state) {
   state.touches_scan = (flags & kTouchesScan) != 0;
   state.has_tool = (flags & kHasTool) != 0;
   state.tool_taken = (flags & kToolTaken) != 0;
+  state.can_undo_reset = (flags & kCanUndoReset) != 0;
   state.time_scale = (flags >> kTimeScaleShift & 0xffU) / kPercents;
 }
 

@@ -131,6 +131,9 @@ class LiveWorld {
   void hold(bool is_on_hold) noexcept;
   /// Restores the initial state of all bodies and of the tool. Any thread.
   void reset() noexcept;
+  /// Puts the bodies back where the last reset found them, unless one was touched since. Any
+  /// thread.
+  void undo_reset() noexcept;
   /// Sets the time scale, clamped to 0.1 to 1. Any thread; takes effect with the next cycle.
   void set_time_scale(double scale) noexcept;
   [[nodiscard]] double time_scale() const noexcept;
