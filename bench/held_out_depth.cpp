@@ -129,7 +129,8 @@ pcavr::TriangleMesh fuse(const Input& input, const pcavr::BuildOptions& options)
     volume.integrate(depth, frame.images.color, {}, input.camera, frame.T_base_camera,
                      options.parallelism);
   }
-  pcavr::TriangleMesh mesh = volume.extract_mesh(options.min_weight, options.parallelism);
+  pcavr::TriangleMesh mesh = volume.extract_mesh(
+      pcavr::surface_evidence(options, input.fused.size()), options.parallelism);
   pcavr::remove_small_components(mesh, options.min_island);
   return mesh;
 }

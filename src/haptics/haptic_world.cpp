@@ -38,6 +38,9 @@ constexpr double kMaxTipCoordinate = 1e3;
 /// Iterations that move the proxy out of overlapping bodies: bounds a cycle's time where they
 /// squeeze it.
 constexpr int kMaxOverlapIterations = 12;
+/// Of a body, that a reset must undo to be undone itself [m], [rad].
+constexpr double kMinUndoneTranslation = 1e-4;
+constexpr double kMinUndoneRotation = 1e-3;
 
 /// Bodies of the haptic world's own.
 class OwnBodies final : public PushedBodies {
@@ -81,14 +84,19 @@ struct HapticWorld::Content {
     bool is_saturated = false;     ///< the tip is as deep in it as it may be, the hand deeper
     Pose T_base_object;            ///< after the latest step
     std::optional<detail::FallingBody> fall;
+    std::optional<detail::FallingBody> fall_before_reset;
   };
 
   Content(const HapticWorldModel& model, std::unique_ptr<PushedBodies> pushed);
 
   void reset(const Eigen::Vector3d& tip) noexcept;
+  void undo_reset(const Eigen::Vector3d& tip) noexcept;
   void step(const ToolCommand& command, double dt) noexcept;
 
  private:
+  void set_bodies(const std::vector<BodyState>& bodies_at) noexcept;
+  [[nodiscard]] bool have_moved() const noexcept;
+  void place_tip(const Eigen::Vector3d& wanted_tip) noexcept;
   [[nodiscard]] bool is_collision_free(const Eigen::Vector3d& centre) const noexcept;
   [[nodiscard]] bool is_near(const Body& body, const Eigen::Vector3d& p) const noexcept;
   [[nodiscard]] std::optional<detail::ClosestSurface::Result> closest(const Body& body,
@@ -115,6 +123,7 @@ struct HapticWorld::Content {
  public:
   std::unique_ptr<PushedBodies> world;
   std::vector<BodyState> start;
+  std::vector<BodyState> before_reset;
   std::vector<BodyState> work;  ///< buffer, so that removing a body does not allocate
   detail::Supports supports;
   detail::FloorHeights floor;  ///< what the scan shows below the supports
@@ -187,6 +196,7 @@ HapticWorld::Content::Content(const HapticWorldModel& model, std::unique_ptr<Pus
   top += 2.0 * proxy.radius();
   state.bodies.resize(bodies.size());
   reset({0.0, 0.0, top});
+  state.can_undo_reset = false;
 }
 
 bool HapticWorld::Content::is_near(const Body& body, const Eigen::Vector3d& p) const noexcept {
@@ -217,13 +227,62 @@ bool HapticWorld::Content::is_collision_free(const Eigen::Vector3d& centre) cons
 }
 
 void HapticWorld::Content::reset(const Eigen::Vector3d& wanted_tip) noexcept {
-  world->set_state(start);
+  // A second reset in a row must not lose what the first one undid.
+  const bool is_repeated = state.can_undo_reset;
+  if (!is_repeated) {
+    before_reset = world->state();
+    for (Body& body : bodies) body.fall_before_reset = body.fall;
+  }
+  set_bodies(start);
+  state.can_undo_reset = is_repeated || have_moved();
+  place_tip(wanted_tip);
+}
+
+/// Whether the latest reset has moved any body; state.bodies are as before it.
+bool HapticWorld::Content::have_moved() const noexcept {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Pose& before = state.bodies[i].T_base_object;
+    const Pose& now = bodies[i].T_base_object;
+    if (translation_distance(before, now) > kMinUndoneTranslation) return true;
+    if (rotation_distance(before, now) > kMinUndoneRotation) return true;
+  }
+  return false;
+}
+
+void HapticWorld::Content::undo_reset(const Eigen::Vector3d& wanted_tip) noexcept {
+  if (!state.can_undo_reset) return;
+  for (BodyState& body : before_reset) {
+    body.planar.twist.setZero();
+    body.planar.phase = FrictionPhase::static_contact;
+    body.penetration = 0.0;
+    body.phase = MotionPhase::free;
+    body.is_blocked = false;
+    body.is_saturated = false;
+    body.tangential_deflection_base.setZero();
+    body.tool_force_base.setZero();
+  }
+  set_bodies(before_reset);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    bodies[i].fall = bodies[i].fall_before_reset;
+    if (!bodies[i].fall) continue;
+    bodies[i].T_base_object = bodies[i].fall->T_base_object();
+    proxy.remove(kFirstBody + i);
+  }
+  place_tip(wanted_tip);
+  state.can_undo_reset = false;
+}
+
+void HapticWorld::Content::set_bodies(const std::vector<BodyState>& bodies_at) noexcept {
+  world->set_state(bodies_at);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     bodies[i].fall.reset();
     bodies[i].is_under_tool = false;
     bodies[i].T_base_object = world->T_base_object(i);
     proxy.set_pose(kFirstBody + i, bodies[i].T_base_object);
   }
+}
+
+void HapticWorld::Content::place_tip(const Eigen::Vector3d& wanted_tip) noexcept {
   is_placed = is_valid_tip(wanted_tip);
   Eigen::Vector3d centre = is_placed ? wanted_tip : Eigen::Vector3d(0.0, 0.0, top);
   while (centre.z() < top && !is_collision_free(centre)) centre.z() += 0.5 * proxy.radius();
@@ -472,6 +531,7 @@ void HapticWorld::Content::step(const ToolCommand& command, double dt) noexcept 
   compute_force(command.p_base_tip, dt);
   state.p_base_hip = hip;
   state.p_base_proxy = proxy.centre();
+  if (state.touched_body) state.can_undo_reset = false;
   publish_bodies();
 }
 
@@ -501,6 +561,9 @@ Expected<HapticWorld> HapticWorld::create(const HapticWorldModel& model,
 std::size_t HapticWorld::size() const { return content_->bodies.size(); }
 const std::string& HapticWorld::name(std::size_t body) const { return content_->world->name(body); }
 void HapticWorld::reset(const Eigen::Vector3d& p_base_tip) noexcept { content_->reset(p_base_tip); }
+void HapticWorld::undo_reset(const Eigen::Vector3d& p_base_tip) noexcept {
+  content_->undo_reset(p_base_tip);
+}
 void HapticWorld::step(const ToolCommand& command, double dt) noexcept {
   content_->step(command, dt);
 }

@@ -121,6 +121,18 @@ std::vector<TriangleMesh> levels_of_detail(const TriangleMesh& mesh, const Build
   return levels;
 }
 
+/// Empty where no frames agree on a surface, whatever single frames measured.
+TriangleMesh static_surface(const TsdfVolume& volume, const SurfaceEvidence& evidence,
+                            const BuildOptions& options) {
+  TriangleMesh mesh = volume.extract_mesh(options.min_weight, options.parallelism);
+  remove_small_components(mesh, options.min_island);
+  if (mesh.triangles.empty() || evidence.min_uncontradicted_weight >= options.min_weight)
+    return mesh;
+  mesh = volume.extract_mesh(evidence, options.parallelism);
+  remove_small_components(mesh, options.min_island);
+  return mesh;
+}
+
 /// Distance from the mesh within which measured points are of its surface [voxels]; half the
 /// truncation distance. Points farther away are of things that moved, or outliers.
 constexpr double kMaxMeshDistance = 2.0;
@@ -128,8 +140,9 @@ constexpr double kMaxMeshDistance = 2.0;
 /// The registered cloud: the measured points of all frames, without those that are not of the
 /// static surface.
 PointCloud registered_cloud(const MeasuredCloud& measured, const TriangleMesh& mesh,
-                            const BuildOptions& options) {
-  const PointCloud points = measured.points(static_cast<int>(std::ceil(options.min_weight)));
+                            const SurfaceEvidence& evidence, const BuildOptions& options) {
+  const PointCloud points =
+      measured.points(static_cast<int>(std::ceil(evidence.min_uncontradicted_weight)));
   return remove_outliers(points_near(points, mesh, kMaxMeshDistance * options.fusion.voxel_size),
                          options.outliers);
 }
@@ -269,8 +282,8 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
       [&](const FollowedFrame& frame) { fusion.add(frame); }, *arm ? &**arm : nullptr);
   if (!followed) return followed.error();
   clock.begin("mesh");
-  TriangleMesh mesh = fusion.volume.extract_mesh(options.min_weight, options.parallelism);
-  remove_small_components(mesh, options.min_island);
+  const SurfaceEvidence evidence = surface_evidence(options, fusion.camera_trajectory.size());
+  TriangleMesh mesh = static_surface(fusion.volume, evidence, options);
   if (mesh.triangles.empty()) {
     return empty_scene_error(recording, *survey, fusion.camera_trajectory, options);
   }
@@ -291,7 +304,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
               .recording = recording.folder.string(),
               .voxel_size = options.fusion.voxel_size};
   std::future<PointCloud> cloud = async_if_parallel(options.parallelism, [&] {
-    return registered_cloud(fusion.cloud, scene.mesh_base, options);
+    return registered_cloud(fusion.cloud, scene.mesh_base, evidence, options);
   });
   scene.levels_of_detail_base = levels_of_detail(scene.mesh_base, options);
   scene.cloud_base = cloud.get();

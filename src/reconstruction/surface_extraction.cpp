@@ -22,18 +22,30 @@ constexpr float kMinFraction = 1.0F / 64.0F;
 
 using Distances = std::array<std::int16_t, kBlockVoxels>;
 
+/// What makes a voxel's distance known.
+struct MinHits {
+  std::uint32_t contradicted;    ///< [frames], where any frame observed the voxel as free
+  std::uint32_t uncontradicted;  ///< [frames], where none did
+  std::uint32_t frames_to_clear;
+};
+
+std::uint32_t to_hits(double weight) {
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(weight), 1.0, double{kMaxCount}));
+}
+
 /// The signed distances of a block, or kUnknown. A surface that as many frames observed as free as
 /// measured it is removed (space carving): a negative distance becomes unknown, a positive one
 /// stays.
-void decode(const VoxelBlock& block, std::uint32_t block_free_count, std::uint32_t min_hits,
-            std::uint32_t frames_to_clear, Distances& distances) {
+void decode(const VoxelBlock& block, std::uint32_t block_free_count, const MinHits& min_hits,
+            Distances& distances) {
   for (std::size_t i = 0; i < kBlockVoxels; ++i) {
     const std::uint32_t counts = block.color_counts[i];
     const std::uint32_t hits = hit_count(counts);
     const int steps = distance_steps(block.distance_weight[i]);
     const std::uint32_t frees = free_count(counts) + block_free_count;
-    const bool is_free = frees >= std::max(frames_to_clear, hits);
-    const bool is_known = hits >= min_hits && !(is_free && steps <= 0);
+    const bool is_free = frees >= std::max(min_hits.frames_to_clear, hits);
+    const std::uint32_t needed = frees == 0 ? min_hits.uncontradicted : min_hits.contradicted;
+    const bool is_known = hits >= needed && !(is_free && steps <= 0);
     // Never exactly zero, so that each vertex belongs to one edge.
     const int distance = steps == 0 ? 1 : std::max(steps, -32767);
     distances[i] = is_known ? static_cast<std::int16_t>(distance) : kUnknown;
@@ -341,14 +353,15 @@ class BlockMesher {
 
 std::vector<Distances> decode_all(const BlockMap& map, const ExtractionParameters& parameters,
                                   Parallelism parallelism) {
-  const auto min_hits = static_cast<std::uint32_t>(
-      std::clamp(std::ceil(parameters.min_weight), 1.0, double{kMaxCount}));
+  const MinHits min_hits{.contradicted = to_hits(parameters.min_weight),
+                         .uncontradicted = to_hits(
+                             parameters.min_uncontradicted_weight.value_or(parameters.min_weight)),
+                         .frames_to_clear = static_cast<std::uint32_t>(parameters.frames_to_clear)};
   std::vector<Distances> distances(map.size());
   parallel_for(parallelism, map.size(), kMeshGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto number = static_cast<std::uint32_t>(i);
-      decode(map.block(number), map.block_free_count(number), min_hits,
-             static_cast<std::uint32_t>(parameters.frames_to_clear), distances[i]);
+      decode(map.block(number), map.block_free_count(number), min_hits, distances[i]);
     }
   });
   return distances;

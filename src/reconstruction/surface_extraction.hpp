@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "pcavr/core/parallel.hpp"
 #include "pcavr/geometry/mesh.hpp"
 
@@ -13,6 +15,8 @@ struct ExtractionParameters {
   double voxel_size = 0.0;  ///< [m]
   double min_weight = 1.0;  ///< [frames]
   int frames_to_clear = 3;
+  /// [frames], of voxels that no frame observed as free; none: min_weight
+  std::optional<double> min_uncontradicted_weight = {};
 };
 
 /// Marching cubes over all cubes whose eight corners are known. The order of vertices and triangles

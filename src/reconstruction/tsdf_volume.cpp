@@ -154,9 +154,17 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
 }
 
 TriangleMesh TsdfVolume::extract_mesh(double min_weight, Parallelism parallelism) const {
-  return extract_surface(
-      blocks_->map, {blocks_->options.voxel_size, min_weight, blocks_->options.frames_to_clear},
-      parallelism);
+  return extract_mesh(SurfaceEvidence{min_weight, min_weight}, parallelism);
+}
+
+TriangleMesh TsdfVolume::extract_mesh(const SurfaceEvidence& evidence,
+                                      Parallelism parallelism) const {
+  return extract_surface(blocks_->map,
+                         {.voxel_size = blocks_->options.voxel_size,
+                          .min_weight = evidence.min_weight,
+                          .frames_to_clear = blocks_->options.frames_to_clear,
+                          .min_uncontradicted_weight = evidence.min_uncontradicted_weight},
+                         parallelism);
 }
 
 std::size_t TsdfVolume::block_count() const { return blocks_->map.size(); }

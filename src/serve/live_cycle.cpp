@@ -92,14 +92,26 @@ ToolCommand LiveCycle::limited(ToolCommand wanted) noexcept {
 }
 
 void LiveCycle::reset_if_requested() noexcept {
-  const std::uint32_t requested = resets_.load(std::memory_order_relaxed);
-  if (requested == resets_done_) return;
-  resets_done_ = requested;
-  restart(options_.p_base_tool_start);
+  const std::uint32_t resets = resets_.load(std::memory_order_relaxed);
+  const std::uint32_t undos = undos_.load(std::memory_order_relaxed);
+  const bool is_reset = resets != resets_done_;
+  const bool is_undone = undos != undos_done_ && world_.state().can_undo_reset;
+  resets_done_ = resets;
+  undos_done_ = undos;
+  if (is_reset) {
+    restart(options_.p_base_tool_start);
+  } else if (is_undone) {
+    world_.undo_reset(options_.p_base_tool_start);
+    begin_anew();
+  }
 }
 
 void LiveCycle::restart(const Eigen::Vector3d& p_base_tool) noexcept {
   world_.reset(p_base_tool);
+  begin_anew();
+}
+
+void LiveCycle::begin_anew() noexcept {
   pulses_.reset();
   limiter_.reset();
   if (arm_) arm_->follower.reset();

@@ -42,6 +42,7 @@ class LiveCycle {
     return is_stopped_.load(std::memory_order_relaxed);
   }
   void reset() noexcept { resets_.fetch_add(1, std::memory_order_relaxed); }
+  void undo_reset() noexcept { undos_.fetch_add(1, std::memory_order_relaxed); }
   void set_time_scale(double scale) noexcept;
   [[nodiscard]] double time_scale() const noexcept {
     return time_scale_.load(std::memory_order_relaxed);
@@ -67,6 +68,8 @@ class LiveCycle {
   [[nodiscard]] ToolCommand command_from(const DeviceSample& sample, bool is_on_hold) noexcept;
   [[nodiscard]] ToolCommand limited(ToolCommand wanted) noexcept;
   void reset_if_requested() noexcept;
+  /// After the bodies and the tool were placed: from rest, with the hand where it is.
+  void begin_anew() noexcept;
   [[nodiscard]] DeviceFeedback feedback() noexcept;
   void measure_speeds() noexcept;
   void move_arm(const Eigen::Vector3d& p_base_tip) noexcept;
@@ -95,6 +98,8 @@ class LiveCycle {
   double simulated_cycles_ = 0.0;  ///< cycles, times their time scale
   std::atomic<std::uint32_t> resets_{0};
   std::uint32_t resets_done_ = 0;
+  std::atomic<std::uint32_t> undos_{0};
+  std::uint32_t undos_done_ = 0;
   std::uint32_t cycles_ = 0;
   bool was_on_hold_ = false;
   ToolCommand command_;                                              ///< of the last cycle

@@ -89,6 +89,7 @@ void copy_link(const WorldSnapshot& snapshot, bool is_from_page, LiveState& stat
 void copy_world(const WorldSnapshot& snapshot, LiveState& state) {
   state.t = snapshot.t;
   state.is_engaged = snapshot.world.is_engaged;
+  state.can_undo_reset = snapshot.world.can_undo_reset;
   state.is_on_hold = snapshot.is_on_hold;
   state.is_stopped = snapshot.is_stopped;
   state.time_scale = snapshot.time_scale;
@@ -221,6 +222,9 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
       return;
     case LiveCommand::release_stop:
       if (has_control) return world_.release_emergency_stop();
+      break;
+    case LiveCommand::undo_reset:
+      if (has_control) return world_.undo_reset();
       break;
     case LiveCommand::take_tool:
       return take_tool(id, now);

@@ -135,6 +135,7 @@ void LiveWorld::hold(bool is_on_hold) noexcept { content_->cycle.hold(is_on_hold
 void LiveWorld::emergency_stop() noexcept { content_->cycle.emergency_stop(); }
 void LiveWorld::release_emergency_stop() noexcept { content_->cycle.release_emergency_stop(); }
 void LiveWorld::reset() noexcept { content_->cycle.reset(); }
+void LiveWorld::undo_reset() noexcept { content_->cycle.undo_reset(); }
 void LiveWorld::set_time_scale(double scale) noexcept { content_->cycle.set_time_scale(scale); }
 double LiveWorld::time_scale() const noexcept { return content_->cycle.time_scale(); }
 const WorldSnapshot& LiveWorld::newest() noexcept { return content_->cycle.newest(); }

@@ -30,6 +30,7 @@ enum StateFlag : std::uint32_t {
   kToolTaken = 16,
   kStopped = 32,
   kHasLink = 64,
+  kCanUndoReset = 128,
 };
 
 void write_object(const LiveObject& object, ByteWriter& writer) {
@@ -66,7 +67,7 @@ std::uint32_t flags_of(const LiveState& state) {
   return (state.is_engaged ? kEngaged : 0U) | (state.is_on_hold ? kOnHold : 0U) |
          (state.touches_scan ? kTouchesScan : 0U) | (state.has_tool ? kHasTool : 0U) |
          (state.tool_taken ? kToolTaken : 0U) | (state.is_stopped ? kStopped : 0U) |
-         (state.link ? kHasLink : 0U) |
+         (state.link ? kHasLink : 0U) | (state.can_undo_reset ? kCanUndoReset : 0U) |
          static_cast<std::uint32_t>(std::lround(kPercents * state.time_scale)) << kTimeScaleShift;
 }
 
@@ -140,6 +141,7 @@ void read_flags(std::uint32_t flags, LiveState& state) {
   state.tool_taken = (flags & kToolTaken) != 0;
   state.is_stopped = (flags & kStopped) != 0;
   if ((flags & kHasLink) != 0) state.link.emplace();
+  state.can_undo_reset = (flags & kCanUndoReset) != 0;
   state.time_scale = (flags >> kTimeScaleShift & 0xffU) / kPercents;
 }
 

@@ -2,9 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/pipeline/build_scene.hpp"
 
+#include <algorithm>
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/recording.hpp"
+#include "pcavr/recording/recording_writer.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "support/temporary_folder.hpp"
@@ -73,6 +78,60 @@ TEST(BuildScene, WithoutImagesCanBeWrittenAndIsSound) {
   const auto checks = inspect_scene(scene_folder);
   ASSERT_TRUE(checks) << checks.error().to_string();
   for (const SceneCheck& check : *checks) EXPECT_TRUE(check.is_sound) << check.what << check.figure;
+}
+
+// ---- short recordings
+
+TEST(SurfaceEvidence, NeedsFewerFramesInAShortRecording) {
+  const BuildOptions options;
+  EXPECT_EQ(surface_evidence(options, 5).min_uncontradicted_weight, 1.0);
+  EXPECT_EQ(surface_evidence(options, 30).min_uncontradicted_weight, 1.0);
+  EXPECT_EQ(surface_evidence(options, 31).min_uncontradicted_weight, 2.0);
+  EXPECT_EQ(surface_evidence(options, 5000).min_uncontradicted_weight, 2.0);
+  EXPECT_EQ(surface_evidence(options, 5).min_weight, 2.0) << "where a frame contradicts";
+}
+
+/// Two views of a wall at 1 m, 0.8 m wide each, the second one 0.4 m to the right.
+Recording two_views_of_a_wall(const std::filesystem::path& folder) {
+  Manifest manifest;
+  manifest.camera =
+      CameraModel{.width = 160, .height = 120, .fx = 200.0, .fy = 200.0, .cx = 79.5, .cy = 59.5};
+  manifest.depth_scale = 1000.0;
+  RecordingWriter writer(folder, manifest);
+  Trajectory camera;
+  for (int i = 0; i < 2; ++i) {
+    const Stamp stamp{i * 50'000'000LL};
+    EXPECT_TRUE(writer.add_frame(stamp, ColorImage(160, 120, {90, 90, 90}), stamp,
+                                 DepthImage(160, 120, 1.0F)));
+    camera.append(stamp, Pose::from_translation({0.4 * i, 0.0, 0.0}));
+  }
+  EXPECT_TRUE(writer.write_groundtruth(camera));
+  EXPECT_TRUE(writer.finish());
+  return read_recording(folder).value();
+}
+
+TEST(BuildScene, KeepsWhatOneViewOfFewSawUnlessNoViewsAgree) {
+  const TemporaryFolder folder;
+  const Recording recording = two_views_of_a_wall(folder.path());
+  BuildOptions options(0.01);
+  options.trust_poses = true;
+  options.texture.enabled = false;
+  const auto width = [&] {
+    const Expected<Scene> scene = build_scene(recording, options);
+    EXPECT_TRUE(scene) << scene.error().to_string();
+    float min_x = 9.0F;
+    float max_x = -9.0F;
+    for (const Eigen::Vector3f& p : scene->mesh_base.vertices) {
+      min_x = std::min(min_x, p.x());
+      max_x = std::max(max_x, p.x());
+    }
+    return max_x - min_x;
+  };
+  EXPECT_NEAR(width(), 1.2F, 0.05F);
+  options.frames_per_weight = 1.0;
+  EXPECT_NEAR(width(), 0.4F, 0.05F);
+  options.min_weight = 3.0;
+  EXPECT_FALSE(build_scene(recording, options)) << "no three views agree";
 }
 
 TEST(BuildScene, WithoutImagesNeedsThePoseOfEveryMovableObject) {

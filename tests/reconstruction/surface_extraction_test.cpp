@@ -192,6 +192,25 @@ TEST(ExtractSurface, IgnoresVoxelsWithTooFewHits) {
   EXPECT_EQ(extract_surface(saturated, {kGridVoxel, 1e9, 3}, {1}).triangles.size(), triangles(1.0));
 }
 
+TEST(ExtractSurface, NeedsFewerHitsWhereNoFrameContradicts) {
+  const GridField field = random_field(6, 500);
+  const auto triangles = [&](std::uint32_t hits, std::uint32_t frees, std::uint8_t of_block) {
+    BlockMap map = grid_of(field, hits);
+    for (std::uint32_t number = 0; number < map.size(); ++number) {
+      map.block_free_count(number) = of_block;
+      for (std::uint32_t& counts : map.block(number).color_counts) counts |= frees << 28;
+    }
+    const ExtractionParameters parameters{
+        .voxel_size = kGridVoxel, .min_weight = 4.0, .min_uncontradicted_weight = 2.0};
+    return extract_surface(map, parameters, {1}).triangles.size();
+  };
+  EXPECT_EQ(triangles(1, 0, 0), 0U);
+  EXPECT_GT(triangles(2, 0, 0), 0U);
+  EXPECT_EQ(triangles(3, 1, 0), 0U);
+  EXPECT_EQ(triangles(3, 0, 1), 0U);
+  EXPECT_EQ(triangles(4, 1, 0), triangles(2, 0, 0));
+}
+
 TEST(ExtractSurface, RemovesWhatAtLeastAsManyFramesSawAsFree) {
   const auto triangles = [&](std::uint32_t hits, std::uint32_t frees) {
     BlockMap map = grid_of(random_field(6, 500), hits);

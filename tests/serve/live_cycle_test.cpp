@@ -228,6 +228,28 @@ TEST_F(LiveCycleTest, AResetRestoresTheStartAndTheToolContinuesFromThere) {
   EXPECT_EQ(state.speeds[0], 0.0);
 }
 
+TEST_F(LiveCycleTest, AnUndoneResetPutsTheBodiesBackUntilOneIsTouched) {
+  move(kInTheBox, 1500);
+  cycle_.undo_reset();  // of nothing
+  const Eigen::Vector3d pushed = run(1).world.bodies[0].T_base_object.translation();
+  EXPECT_GT(pushed.x(), cycle_.newest().world.p_base_proxy.x());
+  for (int i = 0; i < 2; ++i) {
+    cycle_.reset();
+    EXPECT_TRUE(run(1).world.can_undo_reset) << "also by a second one";
+  }
+  cycle_.undo_reset();
+  const WorldSnapshot& state = run(1);
+  EXPECT_EQ(state.world.bodies[0].T_base_object.translation(), pushed);
+  EXPECT_EQ(state.world.bodies[0].phase, MotionPhase::free);
+  EXPECT_FALSE(state.world.can_undo_reset);
+  cycle_.reset();
+  sample_.is_engaged = false;
+  sample_.p_base_tip = test::kToolStart;
+  EXPECT_TRUE(run(1).world.can_undo_reset);
+  move(kInTheBox, 1500);
+  EXPECT_FALSE(run(1).world.can_undo_reset);
+}
+
 TEST_F(LiveCycleTest, SpeedIsThatOfTheBody) {
   move(kInTheBox, 1500);
   const double before = cycle_.newest().world.bodies[0].T_base_object.translation().x();

@@ -40,6 +40,7 @@ LiveState a_state(Random& random, std::size_t objects) {
   state.touches_scan = random.below(2) == 1;
   state.has_tool = random.below(2) == 1;
   state.tool_taken = random.below(2) == 1;
+  state.can_undo_reset = random.below(2) == 1;
   if (random.below(5) > 0) state.touched_object = random.below(4);
   state.p_base_hip = vector(random);
   state.p_base_proxy = vector(random);
@@ -82,9 +83,9 @@ TEST(LiveProtocol, PageMessagesSurviveARoundTrip) {
     EXPECT_EQ(same.is_engaged, tool.is_engaged);
     EXPECT_EQ(same.device, tool.device);
   }
-  for (const auto command :
-       {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset, LiveCommand::take_tool,
-        LiveCommand::release_tool, LiveCommand::slower, LiveCommand::faster}) {
+  for (const auto command : {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset,
+                             LiveCommand::take_tool, LiveCommand::release_tool, LiveCommand::slower,
+                             LiveCommand::faster, LiveCommand::undo_reset}) {
     const auto read = decode_page_message(encode(PageMessage{{9, 1.0}, command}));
     ASSERT_TRUE(read);
     EXPECT_EQ(std::get<LiveCommand>(read->content), command);

@@ -35,6 +35,7 @@ export const Command = {
   faster: 7,
   emergencyStop: 8,
   releaseStop: 9,
+  undoReset: 10,
 } as const;
 export type Command = (typeof Command)[keyof typeof Command];
 
@@ -108,6 +109,7 @@ export interface LiveState {
   touchesScan: boolean;
   hasTool: boolean; // this page
   isToolTaken: boolean; // by any page
+  canUndoReset: boolean; // since the last reset no body was touched
   touchedObject: number; // -1: none
   hip: Vector; // haptic interface point: where the hand is
   proxy: Vector; // god-object: the tool's sphere, kept outside of all surfaces
@@ -198,6 +200,7 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
     touchesScan: (flags & 4) !== 0,
     hasTool: (flags & 8) !== 0,
     isToolTaken: (flags & 16) !== 0,
+    canUndoReset: (flags & 128) !== 0,
     touchedObject: view.getInt32(20, true),
     hip: readVector(view, 24),
     proxy: readVector(view, 36),

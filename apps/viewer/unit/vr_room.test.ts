@@ -53,6 +53,7 @@ const live: ButtonState = {
   isOnHold: false,
   isScanShown: true,
   canTake: false,
+  canUndoReset: false,
   timeScale: 1,
   isPassthrough: false,
   isPlacing: false,
@@ -75,6 +76,12 @@ test('in a replay the buttons of the world are those of the player', () => {
     ...['', 'LEAVE', ''], // no time scale, nothing to place
   ]);
   assert.deepEqual(texts({ ...live, isPassthrough: true }).slice(-1), ['PLACE']);
+});
+
+test('after a reset the button undoes it, until a body is touched', () => {
+  const text = (state: Partial<ButtonState>) => labelOf('reset', { ...live, ...state }, false).text;
+  assert.equal(text({}), 'RESET');
+  assert.equal(text({ canUndoReset: true }), 'UNDO');
 });
 
 test('a place on the bar is a time, clamped at its ends', () => {

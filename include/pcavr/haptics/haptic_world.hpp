@@ -72,6 +72,7 @@ struct HapticWorldState {
   Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< [N] on the hand
   bool is_engaged = false;
   bool touches_scan = false;
+  bool can_undo_reset = false;  ///< the last reset moved a body, and none was touched since
   std::optional<std::size_t> touched_body;
   std::vector<HapticBodyState> bodies;  ///< as in the model
 };
@@ -104,6 +105,9 @@ class HapticWorld {
   /// Restores the initial state, with the tool at `p_base_tip` [m] or at the nearest collision-free
   /// point above it (to half its radius). Without a reset, the first valid tip places the tool.
   void reset(const Eigen::Vector3d& p_base_tip) noexcept;
+  /// Puts the bodies back where they were before the last reset, at rest, with the tool as in
+  /// reset(); nothing where state().can_undo_reset is false.
+  void undo_reset(const Eigen::Vector3d& p_base_tip) noexcept;
 
   /// One cycle of `dt` [s] > 0. When not engaged, the HIP is reset to the proxy, no body is pushed,
   /// and the force decreases at its maximum rate; likewise where the tip is not finite or farther

@@ -34,6 +34,7 @@ struct BuildOptions {
   TextureOptions texture;
   double occupancy_interval;     ///< [s]
   double min_weight;             ///< [frames]
+  double frames_per_weight;      ///< [frames]
   double min_island;             ///< [m^2]
   double level_of_detail_error;  ///< [voxels]
   double max_surface_distance;   ///< [m]
@@ -45,6 +46,11 @@ struct BuildOptions {
 /// The options "build", and all that only building a scene uses; they refer to `options`.
 [[nodiscard]] OptionSection section_of(BuildOptions& options);
 [[nodiscard]] std::vector<OptionSection> sections_of(BuildOptions& options);
+
+/// What the surface of `frames` fused frames must rest on. A surface that no frame contradicts
+/// needs one frame in each `frames_per_weight`, at most `min_weight`: errors of single frames add
+/// up with the frames, while parts that few frames see get fewer.
+[[nodiscard]] SurfaceEvidence surface_evidence(const BuildOptions& options, std::size_t frames);
 
 /// From a recording to a scene in the robot's base frame: the whole pipeline. Without images the
 /// scene holds what the manifest states: bodies at their poses. Fails where no frame can be placed

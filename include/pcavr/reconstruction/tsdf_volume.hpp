@@ -36,6 +36,12 @@ struct IntegrationReport {
   std::size_t blocks_added = 0;
 };
 
+/// Frames that must have measured a voxel for its surface to be extracted; clamped to [1, 15].
+struct SurfaceEvidence {
+  double min_weight = 1.0;                 ///< [frames], where any frame observed it as free
+  double min_uncontradicted_weight = 1.0;  ///< [frames], where none did
+};
+
 /// A truncated signed distance function (TSDF) with colour, in a sparse hash of blocks of 8^3
 /// voxels near surfaces (voxel hashing) [Curless & Levoy 1996; Niessner et al. 2013]. Frame: base.
 /// One writer; const members may run concurrently. The content is bitwise identical for any number
@@ -57,6 +63,9 @@ class TsdfVolume {
   /// field's gradient, and colours. Voxels that fewer than `min_weight` frames
   /// measured are ignored; clamped to [1, 15].
   [[nodiscard]] TriangleMesh extract_mesh(double min_weight, Parallelism parallelism) const;
+  /// The same, with fewer frames where nothing contradicts them.
+  [[nodiscard]] TriangleMesh extract_mesh(const SurfaceEvidence& evidence,
+                                          Parallelism parallelism) const;
 
   [[nodiscard]] std::size_t block_count() const;
   [[nodiscard]] std::size_t memory_bytes() const;

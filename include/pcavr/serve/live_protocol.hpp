@@ -58,7 +58,8 @@ enum class LiveCommand : std::uint32_t {
   slower,  ///< the next slower of kTimeScales
   faster,
   emergency_stop,  ///< the tool is disengaged and stays where it is
-  release_stop     ///< of the emergency stop: the world is then on hold
+  release_stop,    ///< of the emergency stop: the world is then on hold
+  undo_reset       ///< until a body is touched
 };
 /// Time scales that pages choose from.
 inline constexpr double kTimeScales[] = {0.1, 0.25, 0.5, 1.0};
@@ -152,6 +153,7 @@ struct LiveState {
   bool touches_scan = false;
   bool has_tool = false;    ///< the receiving page has the tool
   bool tool_taken = false;  ///< some page or device has it
+  bool can_undo_reset = false;
   std::optional<std::size_t> touched_object;
   Eigen::Vector3f p_base_hip = Eigen::Vector3f::Zero();
   Eigen::Vector3f p_base_proxy = Eigen::Vector3f::Zero();

@@ -102,6 +102,7 @@ class LiveWorld final : public PageWorld {
   void emergency_stop() noexcept override;
   void release_emergency_stop() noexcept override;
   void reset() noexcept override;
+  void undo_reset() noexcept override;
   void set_time_scale(double scale) noexcept override;
   [[nodiscard]] double time_scale() const noexcept override;
   [[nodiscard]] const WorldSnapshot& newest() noexcept override;

@@ -55,6 +55,7 @@ class OperatorPage final : public OperatorInterface, public PageWorld {
   void emergency_stop() noexcept override;
   void release_emergency_stop() noexcept override;
   void reset() noexcept override {}
+  void undo_reset() noexcept override {}
   void set_time_scale(double) noexcept override {}
   [[nodiscard]] double time_scale() const noexcept override { return 1.0; }
   [[nodiscard]] const WorldSnapshot& newest() noexcept override;

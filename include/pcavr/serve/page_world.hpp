@@ -69,7 +69,7 @@ class PageWorld {
   [[nodiscard]] virtual std::string_view device_name() const = 0;
   /// The device that pages send samples to; null if another device moves the tool.
   [[nodiscard]] virtual RemoteDevice* page_device() noexcept = 0;
-  /// Its bodies exist elsewhere: neither reset() nor the time scale has an effect.
+  /// Its bodies exist elsewhere: neither reset(), undo_reset() nor the time scale has an effect.
   [[nodiscard]] virtual bool is_remote() const noexcept { return false; }
 
   /// Freezes the tool's command; opening the clutch still disengages the tool. After resuming, the
@@ -81,6 +81,8 @@ class PageWorld {
   virtual void release_emergency_stop() noexcept = 0;
   /// Restores the initial state of all bodies and of the tool.
   virtual void reset() noexcept = 0;
+  /// Puts the bodies back where the last reset found them, unless one was touched since.
+  virtual void undo_reset() noexcept = 0;
   /// Sets the time scale, clamped to 0.1 to 1. Takes effect with the next cycle.
   virtual void set_time_scale(double scale) noexcept = 0;
   [[nodiscard]] virtual double time_scale() const noexcept = 0;

@@ -15,6 +15,7 @@ export class ToolPanel {
   private readonly take = byId('take', HTMLButtonElement);
   private readonly release = byId('release', HTMLButtonElement);
   private readonly hold = byId('hold', HTMLButtonElement);
+  private readonly undo = byId('undo-reset', HTMLButtonElement);
   private readonly speed = byId('time-scale', HTMLOutputElement);
   private readonly clutch = byId('clutch', HTMLButtonElement);
   private readonly callToAction = new CallToAction();
@@ -41,6 +42,10 @@ export class ToolPanel {
     byId('reset', HTMLButtonElement).addEventListener('click', () => {
       tool.disengage();
       session.command(Command.reset);
+    });
+    this.undo.addEventListener('click', () => {
+      tool.disengage();
+      session.command(Command.undoReset);
     });
     const plane = byId('drag-plane', HTMLSelectElement);
     plane.addEventListener('change', () => (tool.planeKind = plane.value as 'horizontal' | 'view'));
@@ -71,6 +76,7 @@ export class ToolPanel {
     this.take.disabled = !state || state.isToolTaken;
     this.release.disabled = !state?.hasTool;
     this.hold.disabled = !state;
+    this.undo.hidden = !state?.canUndoReset || isTakenByOther;
     setPressed(this.hold, state?.isOnHold ?? false);
     setText(this.speed, `${Math.round(100 * (state?.timeScale ?? 1))} %`);
     setText(this.hold, state?.isOnHold ? 'Continue' : 'Pause');

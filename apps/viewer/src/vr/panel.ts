@@ -120,7 +120,7 @@ export class Panel {
     return toPanel(timeSlider.placeOf(time, duration));
   }
 
-  /// A reset cannot be undone: true once it was pressed twice. `now` in milliseconds.
+  /// A reset by mistake ends the push: true once it was pressed twice. `now` in milliseconds.
   confirmsReset(now: number): boolean {
     const isConfirmed = this.confirmUntil > 0 && now <= this.confirmUntil;
     this.confirmUntil = isConfirmed ? 0 : now + confirmMs;

@@ -23,6 +23,7 @@ export interface ButtonState {
   isOnHold: boolean;
   isScanShown: boolean;
   canTake: boolean; // another page has the tool
+  canUndoReset: boolean; // since the last reset no body was touched
   timeScale: number; // simulated over real time
   isPassthrough: boolean; // the real room is behind the scene
   isPlacing: boolean; // the scene follows the hand
@@ -47,6 +48,7 @@ export function labelOf(button: PanelButton, state: ButtonState, isAsking: boole
       return label(state.isOnHold ? 'PAUSED' : 'PAUSE', state.isOnHold);
     case 'reset':
       if (playback) return label(`-${playbackStep} S`);
+      if (state.canUndoReset) return label('UNDO', true);
       return label(isAsking ? 'SURE?' : 'RESET', isAsking);
     case 'take':
       return playback ? label(`+${playbackStep} S`) : label('TAKE', state.canTake);

@@ -223,6 +223,7 @@ export class VrMode {
     switch (button) {
       case 'reset':
         if (playback) playback.seek(playback.time - playbackStep);
+        else if (session.latest()?.canUndoReset) session.command(Command.undoReset);
         else if (this.panel.confirmsReset(now)) session.command(Command.reset);
         break;
       case 'take':
@@ -386,6 +387,7 @@ export class VrMode {
       isOnHold: state?.isOnHold ?? false,
       note: this.clutch.openReason,
       scale: this.person.scale,
+      canUndoReset: state?.canUndoReset ?? false,
       timeScale: state?.timeScale ?? 1,
       isScanShown: this.app.view.layers.isShown('mesh'),
       canTake: state !== null && state.isToolTaken && !state.hasTool,
