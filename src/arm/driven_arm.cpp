@@ -15,14 +15,10 @@ namespace {
 constexpr double kMaxDrivenStep = 0.5e-3;     // [s] as of the replay of torques
 constexpr double kDescribedSmoothing = 0.01;  // [rad/s] of Coulomb friction's sign
 
-/// Rotor inertia over torque limit [kg m^2/(N m)] of joints without a known one: geared drives of
-/// small arms. Without it a wrist would have less inertia than any controller can hold.
-constexpr double kRotorInertiaPerTorque = 0.003;
-
-RobotModel with_rotors(RobotModel robot) {
+RobotModel with_rotors(RobotModel robot, double inertia_per_torque) {
   for (RobotJoint& joint : robot.joints) {
     if (joint.armature > 0.0 || !joint.limits.effort) continue;
-    joint.armature = kRotorInertiaPerTorque * *joint.limits.effort;
+    joint.armature = inertia_per_torque * *joint.limits.effort;
   }
   return robot;
 }
@@ -47,7 +43,7 @@ JointFit described_friction(const RobotJoint& joint) {
 
 DrivenArm::DrivenArm(const RobotModel& robot, const std::vector<JointFit>& friction,
                      const DrivenArmOptions& options)
-    : dynamics_(with_rotors(robot)),
+    : dynamics_(with_rotors(robot, options.rotor_inertia_per_torque)),
       friction_(friction),
       rate_(2.0 * std::numbers::pi * options.bandwidth),
       damping_(2.0 * options.damping_ratio * rate_) {

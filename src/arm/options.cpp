@@ -17,6 +17,13 @@ constexpr auto kDriveFields = std::to_array<OptionField<DrivenArmOptions>>({
      "lower: the tip lags and gives way; higher: more torque than the joints have"},
     {"damping_ratio", &DrivenArmOptions::damping_ratio, 1.0, 0.1, 5.0, "",
      "of the joint controller", "lower: the tip overshoots; higher: it creeps to its target"},
+    // Geared drives of small arms: without it a wrist would have less inertia than any controller
+    // can hold.
+    {"rotor_inertia_per_torque", &DrivenArmOptions::rotor_inertia_per_torque, 0.003, 0.0, 1.0,
+     "kg m^2/(N m)",
+     "rotor inertia, seen from the joint, over its torque limit, where neither the URDF's "
+     "transmission states nor identification found one",
+     "lower: wrists shake under the controller; higher: the arm is sluggish"},
 });
 static_assert(are_valid_fields(kDriveFields));
 

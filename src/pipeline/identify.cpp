@@ -3,6 +3,8 @@
 #include "pcavr/pipeline/identify.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "pcavr/inputs/input_monitor.hpp"
@@ -47,6 +49,21 @@ ObjectIdentification begin_object(const IdentifiableObject& object, const Parame
   if (!result.parameters.mass && object.mass)
     result.parameters.mass = ParameterValue{*object.mass, {}};
   return result;
+}
+
+/// The std of a contact's `tool` where the tip has an error that all samples share.
+std::vector<double> tip_std_of(const IdentificationInput& input, const ContactEpisode& episode) {
+  std::vector<double> stds;
+  if (input.tip_covariance_base.empty()) return stds;
+  stds.reserve(episode.t.size());
+  for (const double t : episode.t) {
+    const auto next = std::lower_bound(input.t_tool.begin(), std::prev(input.t_tool.end()), t);
+    const auto row = static_cast<std::size_t>(next - input.t_tool.begin());
+    const Eigen::Vector3d& along = episode.direction_base;
+    const double variance = along.dot(input.tip_covariance_base[row] * along);
+    stds.push_back(std::sqrt(std::max(0.0, variance)));
+  }
+  return stds;
 }
 
 void note_contacts(Identification& result, const IdentificationInput& input) {
@@ -115,6 +132,9 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
   if (result.inputs.fault) return result.inputs.fault->error;
   if (result.inputs.no_contact) return *result.inputs.no_contact;
   result.notes = result.inputs.notes;
+  for (IdentifiedContact& contact : result.contacts) {
+    contact.tip_std = tip_std_of(input, contact.episode);
+  }
   const TipPath clean = clean_tip_path(input.t_tool, input.p_base_tip, options.inputs);
   const PathView tip(clean.t, clean.p_base);
 

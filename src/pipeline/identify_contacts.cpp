@@ -58,6 +58,43 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   }
 }
 
+/// The contact's series with the tip moved back by its common std, kept in `tool`.
+ForceMotion shallower(const ForceMotion& series, const std::vector<double>& tip_std,
+                      std::vector<double>& tool) {
+  tool.assign(series.tool.begin(), series.tool.end());
+  for (std::size_t i = 0; i < tool.size() && i < tip_std.size(); ++i) tool[i] -= tip_std[i];
+  return {series.t, tool, series.force, series.tool_noise};
+}
+
+void add_change(const ContactFit& moved, ContactFit& fit) {
+  if (!fit.is_valid || !moved.is_valid) return;
+  const auto add = [&](IdentifiedParameter ContactFit::*parameter) {
+    IdentifiedParameter& found = fit.*parameter;
+    found.std = std::hypot(found.std, (moved.*parameter).value - found.value);
+  };
+  add(&ContactFit::stiffness);
+  add(&ContactFit::damping);
+  add(&ContactFit::exponent);
+}
+
+/// Adds to the stds what an error of the tip by one std changes, the same in all contacts: the tip
+/// is less deep than it seems, as what carries it gives way.
+void add_tip_uncertainty(const std::vector<ForceMotion>& series,
+                         const std::vector<const IdentifiedContact*>& contacts,
+                         const ContactFitOptions& options, ContactIdentification& found) {
+  const bool is_known = std::all_of(contacts.begin(), contacts.end(),
+                                    [](const auto* contact) { return contact->tip_std.empty(); });
+  if (is_known) return;
+  std::vector<std::vector<double>> tools(series.size());
+  std::vector<ForceMotion> moved;
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    moved.push_back(shallower(series[i], contacts[i]->tip_std, tools[i]));
+  }
+  const ContactIdentification shallow = identify_contact(moved, options);
+  add_change(shallow.hunt_crossley, found.hunt_crossley);
+  add_change(shallow.mass_damper_spring, found.mass_damper_spring);
+}
+
 /// The push until the breakaway alarm: the object is at rest.
 ForceMotion until_alarm(const ContactEpisode& episode) {
   const double until = episode.breakaway.is_found ? episode.breakaway.t_alarm : episode.end;
@@ -85,6 +122,7 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
                                         double exponent, ContactFitOptions options) {
   std::vector<FaceContact> faces;
   std::vector<std::vector<ForceMotion>> series;
+  std::vector<std::vector<const IdentifiedContact*>> sources;
   for (const IdentifiedContact* push : pushes) {
     const Eigen::Vector3d& normal = push->normal_object;
     const auto face = std::find_if(faces.begin(), faces.end(), [&](const FaceContact& known) {
@@ -94,14 +132,17 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     if (face == faces.end()) {
       faces.push_back({normal, 0, {}});
       series.emplace_back();
+      sources.emplace_back();
     }
     ++faces[index].pushes;
+    sources[index].push_back(push);
     series[index].push_back(until_alarm(push->episode));
   }
   options.is_surface_shared = false;  // the object moves between pushes
   options.exponent = exponent;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     faces[i].contact = identify_contact(series[i], options);
+    add_tip_uncertainty(series[i], sources[i], options, faces[i].contact);
     IdentifiedParameter& stiffness = faces[i].contact.hunt_crossley.stiffness;
     const double share = std::hypot(kCreep, stiffness_scatter(series[i], options));
     stiffness.std = std::hypot(stiffness.std, stiffness.value * share);
@@ -145,7 +186,10 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   result.press_count = static_cast<int>(presses.size());
   ContactFitOptions fit_options = options.contact_fit;
   fit_options.is_surface_shared = fit_options.is_surface_shared && is_one_surface(presses);
-  if (!series.empty()) result.presses = identify_contact(series, fit_options);
+  if (!series.empty()) {
+    result.presses = identify_contact(series, fit_options);
+    add_tip_uncertainty(series, {presses.begin(), presses.end()}, fit_options, result.presses);
+  }
   const ParameterValue exponent = result.parameters.contact_exponent.value_or(
       ParameterValue{kGivenExponent, kGivenExponentStd});
   result.is_contact_off_centre = centred.empty() && !pushes.empty();

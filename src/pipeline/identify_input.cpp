@@ -12,6 +12,7 @@
 
 #include "clock_checks.hpp"
 #include "consistency_checks.hpp"
+#include "loaded_tip.hpp"
 
 namespace pcavr {
 namespace {
@@ -123,6 +124,10 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
     input.p_base_tip.push_back(pose.translation());
     input.q_base_tool.push_back(pose.rotation());
   }
+  Expected<std::vector<Eigen::Matrix3d>> covariance =
+      tip_covariance(recording, sources.perception.loaded_tip);
+  if (!covariance) return covariance.error();
+  input.tip_covariance_base = std::move(*covariance);
   for (const WrenchSample& sample : recording.wrench) {
     input.t_force.push_back(to_seconds(sample.stamp - start));
     input.force_base.push_back(sample.force);

@@ -13,6 +13,19 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+constexpr auto kLoadedTipFields = std::to_array<OptionField<LoadedTipOptions>>({
+    // Data sheets of strain wave gears state their spring constants to about 20 %: the std of a
+    // uniform distribution over that.
+    {"gear_stiffness_std", &LoadedTipOptions::gear_stiffness_std, 0.12, 0.0, 1.0, "",
+     "relative std of a joint's stated gear stiffness",
+     "lower: stds of the contact law do not cover; higher: it is less known than it is"},
+    // Strain wave gears of arms of 1 to 10 kg: 5 to 10 arc minutes.
+    {"wind_up", &LoadedTipOptions::wind_up, 0.002, 0.0, 0.1, "rad",
+     "deflection at the joint's torque limit of gears without a stated stiffness: an uncertainty",
+     "lower: stds of the contact law do not cover; higher: it is less known than it is"},
+});
+static_assert(are_valid_fields(kLoadedTipFields));
+
 constexpr auto kMaskFields = std::to_array<OptionField<MaskOptions>>({
     {"first_body_margin", &MaskOptions::first_body_margin, 4, 0, 100, "px",
      "dilation of a body's silhouette while the camera is tracked, with poses from tags alone",
@@ -106,6 +119,11 @@ OptionSection section_of(MaskOptions& options) {
   return make_section("masks", options, kMaskFields);
 }
 
+LoadedTipOptions::LoadedTipOptions() { set_defaults(*this, kLoadedTipFields); }
+OptionSection section_of(LoadedTipOptions& options) {
+  return make_section("tip_under_load", options, kLoadedTipFields);
+}
+
 OptionSection section_of(ConsistencyOptions& options) {
   OptionSection section = make_section("consistency", options, kConsistencyFields);
   section.check = [&options]() -> std::optional<Error> {
@@ -140,7 +158,7 @@ std::vector<OptionSection> sections_of(PerceptionOptions& options) {
           section_of(options.body_pose),   section_of(options.camera),
           section_of(options.objects),     section_of(options.objects.rest),
           section_of(options.masks),       section_of(options.consistency),
-          section_of(options.cad)};
+          section_of(options.cad),         section_of(options.loaded_tip)};
 }
 
 }  // namespace pcavr

@@ -68,8 +68,7 @@ Eigen::VectorXd RecordedArm::last_position() const {
   return q;
 }
 
-Expected<std::optional<RecordedArm>> read_recorded_arm(const Recording& recording,
-                                                       const Observer& observer) {
+Expected<std::optional<RecordedArm>> read_recorded_joints(const Recording& recording) {
   const std::optional<RobotEntry>& entry = recording.manifest.robot;
   if (!entry) return std::optional<RecordedArm>();
   const std::filesystem::path file = recording.folder / entry->urdf;
@@ -85,16 +84,25 @@ Expected<std::optional<RecordedArm>> read_recorded_arm(const Recording& recordin
                   .tip = *tip,
                   .link_meshes = {},
                   .log = {}};
+  if (!recording.joints.empty()) {
+    if (const Expected<void> added = add_log(recording, arm); !added) return added.error();
+  }
+  return std::optional<RecordedArm>(std::move(arm));
+}
+
+Expected<std::optional<RecordedArm>> read_recorded_arm(const Recording& recording,
+                                                       const Observer& observer) {
+  Expected<std::optional<RecordedArm>> read = read_recorded_joints(recording);
+  if (!read || !*read) return read;
+  RecordedArm& arm = **read;
   Expected<LinkMeshes> meshes = link_meshes(arm.model);
   if (!meshes) return meshes.error();
   for (const Error& warning : meshes->warnings) observer.on_warning(warning.to_string());
   arm.link_meshes = std::move(meshes->of_link);
   if (recording.joints.empty()) {
     observer.on_warning("the manifest has a robot, but there is no joints.csv: it is shown at 0");
-  } else if (const Expected<void> added = add_log(recording, arm); !added) {
-    return added.error();
   }
-  return std::optional<RecordedArm>(std::move(arm));
+  return read;
 }
 
 SceneRobot scene_robot_of(const RecordedArm& arm) {

@@ -34,6 +34,10 @@ struct RecordedArm {
   [[nodiscard]] Eigen::VectorXd last_position() const;
 };
 
+/// As read_recorded_arm(), without the links' meshes; the manifest has a robot, or nothing is
+/// returned. Without `joints.csv` the model has all joints, and the log no rows.
+[[nodiscard]] Expected<std::optional<RecordedArm>> read_recorded_joints(const Recording& recording);
+
 /// Nothing where the manifest has no robot. Errors: a description or log that can't be read, joints
 /// that are not the robot's, an unknown tip. Warnings go to the observer.
 [[nodiscard]] Expected<std::optional<RecordedArm>> read_recorded_arm(const Recording& recording,

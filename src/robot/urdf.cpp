@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/robot/urdf.hpp"
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "pcavr/core/input_file.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/robot/transmissions.hpp"
 
 #include "robot/urdf_builder.hpp"
 #include "robot/urdf_structure.hpp"
@@ -40,6 +43,20 @@ Error error_of(const robot::UrdfdomResult& result, const robot::UrdfStructure& s
   return error;
 }
 
+/// The rotors' inertias, as the joints see them.
+Expected<void> add_rotors(const std::string& text, const std::filesystem::path& file,
+                          RobotModel& model) {
+  const Expected<std::vector<JointTransmission>> transmissions = parse_transmissions(text, file);
+  if (!transmissions) return transmissions.error();
+  for (const JointTransmission& transmission : *transmissions) {
+    for (RobotJoint& joint : model.joints) {
+      if (joint.name != transmission.joint || joint.mimics) continue;
+      joint.armature = transmission.reflected_inertia().value_or(0.0);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<RobotModel> read_urdf(const std::filesystem::path& file, const UrdfOptions& options) {
@@ -62,6 +79,7 @@ Expected<RobotModel> parse_urdf(const std::string& text, const std::filesystem::
   if (!parsed.model) return error_of(parsed, *structure, file);
   Expected<RobotModel> model = robot::build_robot(*parsed.model, *structure, file, options);
   if (!model) return model;
+  if (const Expected<void> added = add_rotors(text, file, *model); !added) return added.error();
   robot::InertiaFindings inertias = robot::check_inertias(*model, *structure);
   if (options.requires_inertia && !inertias.faults.empty()) return inertias.faults.front();
   for (std::vector<Error>* list : {&inertias.faults, &inertias.doubts}) {

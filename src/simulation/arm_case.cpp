@@ -48,6 +48,23 @@ PlantJoint make_joint(const AxisRange& axis, Random& random) {
   return joint;
 }
 
+/// What a data sheet states of the gears: the actual ones differ by up to 20 %.
+std::string transmissions() {
+  std::string text;
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    text += fmt::format(
+        R"(  <transmission name="drive{0}">
+    <joint name="joint{0}"/>
+    <actuator name="motor{0}">
+      <gearStiffness>{1:g}</gearStiffness>
+    </actuator>
+  </transmission>
+)",
+        i + 1, kAxes[i].gear_stiffness);
+  }
+  return text;
+}
+
 /// The description's body, as it might have been built.
 void vary(RigidInertia& body, Random& random) {
   const double factor = random.uniform(0.95, 1.05);
@@ -89,7 +106,7 @@ std::string arm_description(double tip_radius) {
   </joint>
 )",
       0.5 * kStylusLength, shaft, kStylusLength, kArmTip, tip_radius);
-  text.insert(end, stylus);
+  text.insert(end, stylus + transmissions());
   return text;
 }
 

@@ -59,6 +59,25 @@ TEST(DrivenArm, GivesWayByItsControllersStiffness) {
   EXPECT_LT((balance - external).cwiseAbs().maxCoeff(), 1e-3);
 }
 
+// Without friction and gravity's change, a joint's inertia is M's diagonal: the rotor's share is
+// the description's where it states one, else the option's.
+TEST(DrivenArm, HasTheRotorInertiasOfTheDescriptionOrTheOption) {
+  RobotModel model = six_axis_arm();
+  model.joints[1].armature = 0.7;
+  DrivenArmOptions options;
+  options.rotor_inertia_per_torque = 0.01;
+  Eigen::MatrixXd bare(6, 6), with_rotors(6, 6);
+  RobotModel without = model;
+  without.joints[1].armature = 0.0;
+  RobotDynamics(without).mass_matrix(bent(), bare);
+  DrivenArm arm(model, {}, options);
+  arm.dynamics().mass_matrix(bent(), with_rotors);
+  const Eigen::VectorXd rotors = (with_rotors - bare).diagonal();
+  EXPECT_NEAR(rotors[0], 0.01 * *model.joints[0].limits.effort, 1e-12);
+  EXPECT_NEAR(rotors[1], 0.7, 1e-12);
+  EXPECT_NEAR(rotors[5], 0.01 * *model.joints[5].limits.effort, 1e-12);
+}
+
 TEST(DrivenArm, NeverTurnsHarderThanItsMotorsButArrives) {
   const RobotModel model = six_axis_arm();
   DrivenArm arm(model, friction_of(1.0, 1.0));

@@ -19,6 +19,9 @@ struct DrivenArmOptions {
   DrivenArmOptions();
   double bandwidth;      ///< [Hz] of the controlled, undamped joints
   double damping_ratio;  ///< of the controlled joints
+  /// [kg m^2/(N m)] rotor inertia, seen from the joint, over the torque limit, of joints without a
+  /// stated (URDF) or identified one.
+  double rotor_inertia_per_torque;
 };
 [[nodiscard]] OptionSection section_of(DrivenArmOptions& options);
 

@@ -64,6 +64,9 @@ struct IdentificationInput {
   std::vector<double> t_tool;
   std::vector<Eigen::Vector3d> p_base_tip;
   std::vector<Eigen::Quaterniond> q_base_tool = {};  ///< at `t_tool`; may be empty: not known
+  /// [m^2] of `p_base_tip` at `t_tool` by one common cause, such as gears of unknown stiffness: the
+  /// errors of all samples have one sign. Empty: none.
+  std::vector<Eigen::Matrix3d> tip_covariance_base = {};
   std::vector<double> t_force;
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
   ParameterTable known = {};                ///< identified earlier; new results replace it
@@ -88,6 +91,8 @@ struct IdentificationOptions {
 /// One contact of the recording, and what was identified from it.
 struct IdentifiedContact : AttributedContact {
   IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
+  /// [m] std of the episode's `tool` by a cause that all samples share; empty: none.
+  std::vector<double> tip_std = {};
   /// Of a push, where a press gave the object's contact law; its ratio may be not excited.
   std::optional<PressLine> press_line = {};
 };

@@ -48,6 +48,18 @@ struct ConsistencyOptions {
   double contradiction_direction;  ///< [rad]
 };
 
+/// The tip of an arm whose encoders are in front of elastic gears; see
+/// src/pipeline/perception_options.cpp.
+struct LoadedTipOptions {
+  LoadedTipOptions();
+
+  double gear_stiffness_std;  ///< relative
+  double wind_up;             ///< [rad]
+};
+
+/// The options "tip_under_load".
+[[nodiscard]] OptionSection section_of(LoadedTipOptions& options);
+
 /// The options "masks" and "consistency".
 [[nodiscard]] OptionSection section_of(MaskOptions& options);
 [[nodiscard]] OptionSection section_of(ConsistencyOptions& options);
@@ -63,6 +75,7 @@ struct PerceptionOptions {
   MaskOptions masks = {};
   ConsistencyOptions consistency = {};
   CadOptions cad = {};
+  LoadedTipOptions loaded_tip = {};
 };
 
 /// With the common depth noise and body pose options.

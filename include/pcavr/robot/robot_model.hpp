@@ -105,7 +105,7 @@ struct RobotJoint {
   /// Of the child link and all links fixed to it, in the joint frame. Mass 0 where no link has one.
   RigidInertia body;
   /// Of the motor, seen from the joint (rotor inertia times the gear ratio squared) [kg m^2] or
-  /// [kg]. Adds armature * ddq to the torque; URDF has no field for it: 0.
+  /// [kg]. Adds armature * ddq to the torque; of the URDF's <transmission>, else 0.
   double armature = 0.0;
   double damping = 0.0;   ///< <dynamics damping>: viscous friction; not part of the dynamics here
   double friction = 0.0;  ///< <dynamics friction>: Coulomb friction; not part of the dynamics here
