@@ -18,7 +18,7 @@
 namespace pcavr {
 namespace {
 
-constexpr Duration kMaxGap(100'000'000);     // [ns] of the joints' log, as of a tool's log
+constexpr Duration kMaxTipGap(100'000'000);  // [ns] of the joints' log, as of a tool's log
 constexpr std::size_t kComparedPoses = 200;  // of the tool, spread over the recording
 /// [m] A controller computes the tool's pose from these joints: they differ by rounding and by the
 /// time between two samples. A tracker's noise alone is larger.
@@ -80,7 +80,7 @@ bool is_from_joints(const std::vector<TimedPose>& tool, const RecordedArm& arm,
   std::vector<double> distances;
   const std::size_t stride = std::max<std::size_t>(1, tool.size() / kComparedPoses);
   for (std::size_t i = 0; i < tool.size(); i += stride) {
-    const auto q = arm.position_at(tool[i].stamp, kMaxGap);
+    const auto q = arm.position_at(tool[i].stamp, kMaxTipGap);
     if (!q) continue;
     kinematics.forward_kinematics(*q);
     const Pose T_base_tip = arm.T_base_robot * kinematics.T_base_link(arm.tip);
@@ -113,7 +113,7 @@ Expected<std::vector<Eigen::Matrix3d>> tip_covariance(const Recording& recording
   Matrix6Xd jacobian(6, compliance->size());
   for (const TimedPose& sample : tool) {
     covariance.emplace_back(Eigen::Matrix3d::Zero());
-    const auto q = joints.position_at(sample.stamp, kMaxGap);
+    const auto q = joints.position_at(sample.stamp, kMaxTipGap);
     if (!q) continue;
     kinematics.jacobian(*q, joints.tip, jacobian);
     const Eigen::Matrix3Xd by_joint = R_base_robot * jacobian.topRows<3>();
