@@ -44,9 +44,20 @@ std::optional<RowFault> check_columns(const RowFormat& format, const InputRange&
   return std::nullopt;
 }
 
+/// At most this many rows: reserved at once, an hour of samples takes half the memory that growing
+/// does. Bounded by the shortest row, so that a file of empty lines reserves no multiple of its
+/// size.
+std::size_t max_rows(const SeriesText& text, const RowFormat& format) {
+  const auto lines = std::count(text.text.begin(), text.text.end(), '\n') + 1;
+  const std::size_t min_row_size = 2 * format.columns.size();
+  return std::min(static_cast<std::size_t>(lines), text.text.size() / min_row_size + 1);
+}
+
 /// Rows of `x y z qx qy qz qw`.
-Expected<Series<Trajectory>> read_poses(const RowFormat& format, LineReader& lines) {
+Expected<Series<Trajectory>> read_poses(const SeriesText& text, const RowFormat& format,
+                                        LineReader& lines) {
   std::vector<TimedPose> poses;
+  poses.reserve(max_rows(text, format));
   const auto handle = [&](Stamp stamp, std::span<const double> n) -> std::optional<RowFault> {
     if (auto fault = check_columns(format, ranges::kCoordinate, n.first(3), 1)) return fault;
     if (std::optional<Error> error = check_unit_quaternion(n.subspan(3))) {
@@ -102,9 +113,9 @@ Expected<Series<std::vector<ListedImage>>> parse_image_list(const SeriesText& te
 
 Expected<Series<Trajectory>> parse_trajectory(const SeriesText& text) {
   LineReader lines(text.text);
-  return read_poses(
-      format_of(text, Separator::whitespace, {"t", "tx", "ty", "tz", "qx", "qy", "qz", "qw"}),
-      lines);
+  const RowFormat format =
+      format_of(text, Separator::whitespace, {"t", "tx", "ty", "tz", "qx", "qy", "qz", "qw"});
+  return read_poses(text, format, lines);
 }
 
 Expected<Series<Trajectory>> parse_tool(const SeriesText& text) {
@@ -112,7 +123,7 @@ Expected<Series<Trajectory>> parse_tool(const SeriesText& text) {
   const RowFormat format =
       format_of(text, Separator::comma, {"t", "x", "y", "z", "qx", "qy", "qz", "qw"});
   if (const Expected<void> header = expect_header(format, lines); !header) return header.error();
-  return read_poses(format, lines);
+  return read_poses(text, format, lines);
 }
 
 Expected<Series<std::vector<WrenchSample>>> parse_wrench(const SeriesText& text) {
@@ -121,6 +132,7 @@ Expected<Series<std::vector<WrenchSample>>> parse_wrench(const SeriesText& text)
       format_of(text, Separator::comma, {"t", "fx", "fy", "fz", "tx", "ty", "tz"});
   if (const Expected<void> header = expect_header(format, lines); !header) return header.error();
   Series<std::vector<WrenchSample>> wrench;
+  wrench.content.reserve(max_rows(text, format));
   const auto handle = [&](Stamp stamp, std::span<const double> n) -> std::optional<RowFault> {
     if (auto fault = check_columns(format, ranges::kForce, n.first(3), 1)) return fault;
     if (auto fault = check_columns(format, ranges::kTorque, n.subspan(3), 4)) return fault;

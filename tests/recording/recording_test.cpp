@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/recording/time_series.hpp"
+
 #include "recording/small_recording.hpp"
 #include "support/shared_data.hpp"
 
@@ -292,6 +294,15 @@ TEST(ReadRecording, AcceptsTheSharedRecordings) {
     ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
     EXPECT_EQ(recording->frames.size(), frames);
   }
+}
+
+TEST(TimeSeries, ReservesItsRowsAtOnce) {
+  std::string text = "t,fx,fy,fz,tx,ty,tz\n";
+  for (int i = 0; i < 1000; ++i) text += std::to_string(i) + ".0,1,2,3,0,0,0\n";
+  const auto wrench = parse_wrench({.file = "wrench.csv", .text = text});
+  ASSERT_TRUE(wrench.has_value()) << wrench.error().to_string();
+  EXPECT_EQ(wrench->content.size(), 1000U);
+  EXPECT_LE(wrench->content.capacity(), 1002U);  // a header, and perhaps a row without a newline
 }
 
 }  // namespace
