@@ -220,6 +220,8 @@ void compare_surfaces(const ComparisonSide& reference, const ComparisonSide& sub
     surface.left_behind = share_left_behind(*reference.surface_base, *subject.surface_base, bodies,
                                             options.surfaces, parallelism);
   }
+  surface.map = error_map(*reference.surface_base, *subject.surface_base,
+                          views ? views->T_base_camera : std::vector<Pose>(), parallelism);
   findings.surface = std::move(surface);
 }
 

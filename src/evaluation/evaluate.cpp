@@ -6,6 +6,7 @@
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/object/parameters_file.hpp"
+#include "pcavr/scene/ply_file.hpp"
 
 #include "comparison_side.hpp"
 #include "findings.hpp"
@@ -93,6 +94,11 @@ Expected<std::string> evaluate(const EvaluationInput& input, const fs::path& rep
   const std::string json = format_json(report, findings);
   Expected<void> written = write_file(report_folder / "report.json", json);
   if (!written) return written.error();
+  if (findings.surface) {
+    written =
+        write_file(report_folder / kErrorMeshFile, format_ply(findings.surface->map.mesh_base));
+    if (!written) return written.error();
+  }
   written = write_report_page(evaluation_page(report, findings), report_folder);
   if (!written) return written.error();
   return json;

@@ -85,6 +85,7 @@ LaneChart phase_chart(const std::vector<Lane>& lanes) {
 PageSection page_section(const ReportSection& section) {
   PageSection page{.title = section.title};
   if (!section.note.empty()) page.blocks.emplace_back(PageText{section.note});
+  for (const PagePicture& picture : section.pictures) page.blocks.emplace_back(picture);
   if (!section.lanes.empty()) page.blocks.emplace_back(phase_chart(section.lanes));
   if (!section.plots.empty()) page.blocks.emplace_back(PlotGroup{"", section.plots});
   std::vector<ReportTable> tables;

@@ -15,6 +15,7 @@
 #include "pcavr/evaluation/trajectory_errors.hpp"
 
 #include "comparison_side.hpp"
+#include "error_map.hpp"
 #include "parameter_errors.hpp"
 #include "run_findings.hpp"
 
@@ -52,6 +53,7 @@ struct SurfaceFindings {
   MeshErrors errors;
   std::size_t views = 0;                   ///< of the visibility test; 0: all of the surface counts
   std::optional<double> left_behind = {};  ///< share; where the reference has movable objects
+  ErrorMap map = {};
 };
 
 /// Everything that both sides have, compared.

@@ -74,10 +74,15 @@ ReportSection object_section(const ObjectFindings& object, const Findings& findi
 }
 
 ReportSection surface_section(const SurfaceFindings& surface) {
-  return {.title = "Mesh",
-          .key = "mesh",
-          .rows = {{"mesh to reference", "accuracy", "m", surface.errors.accuracy}},
-          .plots = plots_of(surface)};
+  ReportSection section{.title = "Mesh",
+                        .key = "mesh",
+                        .rows = {{"mesh to reference", "accuracy", "m", surface.errors.accuracy}},
+                        .plots = plots_of(surface)};
+  if (!surface.map.jpeg.empty()) {
+    section.pictures.push_back({"The mesh, coloured by its distance from the reference",
+                                surface.map.jpeg, std::string("As a mesh: ") + kErrorMeshFile});
+  }
+  return section;
 }
 
 void add_camera_metrics(const CameraFindings& camera, std::vector<Metric>& headline) {

@@ -41,6 +41,7 @@ struct ReportSection {
   std::string title;
   std::string key;  ///< "camera", "object.NAME.tracked", "mesh"
   std::vector<ErrorRow> rows = {};
+  std::vector<PagePicture> pictures = {};
   std::vector<Plot> plots = {};
   std::vector<Lane> lanes = {};
   std::vector<ReportTable> tables = {};
@@ -68,6 +69,9 @@ struct Report {
 inline constexpr double kMillimetres = 1e3;
 inline constexpr double kDegrees = 57.29577951308232;
 inline constexpr double kPercent = 1e2;
+
+/// In the report's folder: the mesh coloured by its distance from the reference.
+inline constexpr char kErrorMeshFile[] = "mesh_errors.ply";
 
 /// report.json: one flat object, keys end in their SI unit; the headline in common units.
 [[nodiscard]] std::string format_json(const Report& report, const Findings& findings);

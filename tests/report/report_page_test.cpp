@@ -42,8 +42,9 @@ ReportPage a_page() {
                           .rows = {{"t1", "1.500"}},
                           .note = "of each push",
                           .is_folded = true};
-  page.sections = {
-      {"box", {PageText{"at rest", true}, lanes, PlotGroup{"Plots", {plot}}, std::vector{table}}}};
+  page.sections = {{"box",
+                    {PageText{"at rest", true}, lanes, PlotGroup{"Plots", {plot}},
+                     std::vector{table}, PagePicture{"Picture", "jpeg!", "its file"}}}};
   page.footer = "the end";
   return page;
 }
@@ -68,6 +69,8 @@ TEST(ReportPage, HasEverythingAsData) {
   EXPECT_EQ(plot["bands"][0]["kind"], 3);
   EXPECT_EQ(blocks[3]["tables"][0]["note"], "of each push");
   EXPECT_TRUE(blocks[3]["tables"][0]["folded"]);
+  EXPECT_EQ(blocks[4]["source"], "data:image/jpeg;base64,anBlZyE=");
+  EXPECT_EQ(blocks[4]["note"], "its file");
 }
 
 TEST(ReportPage, HasNoMarkupInItsData) {

@@ -38,7 +38,14 @@ struct PlotGroup {
   std::vector<Plot> plots = {};
 };
 
-using PageBlock = std::variant<PageText, PlotGroup, LaneChart, std::vector<ReportTable>>;
+struct PagePicture {
+  std::string title;
+  std::string jpeg;       ///< the file's bytes
+  std::string note = {};  ///< below it
+};
+
+using PageBlock =
+    std::variant<PageText, PagePicture, PlotGroup, LaneChart, std::vector<ReportTable>>;
 
 struct PageSection {
   std::string title;

@@ -32,6 +32,14 @@ function block(data: Block, section: string): HTMLElement {
       return data.highlighted
         ? note(data.text)
         : create('p', { className: 'below', textContent: data.text });
+    case 'picture':
+      return create(
+        'figure',
+        { className: 'wide' },
+        create('figcaption', { textContent: data.title }),
+        create('img', { src: data.source, alt: data.title }),
+        create('p', { className: 'below', textContent: data.note }),
+      );
     case 'plots': {
       const title = data.title ? [create('h3', { textContent: data.title })] : [];
       const plots = create('div', { className: 'plots' }, ...data.plots.map(plotFigure));

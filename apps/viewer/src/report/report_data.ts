@@ -58,6 +58,7 @@ export interface TableData {
 
 export type Block =
   | { kind: 'text'; text: string; highlighted: boolean }
+  | { kind: 'picture'; title: string; source: string; note: string }
   | { kind: 'plots'; title: string; plots: PlotData[] }
   | ({ kind: 'lanes' } & LaneData)
   | { kind: 'tables'; tables: TableData[] };
