@@ -221,7 +221,8 @@ void compare_surfaces(const ComparisonSide& reference, const ComparisonSide& sub
                                             options.surfaces, parallelism);
   }
   surface.map = error_map(*reference.surface_base, *subject.surface_base,
-                          views ? views->T_base_camera : std::vector<Pose>(), parallelism);
+                          views ? views->T_base_camera : std::vector<Pose>(),
+                          surface.errors.accuracy.p95, parallelism);
   findings.surface = std::move(surface);
 }
 

@@ -17,14 +17,18 @@
 namespace pcavr {
 namespace {
 
-constexpr float kMaxShownError = 0.010F;  // [m] as that of the completeness metric
+/// [m] Ends of the scale; the first that most of the mesh is within, with this margin.
+constexpr std::array<double, 5> kScaleEnds = {0.001, 0.002, 0.005, 0.010, 0.020};
+constexpr double kScaleMargin = 1.2;
 constexpr std::size_t kVertexGrain = 1024;
 constexpr int kPictureWidth = 960, kPictureHeight = 600;  // [px]
 constexpr int kPictureSupersampling = 2;                  // along each axis
 /// Focal length over the picture's width: an angle of 53 degrees across.
 constexpr double kFocalShare = 1.0;
-/// Of the mesh's points around its middle that the picture shows: outliers would shrink the rest.
-constexpr double kShownShare = 0.95;
+/// Of the mesh's points that the picture shows, in this share of it: outliers would shrink the
+/// rest.
+constexpr double kShownShare = 0.97;
+constexpr double kFilledShare = 0.92;
 /// Slope of the line of sight, at least: tables are seen from above.
 constexpr double kMinElevation = 0.5;
 constexpr std::uint8_t kMeshId = 1;
@@ -33,8 +37,15 @@ constexpr std::uint8_t kMeshId = 1;
 constexpr std::array<Rgb8, 5> kScale = {
     {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
 
-Rgb8 color_of(float error) {
-  const float at = std::clamp(error / kMaxShownError, 0.0F, 1.0F) * (kScale.size() - 1);
+double scale_end(double most_errors) {
+  const auto end = std::find_if(kScaleEnds.begin(), kScaleEnds.end() - 1,
+                                [&](double one) { return kScaleMargin * most_errors <= one; });
+  return *end;
+}
+
+/// `share` of the scale, from 0 to 1.
+Rgb8 color_of(float share_of_scale) {
+  const float at = std::clamp(share_of_scale, 0.0F, 1.0F) * (kScale.size() - 1);
   const auto lower = std::min(static_cast<std::size_t>(at), kScale.size() - 2);
   const float share = at - static_cast<float>(lower);
   const auto mix = [&](std::uint8_t Rgb8::*channel) {
@@ -61,20 +72,6 @@ Eigen::Vector3d middle_of(const TriangleMesh& mesh_base) {
   return middle;
 }
 
-/// Distance from the middle within which most of the mesh lies [m].
-double radius_of(const TriangleMesh& mesh_base, const Eigen::Vector3d& middle) {
-  std::vector<double> distances;
-  distances.reserve(mesh_base.vertices.size());
-  for (const Eigen::Vector3f& v : mesh_base.vertices) {
-    distances.push_back((v.cast<double>() - middle).norm());
-  }
-  const auto last =
-      distances.begin() +
-      static_cast<std::ptrdiff_t>(kShownShare * static_cast<double>(distances.size() - 1));
-  std::nth_element(distances.begin(), last, distances.end());
-  return *last;
-}
-
 /// From the middle towards the cameras.
 Eigen::Vector3d direction_to(const std::vector<Pose>& T_base_camera,
                              const Eigen::Vector3d& middle) {
@@ -89,6 +86,25 @@ Eigen::Vector3d direction_to(const std::vector<Pose>& T_base_camera,
   return direction.normalized();
 }
 
+/// [m] From the middle, at which most of the mesh is in the picture; `axes`: right, down, forward.
+double distance_for(const TriangleMesh& mesh_base, const Eigen::Vector3d& middle,
+                    const Eigen::Matrix3d& axes, const CameraModel& camera) {
+  std::vector<double> distances;
+  distances.reserve(mesh_base.vertices.size());
+  for (const Eigen::Vector3f& v : mesh_base.vertices) {
+    const Eigen::Vector3d p = axes.transpose() * (v.cast<double>() - middle);
+    const double slope = 2.0 / kFilledShare *
+                         std::max(std::abs(p.x()) * camera.fx / camera.width,
+                                  std::abs(p.y()) * camera.fy / camera.height);
+    distances.push_back(slope - p.z());
+  }
+  const auto last =
+      distances.begin() +
+      static_cast<std::ptrdiff_t>(kShownShare * static_cast<double>(distances.size() - 1));
+  std::nth_element(distances.begin(), last, distances.end());
+  return std::max(*last, 1e-3);
+}
+
 View view_of(const TriangleMesh& mesh_base, const std::vector<Pose>& T_base_camera) {
   const Eigen::Vector3d middle = middle_of(mesh_base);
   const Eigen::Vector3d back = direction_to(T_base_camera, middle);
@@ -97,20 +113,19 @@ View view_of(const TriangleMesh& mesh_base, const std::vector<Pose>& T_base_came
   camera.fx = camera.fy = kFocalShare * camera.width;
   camera.cx = 0.5 * (camera.width - 1);
   camera.cy = 0.5 * (camera.height - 1);
-  const double distance =
-      std::max(radius_of(mesh_base, middle), 1e-3) * 2.0 * camera.fy / camera.height;
-  Eigen::Matrix3d axes;  // right, down, forward
+  Eigen::Matrix3d axes;
   axes.col(2) = -back;
   axes.col(0) = axes.col(2).cross(Eigen::Vector3d::UnitZ()).normalized();
   axes.col(1) = axes.col(2).cross(axes.col(0));
-  return {camera, Pose(Eigen::Quaterniond(axes), middle + distance * back)};
+  return {camera, Pose(Eigen::Quaterniond(axes),
+                       middle + distance_for(mesh_base, middle, axes, camera) * back)};
 }
 
-void draw_legend(ColorImage& picture) {
+void draw_legend(ColorImage& picture, double max_error) {
   constexpr double kTop = 30.0, kRight = 60.0, kStep = 90.0;  // [px]
   for (std::size_t i = 0; i < kScale.size(); ++i) {
-    const double error = 1e3 * static_cast<double>(kMaxShownError) * static_cast<double>(i) /
-                         static_cast<double>(kScale.size() - 1);
+    const double error =
+        1e3 * max_error * static_cast<double>(i) / static_cast<double>(kScale.size() - 1);
     const bool is_last = i + 1 == kScale.size();
     const double x = kPictureWidth - kRight - kStep * static_cast<double>(kScale.size() - 1 - i);
     draw_label(picture, {x, kTop}, fmt::format("{:.3g}{} mm", error, is_last ? "+" : ""),
@@ -119,7 +134,7 @@ void draw_legend(ColorImage& picture) {
 }
 
 ColorImage picture_of(const TriangleMesh& mesh_base, const std::vector<Pose>& T_base_camera,
-                      Parallelism parallelism) {
+                      double max_error, Parallelism parallelism) {
   const View view = view_of(mesh_base, T_base_camera);
   Canvas canvas(view.camera.width, view.camera.height);
   draw_background(canvas);
@@ -133,28 +148,31 @@ ColorImage picture_of(const TriangleMesh& mesh_base, const std::vector<Pose>& T_
       parallelism);
   draw_contours(canvas, kMeshId + 1);
   ColorImage picture = halved(canvas.color);
-  draw_legend(picture);
+  draw_legend(picture, max_error);
   return picture;
 }
 
 }  // namespace
 
 ErrorMap error_map(const TriangleMesh& truth_base, const TriangleMesh& mesh_base,
-                   const std::vector<Pose>& T_base_camera, Parallelism parallelism) {
-  ErrorMap map{mesh_base, {}};
+                   const std::vector<Pose>& T_base_camera, double most_errors,
+                   Parallelism parallelism) {
+  ErrorMap map{mesh_base, scale_end(most_errors), {}};
   TriangleMesh& mesh = map.mesh_base;
   if (mesh.vertices.empty() || truth_base.triangles.empty()) return map;
   const SurfaceQuery truth(truth_base);
+  const auto max_error = static_cast<float>(map.max_error);
   mesh.colors.resize(mesh.vertices.size());
   parallel_for(parallelism, mesh.vertices.size(), kVertexGrain,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t i = begin; i < end; ++i) {
-                   const auto closest = truth.closest(mesh.vertices[i], kMaxShownError);
-                   mesh.colors[i] = color_of(closest ? closest->distance : kMaxShownError);
+                   const auto closest = truth.closest(mesh.vertices[i], max_error);
+                   mesh.colors[i] = color_of(closest ? closest->distance / max_error : 1.0F);
                  }
                });
   if (mesh.normals.empty()) compute_vertex_normals(mesh);
-  Expected<std::string> jpeg = encode_color(picture_of(mesh, T_base_camera, parallelism), 90);
+  Expected<std::string> jpeg =
+      encode_color(picture_of(mesh, T_base_camera, map.max_error, parallelism), 90);
   if (jpeg) map.jpeg = *std::move(jpeg);
   return map;
 }
