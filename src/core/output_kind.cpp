@@ -54,7 +54,7 @@ const std::array<OutputKindInfo, 4>& all_kinds() {
                      "report",
                      "report.json",
                      {"pcavr-report/", "pcavr-identification/"},
-                     {"report.json", "report.html", "report_data.json"}}};
+                     {"report.json", "report.html", "report_data.json", "mesh_errors.ply"}}};
   return kinds;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
@@ -28,7 +29,7 @@ constexpr double kFocalShare = 1.0;
 /// Of the mesh's points that the picture shows, in this share of it: outliers would shrink the
 /// rest.
 constexpr double kShownShare = 0.97;
-constexpr double kFilledShare = 0.92;
+constexpr double kFilledShare = 0.85;
 /// Slope of the line of sight, at least: tables are seen from above.
 constexpr double kMinElevation = 0.5;
 constexpr std::uint8_t kMeshId = 1;
@@ -55,19 +56,22 @@ Rgb8 color_of(float share_of_scale) {
   return {mix(&Rgb8::r), mix(&Rgb8::g), mix(&Rgb8::b)};
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double quantile_of(std::vector<double>& values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
+/// Of the box around most of the mesh.
 Eigen::Vector3d middle_of(const TriangleMesh& mesh_base) {
   Eigen::Vector3d middle;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     values.reserve(mesh_base.vertices.size());
     for (const Eigen::Vector3f& v : mesh_base.vertices) values.push_back(v[axis]);
-    middle[axis] = median_of(std::move(values));
+    middle[axis] =
+        0.5 * (quantile_of(values, 1.0 - kShownShare) + quantile_of(values, kShownShare));
   }
   return middle;
 }
@@ -98,11 +102,7 @@ double distance_for(const TriangleMesh& mesh_base, const Eigen::Vector3d& middle
                                   std::abs(p.y()) * camera.fy / camera.height);
     distances.push_back(slope - p.z());
   }
-  const auto last =
-      distances.begin() +
-      static_cast<std::ptrdiff_t>(kShownShare * static_cast<double>(distances.size() - 1));
-  std::nth_element(distances.begin(), last, distances.end());
-  return std::max(*last, 1e-3);
+  return std::max(quantile_of(distances, kShownShare), 1e-3);
 }
 
 View view_of(const TriangleMesh& mesh_base, const std::vector<Pose>& T_base_camera) {
@@ -122,14 +122,14 @@ View view_of(const TriangleMesh& mesh_base, const std::vector<Pose>& T_base_came
 }
 
 void draw_legend(ColorImage& picture, double max_error) {
-  constexpr double kTop = 30.0, kRight = 60.0, kStep = 90.0;  // [px]
+  constexpr double kBottom = 14.0, kRight = 60.0, kStep = 90.0;  // [px]
   for (std::size_t i = 0; i < kScale.size(); ++i) {
     const double error =
         1e3 * max_error * static_cast<double>(i) / static_cast<double>(kScale.size() - 1);
     const bool is_last = i + 1 == kScale.size();
     const double x = kPictureWidth - kRight - kStep * static_cast<double>(kScale.size() - 1 - i);
-    draw_label(picture, {x, kTop}, fmt::format("{:.3g}{} mm", error, is_last ? "+" : ""),
-               kScale[i]);
+    draw_label(picture, {x, kPictureHeight - kBottom},
+               fmt::format("{:.3g}{} mm", error, is_last ? "+" : ""), kScale[i]);
   }
 }
 

@@ -159,6 +159,7 @@ TEST_F(Outputs, AreReplacedWhereTheyAreOfTheSameKind) {
       {"replay", "@home/recording", "--scene", "@home/scene", "--tracked", "@home/tracked", "-o",
        "@out/run", "--video", "@out/out.mp4"},
       {"evaluate", "@home/p.yaml", "--truth", "@home/truth", "-o", "@out/report"},
+      {"evaluate", "@home/scene", "--reference", "@home/scene", "-o", "@out/errors"},
       {"tags", "--ids", "0-5", "-o", "@out/sheet.svg"}};
   for (std::vector<std::string> arguments : commands) {
     SCOPED_TRACE(testing::PrintToString(arguments));
