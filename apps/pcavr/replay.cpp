@@ -171,7 +171,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
       depth_noise_of(arguments.sensor, options.perception.depth_noise);
   if (!noise) return noise.error();
   options.perception.depth_noise = *noise;
-  const Expected<Recording> recording =
+  Expected<Recording> recording =
       read_with_warnings(arguments.recording, options.skip_bad, configuration, observer);
   if (!recording) return recording.error();
   const Expected<void> video_check = check_video(arguments, *recording);
@@ -190,7 +190,10 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
     options.parameters_file = arguments.parameters;
   }
   options.run_folder = folder->path();
-  const Expected<Replay> run = replay_recording(*recording, *scene, options, observer);
+  // The video needs the tool's motion.
+  const Expected<Replay> run = arguments.video.empty()
+                                   ? replay_and_release(*recording, *scene, options, observer)
+                                   : replay_recording(*recording, *scene, options, observer);
   if (!run) return run.error();
   const Expected<void> written = write_run(*run, *recording, *scene, folder->path());
   if (!written) return written.error();

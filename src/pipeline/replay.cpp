@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -64,10 +65,9 @@ void shift_to_clock(Stamp start, TeleopRun& run) {
 }
 
 /// Runs both sites; their output is streamed to the replay's folder where it has one.
-Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& input,
-                              const ReplayOptions& options, const Replay& replay,
-                              const Observer& observer) {
-  const Stamp start = start_of(recording);
+Expected<TeleopRun> run_sites(const std::vector<FrameFiles>& frames, Stamp start,
+                              const TeleopInput& input, const ReplayOptions& options,
+                              const Replay& replay, const Observer& observer) {
   if (!options.run_folder) {
     Expected<TeleopRun> run = run_teleop(input, options.teleop, observer);
     if (run) shift_to_clock(start, *run);
@@ -79,7 +79,7 @@ Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& inp
   std::vector<std::vector<ShownPose>> kept(input.objects.size());
   std::vector<ShownAroundFrames> around;
   around.reserve(kept.size());
-  for (std::vector<ShownPose>& shown : kept) around.emplace_back(recording.frames, shown);
+  for (std::vector<ShownPose>& shown : kept) around.emplace_back(frames, shown);
   const auto on_clock = [seconds = start.seconds()](auto row) {
     row.t += seconds;
     return row;
@@ -103,10 +103,10 @@ Expected<TeleopRun> run_sites(const Recording& recording, const TeleopInput& inp
   return run;
 }
 
-}  // namespace
-
-Expected<Replay> replay_recording(const Recording& recording, const SceneManifest& scene,
-                                  const ReplayOptions& options, const Observer& observer) {
+/// `release` is called when the recording's series are no longer needed.
+Expected<Replay> replay(const Recording& recording, const SceneManifest& scene,
+                        const ReplayOptions& options, const Observer& observer,
+                        const std::function<void()>& release) {
   const ImageUse images = options.tracked ? ImageUse::none : ImageUse::tracking;
   if (const auto conflict = check_clocks(recording, images, observer)) return *conflict;
   if (recording.tool.empty()) observer.on_warning(kNothingPredicted);
@@ -121,8 +121,10 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
   Expected<TeleopInput> input =
       assemble_teleop_input(recording, scene, std::move(*bodies), *replay);
   if (!input) return input.error();
+  const Stamp start = start_of(recording);
+  release();
   replay->run_folder = options.run_folder;
-  Expected<TeleopRun> run = run_sites(recording, *input, options, *replay, observer);
+  Expected<TeleopRun> run = run_sites(recording.frames, start, *input, options, *replay, observer);
   if (!run) {
     Error error = run.error();
     const std::filesystem::path named = recording.folder / error.file;
@@ -136,6 +138,21 @@ Expected<Replay> replay_recording(const Recording& recording, const SceneManifes
   const std::vector<StageTime> times = clock.times();
   replay->times.insert(replay->times.end(), times.begin(), times.end());
   return replay;
+}
+
+}  // namespace
+
+Expected<Replay> replay_recording(const Recording& recording, const SceneManifest& scene,
+                                  const ReplayOptions& options, const Observer& observer) {
+  return replay(recording, scene, options, observer, [] {});
+}
+
+Expected<Replay> replay_and_release(Recording& recording, const SceneManifest& scene,
+                                    const ReplayOptions& options, const Observer& observer) {
+  return replay(recording, scene, options, observer, [&recording] {
+    recording.tool = {};
+    recording.wrench = {};
+  });
 }
 
 }  // namespace pcavr
