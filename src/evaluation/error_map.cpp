@@ -38,9 +38,9 @@ constexpr std::uint8_t kMeshId = 1;
 constexpr std::array<Rgb8, 5> kScale = {
     {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
 
-double scale_end(double most_errors) {
+double scale_end(double error_p95) {
   const auto end = std::find_if(kScaleEnds.begin(), kScaleEnds.end() - 1,
-                                [&](double one) { return kScaleMargin * most_errors <= one; });
+                                [&](double one) { return kScaleMargin * error_p95 <= one; });
   return *end;
 }
 
@@ -155,9 +155,9 @@ ColorImage picture_of(const TriangleMesh& mesh_base, const std::vector<Pose>& T_
 }  // namespace
 
 ErrorMap error_map(const TriangleMesh& truth_base, const TriangleMesh& mesh_base,
-                   const std::vector<Pose>& T_base_camera, double most_errors,
+                   const std::vector<Pose>& T_base_camera, double error_p95,
                    Parallelism parallelism) {
-  ErrorMap map{mesh_base, scale_end(most_errors), {}};
+  ErrorMap map{mesh_base, scale_end(error_p95), {}};
   TriangleMesh& mesh = map.mesh_base;
   if (mesh.vertices.empty() || truth_base.triangles.empty()) return map;
   const SurfaceQuery truth(truth_base);

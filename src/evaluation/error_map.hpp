@@ -19,10 +19,10 @@ struct ErrorMap {
 };
 
 /// Seen from where the cameras were, above and outside of the mesh. `T_base_camera` may be empty.
-/// `most_errors` [m]: their 95th percentile, which the scale exceeds. The same bytes for any
+/// `error_p95` [m]: their 95th percentile, which the scale exceeds. The same bytes for any
 /// Parallelism.
 [[nodiscard]] ErrorMap error_map(const TriangleMesh& truth_base, const TriangleMesh& mesh_base,
-                                 const std::vector<Pose>& T_base_camera, double most_errors,
+                                 const std::vector<Pose>& T_base_camera, double error_p95,
                                  Parallelism parallelism);
 
 }  // namespace pcavr
