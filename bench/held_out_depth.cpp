@@ -196,6 +196,39 @@ void print_distances(const char* what, const Input& input, const pcavr::DepthNoi
       share(0.010), share(0.020), 100.0 - share(0.0999));
 }
 
+/// The mesh rendered from the held-out poses against what was measured there: along the ray, so
+/// that several surfaces behind one another count as the one in front.
+void print_rendered(const Input& input, const pcavr::DepthNoise& noise,
+                    const pcavr::TriangleMesh& mesh) {
+  std::vector<double> errors;
+  std::size_t measured_count = 0;
+  const pcavr::SurfaceQuery surface(mesh);
+  for (const Frame& frame : input.held_out) {
+    const pcavr::DepthImage rendered =
+        pcavr::render_depth(surface, input.camera, frame.T_base_camera, pcavr::Parallelism::max());
+    for (int y = 0; y < input.camera.height; y += kPixelStride) {
+      for (int x = 0; x < input.camera.width; x += kPixelStride) {
+        const float measured = frame.images.depth(x, y);
+        const auto z = static_cast<double>(measured);
+        if (!(z >= noise.min_depth && z <= noise.max_depth)) continue;
+        ++measured_count;
+        if (rendered(x, y) > 0.0F)
+          errors.push_back(std::abs(z - static_cast<double>(rendered(x, y))));
+      }
+    }
+  }
+  if (errors.empty()) fail("the mesh is in no held-out frame");
+  std::sort(errors.begin(), errors.end());
+  const auto share = [&](double limit) {
+    const auto end = std::lower_bound(errors.begin(), errors.end(), limit);
+    return 100.0 * static_cast<double>(end - errors.begin()) / static_cast<double>(measured_count);
+  };
+  std::printf(
+      "         along the rays: median %.2f mm, within 5 mm %.1f %%, 10 mm %.1f %%, "
+      "20 mm %.1f %%, 50 mm %.1f %%\n",
+      1e3 * errors[errors.size() / 2], share(0.005), share(0.010), share(0.020), share(0.050));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -224,10 +257,15 @@ int main(int argc, char** argv) {
     const pcavr::DepthNoise& noise = options.perception.depth_noise;
     const pcavr::TriangleMesh mesh = fuse(input, options);
     print_distances("pcavr", input, noise, mesh);
+    print_rendered(input, noise, mesh);
     print_errors(input, mesh);
     std::fflush(stdout);
 #ifdef PCAVR_HAS_OPEN3D
-    if (with_open3d) print_distances("Open3D", input, noise, fuse_by_open3d(input, options));
+    if (with_open3d) {
+      const pcavr::TriangleMesh theirs = fuse_by_open3d(input, options);
+      print_distances("Open3D", input, noise, theirs);
+      print_rendered(input, noise, theirs);
+    }
 #endif
     std::fflush(stdout);
   }

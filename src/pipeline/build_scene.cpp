@@ -133,8 +133,8 @@ TriangleMesh static_surface(const TsdfVolume& volume, const SurfaceEvidence& evi
   return mesh;
 }
 
-/// Distance from the mesh within which measured points are of its surface [voxels]; half the
-/// truncation distance. Points farther away are of things that moved, or outliers.
+/// Distance from the mesh within which measured points are of its surface [voxels]. Points farther
+/// away are of things that moved, or outliers.
 constexpr double kMaxMeshDistance = 2.0;
 
 /// The registered cloud: the measured points of all frames, without those that are not of the

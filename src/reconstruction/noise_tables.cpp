@@ -18,14 +18,14 @@ float weight_of(const DepthNoise& noise, double z, double cosine) {
 
 }  // namespace
 
-NoiseTables::NoiseTables(const DepthNoise& noise, double voxel_size, double truncation)
+NoiseTables::NoiseTables(const DepthNoise& noise, double min_truncation, double stds)
     : noise_(noise) {
   const double step = (noise.max_depth - noise.min_depth) / (kNoiseDepths - 1);
   steps_per_metre_ = static_cast<float>(1.0 / step);
   for (int i = 0; i < kNoiseDepths; ++i) {
     const double z = noise.min_depth + i * step;
     const double depth_std = noise.depth_std(z);
-    const double truncation_at_z = std::max(truncation, 3.0 * depth_std + 2.0 * voxel_size);
+    const double truncation_at_z = std::max(min_truncation, stds * depth_std);
     truncation_.push_back(static_cast<float>(truncation_at_z));
     free_margin_.push_back(static_cast<float>(truncation_at_z + 3.0 * depth_std));
     inverse_tolerance_.push_back(

@@ -16,15 +16,14 @@ namespace pcavr {
 /// change by less than 1 %.
 class NoiseTables {
  public:
-  /// `voxel_size` and the minimum `truncation` in metres.
-  NoiseTables(const DepthNoise& noise, double voxel_size, double truncation);
+  /// Truncates at `min_truncation` [m], or farther at `stds` standard deviations of depth.
+  NoiseTables(const DepthNoise& noise, double min_truncation, double stds);
 
   [[nodiscard]] const DepthNoise& noise() const { return noise_; }
   [[nodiscard]] float min_depth() const { return static_cast<float>(noise_.min_depth); }
   [[nodiscard]] float steps_per_metre() const { return steps_per_metre_; }
 
-  /// Truncation distance of a measurement at depth z: 3 standard deviations of its noise plus two
-  /// voxels for the zero crossing [m].
+  /// Truncation distance of a measurement at depth z [m].
   [[nodiscard]] float truncation(float z) const { return truncation_[index(z)]; }
   /// Distance in front of a measurement at depth z from which space is certainly free [m].
   [[nodiscard]] float free_margin(float z) const { return free_margin_[index(z)]; }

@@ -47,8 +47,8 @@ BlockView view_of(const FrameSurface& frame, const Pose& T_camera_base, double v
 struct TsdfVolume::Blocks {
   explicit Blocks(const TsdfOptions& chosen)
       : options(chosen),
-        tables(chosen.depth_noise, chosen.voxel_size,
-               chosen.truncation_voxels * chosen.voxel_size) {}
+        tables(chosen.depth_noise, chosen.truncation_voxels * chosen.voxel_size,
+               chosen.truncation_std) {}
 
   TsdfOptions options;
   NoiseTables tables;
@@ -105,6 +105,7 @@ void TsdfVolume::Blocks::fuse(const VisibleBlock& visible, const VisibleBlock* n
 TsdfVolume::TsdfVolume(const TsdfOptions& options) {
   PCAVR_REQUIRE(options.voxel_size > 0.0, options.voxel_size);
   PCAVR_REQUIRE(options.truncation_voxels >= 2.0, options.truncation_voxels);
+  PCAVR_REQUIRE(options.truncation_std >= 0.0, options.truncation_std);
   PCAVR_REQUIRE(
       options.frames_to_clear >= 1 && options.frames_to_clear <= static_cast<int>(kMaxCount),
       options.frames_to_clear);

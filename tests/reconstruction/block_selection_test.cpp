@@ -53,7 +53,7 @@ TEST(BlocksNearSurface, ContainEveryMeasuredPointOnce) {
   Random random(41);
   for (const double voxel : {0.004, 0.01, 0.05}) {
     for (int trial = 0; trial < 5; ++trial) {
-      const NoiseTables tables(DepthNoise{}, voxel, 4.0 * voxel);
+      const NoiseTables tables(DepthNoise{}, 4.0 * voxel, 2.0);
       const FrameSurface frame = frame_of(random_scene(random), tables);
       const Pose T_base_camera = random_pose(random);
       const std::vector<BlockCoordinates> blocks =
@@ -111,7 +111,7 @@ TEST(VisibleBlocks, AreAllWithAVoxelThatTheFrameAffects) {
   int affected = 0;
   int entirely_free = 0;
   for (int trial = 0; trial < 10; ++trial) {
-    const NoiseTables tables(DepthNoise{}, kVoxel, 4.0 * kVoxel);
+    const NoiseTables tables(DepthNoise{}, 4.0 * kVoxel, 2.0);
     const FrameSurface frame = frame_of(random_scene(random), tables);
     const Pose T_base_camera = random_pose(random);
     const BlockMap map = map_of(frame, T_base_camera, tables, kVoxel, random);
@@ -168,7 +168,7 @@ TEST(VisibleBlocks, AreAllWithAVoxelThatTheFrameAffects) {
 TEST(PastViews, CountTheViewsThatObservedAVoxelAsFree) {
   Random random(43);
   constexpr double kVoxel = 0.01;
-  const NoiseTables tables(DepthNoise{}, kVoxel, 4.0 * kVoxel);
+  const NoiseTables tables(DepthNoise{}, 4.0 * kVoxel, 2.0);
   for (int trial = 0; trial < 5; ++trial) {
     constexpr int kViews = 12;
     std::vector<FrameSurface> frames;
@@ -217,7 +217,7 @@ TEST(PastViews, CountTheViewsThatObservedAVoxelAsFree) {
 
 TEST(PrepareFrame, FreeSpaceEndsBeforeEveryMeasurementAround) {
   Random random(44);
-  const NoiseTables tables(DepthNoise{}, 0.01, 0.04);
+  const NoiseTables tables(DepthNoise{}, 0.04, 2.0);
   int free_pixels = 0;
   for (int trial = 0; trial < 20; ++trial) {
     DepthImage depth = random_scene(random);
@@ -238,8 +238,8 @@ TEST(PrepareFrame, FreeSpaceEndsBeforeEveryMeasurementAround) {
           for (int x = 2 * u - 2; x < 2 * u + 4; ++x) {
             ASSERT_TRUE(depth.contains(x, y));
             const double z = depth(x, y);
-            const double noise = 3.0 * DepthNoise{}.depth_std(z);
-            const double margin = std::max(0.04, noise + 0.02) + noise;
+            const double depth_std = DepthNoise{}.depth_std(z);
+            const double margin = std::max(0.04, 2.0 * depth_std) + 3.0 * depth_std;
             ASSERT_LT(free_depth, z - margin + 0.001);
           }
         }

@@ -288,7 +288,7 @@ PixelRow pixel_row(const std::vector<float>& inverse, int stride, int width,
 }
 
 TEST(FindSurfaces, FitsAPlaneThroughAnyWindowOnEveryInstructionSet) {
-  const NoiseTables tables(DepthNoise{}, 0.01, 0.04);
+  const NoiseTables tables(DepthNoise{}, 0.04, 2.0);
   constexpr double kFx = 65.0;
   constexpr double kFy = 61.0;
   Random random(34);

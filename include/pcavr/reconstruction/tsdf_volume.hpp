@@ -24,6 +24,7 @@ struct TsdfOptions {
   DepthNoise depth_noise;
   double voxel_size;         ///< [m]
   double truncation_voxels;  ///< [voxels]
+  double truncation_std;     ///< [standard deviations of depth]
   int frames_to_clear;
 };
 
