@@ -258,6 +258,23 @@ TEST(LinkMeshes, ColladaFilesAreReadInMetresOnTheirOwnAxes) {
   }
 }
 
+TEST(LinkMeshes, TruncatedAndDamagedColladaIsReadOrRejected) {
+  const TemporaryFolder folder;
+  const std::string text = collada_tetrahedron("0.001", "Z_UP");
+  Random random(4);
+  int errors = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::string damaged = text;
+    if (i % 3 == 0) damaged.resize(random.below(text.size()));
+    for (int k = 0; k < i % 3; ++k) {
+      damaged[random.below(damaged.size())] = "0'<>9- /#"[random.below(9)];
+    }
+    ASSERT_TRUE(write_file(folder.path() / "damaged.dae", damaged));
+    errors += read_mesh(folder.path() / "damaged.dae") ? 0 : 1;
+  }
+  EXPECT_GT(errors, 50);
+}
+
 TEST(LinkMeshes, DeeplyNestedColladaIsAnError) {
   const TemporaryFolder folder;
   std::string nodes;
