@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -26,6 +27,7 @@ struct RobotArguments {
   std::string unloaded;
   OutputOption report;
   std::vector<double> gains;
+  std::string method = "regression";
   bool is_body_known = false;
   bool skip_bad = false;
 };
@@ -49,6 +51,9 @@ nlohmann::ordered_json joint_json(const RobotIdentification& found, std::size_t 
   for (const FittedTerm& term : joint.friction) {
     json[name_of(term.term)] = term.value;
     json[std::string(name_of(term.term)) + "_std"] = term.std;
+  }
+  if (index < found.intervals.size()) {
+    json["intervals_held_out_relative_error"] = found.intervals[index].held_out.relative;
   }
   if (found.replay.is_finite) {
     json["replay_after_1s"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
@@ -89,6 +94,39 @@ void describe_payload(const RobotIdentification& found, CommandResult& result) {
       found.fit.joints.back().name);
 }
 
+/// Paper A's trial beside the regression.
+void describe_trial(const RobotIdentification& found, CommandResult& result) {
+  if (!found.trial) return;
+  const FrictionTrial& trial = *found.trial;
+  result.summary += fmt::format(
+      "grid: {:.3g} s of motion simulated in {:.2g} s; regression: {:.2g} s\n"
+      "    joint                    held-out torque error: regression, one joint's trial, all\n",
+      trial.simulated_time, found.trial_time, found.fit_time);
+  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
+    const JointFit& alone = trial.alone.joints[j];
+    const JointFit& together = trial.together.joints[j];
+    const auto value = [](const JointFit& joint, FrictionTerm term) {
+      return joint.value_of(term);
+    };
+    result.summary += fmt::format(
+        "    {:<24} {:>7.3g} {:>7.3g} {:>7.3g} %   viscous {:.3g} {:.3g} {:.3g}, coulomb {:.3g} "
+        "{:.3g} {:.3g}\n",
+        alone.name, found.fit.joints[j].held_out.relative * 100.0, alone.held_out.relative * 100.0,
+        together.held_out.relative * 100.0, value(found.fit.joints[j], FrictionTerm::viscous),
+        value(alone, FrictionTerm::viscous), value(together, FrictionTerm::viscous),
+        value(found.fit.joints[j], FrictionTerm::coulomb), value(alone, FrictionTerm::coulomb),
+        value(together, FrictionTerm::coulomb));
+    for (const auto& [key, stage] : {std::pair{"grid_alone", &alone}, {"grid", &together}}) {
+      result.json["joints"][j][key] = {{"viscous", value(*stage, FrictionTerm::viscous)},
+                                       {"coulomb", value(*stage, FrictionTerm::coulomb)},
+                                       {"held_out_relative_error", stage->held_out.relative}};
+    }
+  }
+  result.json["grid"] = {{"simulated_time", trial.simulated_time},
+                         {"computing_time", found.trial_time},
+                         {"regression_computing_time", found.fit_time}};
+}
+
 CommandResult describe(const RobotIdentification& found, const RobotArguments& arguments) {
   CommandResult result;
   result.summary =
@@ -118,6 +156,7 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
         found.replay.after_1s.maxCoeff() * degrees, found.replay.t.back() - found.replay.t.front(),
         found.replay.rms.maxCoeff() * degrees);
   }
+  describe_trial(found, result);
   describe_contacts(found, result);
   describe_payload(found, result);
   result.json["notes"] = found.notes;
@@ -152,6 +191,7 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
   RobotIdentificationOptions options = configuration.robot_identification;
   options.gains = arguments.gains;
   options.fit.known_body |= arguments.is_body_known;
+  options.is_trial_wanted = arguments.method == "grid";
   Expected<RobotIdentification> found = identify_robot(*log, *model, options, fitted);
   if (!found) return found.error();
   if (!arguments.unloaded.empty()) {
@@ -192,6 +232,13 @@ void add_identify_robot(CLI::App& app, Configuration& configuration, Action& act
       ->add_option("--gains", arguments->gains,
                    "Torque of a current [N m/A] for each joint, in the order of the columns")
       ->delimiter(',');
+  command
+      ->add_option(
+          "--method", arguments->method,
+          "regression; grid: also by trial, joint by joint on a grid and then all joints at "
+          "once (paper A), to compare with")
+      ->check(CLI::IsMember({"regression", "grid"}))
+      ->capture_default_str();
   command->add_flag("--known-body", arguments->is_body_known,
                     "Fit friction alone: the inertias are the description's");
   command->add_flag("--skip-bad", arguments->skip_bad, "Skip bad rows");

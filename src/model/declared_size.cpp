@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -164,11 +165,35 @@ bool is_nested_too_deeply(const fs::path& file, std::uintmax_t begin, std::uintm
   return false;
 }
 
+/// The same for the elements of an XML document. A '>' within a value counts as the end of a tag,
+/// which does no harm; comments count as nothing where they hold no tags.
+bool has_deep_elements(const fs::path& file) {
+  constexpr int kMaxDepth = 200;
+  std::ifstream stream(file, std::ios::binary);
+  int depth = 0;
+  char before = '\0';
+  bool opens = false;  // the tag that the stream is in
+  for (std::istreambuf_iterator<char> at(stream), end; at != end; ++at) {
+    const char c = *at;
+    if (before == '<') {
+      opens = c != '/' && c != '!' && c != '?';
+      if (opens && ++depth > kMaxDepth) return true;
+      if (c == '/') --depth;
+    } else if (c == '>' && opens) {
+      if (before == '/') --depth;
+      opens = false;
+    }
+    before = c;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::optional<std::string> find_size_mismatch(const fs::path& file, const std::string& extension) {
   if (extension == ".ply") return find_ply_mismatch(read_file_start(file));
   if (extension == ".stl") return find_stl_mismatch(read_file_start(file));
+  if (extension == ".dae" && has_deep_elements(file)) return "it is nested too deeply";
   if (extension != ".glb" && extension != ".gltf") return std::nullopt;
   const FileStart start = read_file_start(file);
   const bool is_binary = start.text.starts_with("glTF");

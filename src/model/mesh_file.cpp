@@ -47,7 +47,7 @@ std::optional<MeshType> mesh_type(const fs::path& file) {
   type.has_vertex_normals = extension != ".stl";
   type.has_linear_colors = extension == ".glb" || extension == ".gltf";
   const bool is_known = type.has_linear_colors || !type.has_vertex_normals || extension == ".obj" ||
-                        extension == ".ply";
+                        extension == ".ply" || extension == ".dae";
   return is_known ? std::optional(std::move(type)) : std::nullopt;
 }
 
@@ -117,7 +117,7 @@ TriangleMesh flatten(const aiScene& scene, const MeshType& type) {
 Error not_a_mesh(const fs::path& file, const std::string& reason) {
   return {.message = "is not a readable mesh: " + reason,
           .file = file.string(),
-          .hint = "export it again as .obj, .stl, .ply or .glb"};
+          .hint = "export it again as .obj, .stl, .ply, .dae or .glb"};
 }
 
 /// assimp's messages are long, may have several lines, and repeat the path.
@@ -137,8 +137,10 @@ Expected<TriangleMesh> read_with_assimp(const fs::path& file, const MeshType& ty
   try {
     Assimp::Importer importer;
     importer.SetIOHandler(new RegularFiles);  // the importer takes ownership
-    // Coordinates as stored: no unit scaling, no axis conversion. Polygons are not triangulated
-    // by assimp, which aborts the process if they are malformed.
+    // Coordinates as stored: no unit scaling, no axis conversion; but Collada's own unit is
+    // applied, as RViz and Gazebo do, which ignore its up axis, too: assimp would turn z up into y
+    // up. Polygons are not triangulated by assimp, which aborts the process if they are malformed.
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
     const auto ply =
         type.extension == ".ply" ? model::ply_with_unambiguous_data(file) : std::nullopt;
     const aiScene* scene = ply ? importer.ReadFileFromMemory(ply->data(), ply->size(),
@@ -161,7 +163,7 @@ Expected<TriangleMesh> model::import_mesh(const fs::path& file) {
   if (!type) {
     return Error{.message = "has an unknown mesh type '" + file.extension().string() + "'",
                  .file = file.string(),
-                 .hint = "convert it to .obj, .stl, .ply, .glb or .gltf"};
+                 .hint = "convert it to .obj, .stl, .ply, .dae, .glb or .gltf"};
   }
   const Expected<bool> is_there = is_present(file);
   if (!is_there) return is_there.error();

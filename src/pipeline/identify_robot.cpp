@@ -3,6 +3,7 @@
 #include "pcavr/pipeline/identify_robot.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -120,6 +121,31 @@ std::vector<Error> velocity_faults(const JointLog& log, const JointSignals& sign
            .hint = "write radians per second"}};
 }
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Expected<void> add_trial(const FrictionTrialOptions& options, const std::string& file,
+                         RobotIdentification& found) {
+  if (!found.fit.is_physical) {
+    return Error{.message = "--method grid simulates the arm, and the bodies are not possible",
+                 .file = file,
+                 .hint = "leave robot_identification.fit: physical at 1, or correct the URDF"};
+  }
+  const Clock::time_point start = Clock::now();
+  found.trial = try_friction(found.signals, found.model, found.fit, options);
+  found.trial_time = seconds_since(start);
+  if (found.trial) return {};
+  return Error{
+      .message = fmt::format("has no stretch of {:.3g} s without a gap in the fitted part, "
+                             "which --method grid simulates",
+                             options.stretch),
+      .file = file,
+      .hint = "record a longer motion, or lower robot_identification.grid: stretch"};
+}
+
 }  // namespace
 
 Expected<JointLog> read_joint_log(const std::filesystem::path& file_or_folder, bool skip_bad) {
@@ -154,6 +180,8 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
                             .fit = {},
                             .contacts = {},
                             .payload = {},
+                            .intervals = {},
+                            .trial = {},
                             .replay = {},
                             .notes = matched->notes,
                             .configuration = {}};
@@ -178,7 +206,9 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   for (std::string& note : signal_notes(found.signals, found.clock)) {
     found.notes.push_back(std::move(note));
   }
+  const Clock::time_point before_fit = Clock::now();
   found.fit = fit_robot(found.signals, found.model, options.fit);
+  found.fit_time = seconds_since(before_fit);
   if (std::abs(found.fit.torque_lag) > options.fit.max_torque_lag) {
     return Error{.message = fmt::format("torques are {:.0f} ms {} the positions",
                                         std::abs(found.fit.torque_lag) * 1e3,
@@ -191,6 +221,10 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
                      "robot_identification.fit: max_torque_lag in --config"};
   }
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
+  found.intervals = friction_by_interval(found.signals, found.model, found.fit, options.intervals);
+  if (options.is_trial_wanted) {
+    if (Expected<void> tried = add_trial(options.trial, file, found); !tried) return tried.error();
+  }
   const std::size_t first = std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
   if (found.fit.is_physical) {
     found.contacts =

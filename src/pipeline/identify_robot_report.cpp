@@ -77,6 +77,55 @@ ReportTable contact_table(const RobotFit& fit, const ObservedContacts& contacts)
   return table;
 }
 
+/// Paper A's trial beside the regression.
+ReportTable trial_table(const RobotFit& fit, const FrictionTrial& trial) {
+  ReportTable table{
+      .title = "Friction by trial, as paper A has it, and by regression",
+      .columns = {"joint", "found by", "viscous (N m s/rad)", "Coulomb (N m)",
+                  "held-out torque error (%)", "position rms of the stretches (deg)"}};
+  const auto add = [&](const JointFit& joint, const std::string& method,
+                       const std::string& position) {
+    table.rows.push_back({joint.name, method, short_number(joint.value_of(FrictionTerm::viscous)),
+                          short_number(joint.value_of(FrictionTerm::coulomb)),
+                          readable(joint.held_out.relative * kHundred), position});
+  };
+  for (std::size_t j = 0; j < fit.joints.size(); ++j) {
+    const auto joint = static_cast<Eigen::Index>(j);
+    add(fit.joints[j], "regression", "");
+    add(trial.alone.joints[j], "trial, this joint alone",
+        readable(trial.alone.position_rms[joint] * kDegrees));
+    add(trial.together.joints[j], "trial, all joints",
+        readable(trial.together.position_rms[joint] * kDegrees));
+  }
+  table.note = fmt::format(
+      "Trial: recorded torques in, friction changed until the positions fit; {:.3g} s of motion "
+      "were "
+      "simulated, {:.0f} % of it one joint at a time. Bodies and motor inertia are those of the "
+      "regression, which has further terms of friction, too.",
+      trial.simulated_time, trial.alone_share * kHundred);
+  return table;
+}
+
+ReportTable interval_table(const JointFit& joint, const JointIntervals& found) {
+  ReportTable table{.title = "Friction by joint position",
+                    .columns = {"from (deg)", "to (deg)", "rows", "offset (N m)",
+                                "viscous (N m s/rad)", "Coulomb (N m)"},
+                    .is_folded = true};
+  for (const FrictionInterval& interval : found.intervals) {
+    std::vector<std::string> row{readable(interval.begin * kDegrees),
+                                 readable(interval.end * kDegrees),
+                                 fmt::format("{}", interval.rows)};
+    for (const FittedTerm& term : interval.terms) {
+      row.push_back(short_number(term.value) + " ± " + fmt::format("{:.2g}", term.std));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  table.note = fmt::format("Held-out torque error with the table {}, with single values {} %.",
+                           readable(found.held_out.relative * kHundred),
+                           readable(joint.held_out.relative * kHundred));
+  return table;
+}
+
 ReportTable friction_table(const JointFit& joint) {
   ReportTable table{.title = "Friction", .columns = {"term", "value", "± std", "unit", "excited"}};
   for (const FittedTerm& term : joint.friction) {
@@ -160,7 +209,11 @@ Plot spectrum_plot(const RobotIdentification& found, Eigen::Index joint) {
 PageSection joint_section(const RobotIdentification& found, std::size_t index) {
   const auto joint = static_cast<Eigen::Index>(index);
   PageSection section{.title = found.fit.joints[index].name};
-  section.blocks.emplace_back(std::vector<ReportTable>{friction_table(found.fit.joints[index])});
+  std::vector<ReportTable> tables{friction_table(found.fit.joints[index])};
+  if (index < found.intervals.size()) {
+    tables.push_back(interval_table(found.fit.joints[index], found.intervals[index]));
+  }
+  section.blocks.emplace_back(std::move(tables));
   PlotGroup group{"Plots", {torque_plot(found, joint)}};
   if (found.replay.is_finite) group.plots.push_back(replay_plot(found, joint));
   group.plots.push_back(spectrum_plot(found, joint));
@@ -199,6 +252,7 @@ ReportPage robot_page(const RobotIdentification& found, const std::string& log,
   PageSection all{.title = "All joints"};
   std::vector<ReportTable> tables;
   if (found.replay.is_finite) tables.push_back(replay_table(found));
+  if (found.trial) tables.push_back(trial_table(found.fit, *found.trial));
   if (found.payload) tables.push_back(payload_table(found.fit, *found.payload));
   if (found.contacts) tables.push_back(contact_table(found.fit, *found.contacts));
   tables.push_back(base_table(found.fit));
@@ -212,6 +266,27 @@ ReportPage robot_page(const RobotIdentification& found, const std::string& log,
       "figures in SI units are in report.json. pcavr " +
       std::string(PCAVR_VERSION);
   return page;
+}
+
+void add_trial(Json& json, const std::string& key, const TrialStage& stage, std::size_t index) {
+  const JointFit& joint = stage.joints[index];
+  json[key + "viscous"] = joint.value_of(FrictionTerm::viscous);
+  json[key + "coulomb"] = joint.value_of(FrictionTerm::coulomb);
+  json[key + "held_out.relative_error"] = joint.held_out.relative;
+  json[key + "held_out.rms_error"] = joint.held_out.rms;
+  json[key + "position_rms_rad"] = stage.position_rms[static_cast<Eigen::Index>(index)];
+}
+
+void add_intervals(Json& json, const std::string& key, const JointIntervals& found) {
+  for (const FrictionInterval& interval : found.intervals) {
+    Json entry{{"begin", interval.begin}, {"end", interval.end}, {"rows", interval.rows}};
+    for (const FittedTerm& term : interval.terms) {
+      entry[name_of(term.term)] = term.value;
+      entry[std::string(name_of(term.term)) + "_std"] = term.std;
+    }
+    json[key + "intervals"].push_back(entry);
+  }
+  json[key + "intervals.held_out.relative_error"] = found.held_out.relative;
 }
 
 void add_joint(Json& json, const RobotIdentification& found, std::size_t index) {
@@ -229,6 +304,11 @@ void add_joint(Json& json, const RobotIdentification& found, std::size_t index) 
   json[key + "held_out.relative_error"] = joint.held_out.relative;
   json[key + "held_out.rms_error"] = joint.held_out.rms;
   json[key + "plain.held_out.relative_error"] = joint.plain_held_out.relative;
+  if (index < found.intervals.size()) add_intervals(json, key, found.intervals[index]);
+  if (found.trial) {
+    add_trial(json, key + "grid.alone.", found.trial->alone, index);
+    add_trial(json, key + "grid.together.", found.trial->together, index);
+  }
   if (!found.replay.is_finite) return;
   json[key + "replay.after_1s_rad"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
   json[key + "replay.rms_rad"] = found.replay.rms[static_cast<Eigen::Index>(index)];

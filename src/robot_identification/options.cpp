@@ -3,6 +3,8 @@
 #include "pcavr/core/options.hpp"
 
 #include "pcavr/robot_identification/contact_observer.hpp"
+#include "pcavr/robot_identification/friction_intervals.hpp"
+#include "pcavr/robot_identification/friction_trial.hpp"
 #include "pcavr/robot_identification/joint_signals.hpp"
 #include "pcavr/robot_identification/robot_fit.hpp"
 
@@ -75,7 +77,40 @@ constexpr auto kContactFields = std::to_array<OptionField<ContactObserverOptions
 });
 static_assert(are_valid_fields(kContactFields));
 
+constexpr auto kTrialFields = std::to_array<OptionField<FrictionTrialOptions>>({
+    {"stretch", &FrictionTrialOptions::stretch, 1.0, 0.1, 60.0, "s",
+     "motion that one trial simulates from a recorded state",
+     "lower: friction hardly changes the position; higher: errors of the bodies add up"},
+    {"stretches", &FrictionTrialOptions::stretches, 10, 1, 1000, "",
+     "of the fitted part that are simulated, evenly distributed",
+     "lower: valid for these stretches alone; higher: slower"},
+    {"viscous_only", &FrictionTrialOptions::is_viscous_only, 0.0, 0.0, 1.0, "",
+     "no Coulomb friction: one parameter a joint, as paper A has it",
+     "off: two parameters are tried; on: valid near the speeds of the log alone"},
+});
+static_assert(are_valid_fields(kTrialFields));
+
+constexpr auto kIntervalFields = std::to_array<OptionField<FrictionIntervalOptions>>({
+    {"intervals", &FrictionIntervalOptions::intervals, 6, 1, 100, "",
+     "of each joint's position that friction is tabulated by",
+     "lower: friction that changes with the position is averaged; higher: few rows in each"},
+    {"prior_share", &FrictionIntervalOptions::prior_share, 0.3, 0.001, 10.0, "",
+     "std of an interval's friction about that of the whole motion, over the latter",
+     "lower: the table has the same values everywhere; higher: it follows the noise"},
+});
+static_assert(are_valid_fields(kIntervalFields));
+
 }  // namespace
+
+FrictionTrialOptions::FrictionTrialOptions() { set_defaults(*this, kTrialFields); }
+OptionSection section_of(FrictionTrialOptions& options) {
+  return make_section("robot_identification.grid", options, kTrialFields);
+}
+
+FrictionIntervalOptions::FrictionIntervalOptions() { set_defaults(*this, kIntervalFields); }
+OptionSection section_of(FrictionIntervalOptions& options) {
+  return make_section("robot_identification.intervals", options, kIntervalFields);
+}
 
 JointSignalOptions::JointSignalOptions() { set_defaults(*this, kSignalFields); }
 OptionSection section_of(JointSignalOptions& options) {

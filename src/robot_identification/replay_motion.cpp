@@ -5,60 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "pcavr/core/check.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
+
+#include "robot_identification/arm_simulation.hpp"
 
 namespace pcavr {
 namespace {
 
 constexpr double kMaxStep =
     0.5e-3;  ///< [s] the error of the first-order steps is some millidegrees
-
-struct MotionState {
-  Eigen::VectorXd q, dq;
-};
-
-/// Slope of the friction torque over the speed, not negative.
-double friction_slope(const JointFit& joint, double q, double v, double load) {
-  const double step = 0.1 * joint.smoothing_speed;
-  const double change =
-      friction_torque(joint, q, v + step, load) - friction_torque(joint, q, v - step, load);
-  return std::max(0.0, 0.5 * change / step);
-}
-
-class ArmSimulation {
- public:
-  ArmSimulation(const RobotFit& fit, const RobotModel& model)
-      : fit_(fit), dynamics_(model), dof_(static_cast<Eigen::Index>(model.dof)) {
-    mass_.resize(dof_, dof_);
-    bias_.resize(dof_);
-  }
-
-  /// One linearly implicit step: wrists have so little inertia that their friction decays within
-  /// tens of microseconds, for which explicit steps would be too long.
-  void step(MotionState& state, const Eigen::VectorXd& torque, double dt) {
-    dynamics_.mass_matrix(state.q, mass_);
-    dynamics_.inverse_dynamics(state.q, state.dq, Eigen::VectorXd::Zero(dof_), bias_);
-    Eigen::VectorXd net = torque - bias_;
-    for (Eigen::Index j = 0; j < dof_; ++j) {
-      const JointFit& joint = fit_.joints[static_cast<std::size_t>(j)];
-      net[j] -= friction_torque(joint, state.q[j], state.dq[j], bias_[j]);
-      mass_(j, j) += dt * friction_slope(joint, state.q[j], state.dq[j], bias_[j]);
-    }
-    const Eigen::VectorXd change = dt * mass_.ldlt().solve(net);
-    state.q += dt * (state.dq + 0.5 * change);
-    state.dq += change;
-  }
-
- private:
-  const RobotFit& fit_;
-  RobotDynamics dynamics_;
-  Eigen::Index dof_;
-  Eigen::MatrixXd mass_;
-  Eigen::VectorXd bias_;
-};
 
 Eigen::VectorXd torque_at(const JointLog& log, double t) {
   const auto after = std::upper_bound(log.t.begin() + 1, log.t.end() - 1, t);
@@ -91,9 +46,9 @@ MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, con
   replay.recorded = signals.position.middleRows(start, rows);
   replay.simulated = replay.recorded;
   const double sign = signals.is_sign_changed ? -1.0 : 1.0;
-  ArmSimulation simulation(fit, fit.robot(model));
-  MotionState state{signals.position.row(start).transpose(),
-                    signals.velocity.row(start).transpose()};
+  detail::ArmSimulation simulation(fit.joints, fit.robot(model));
+  detail::MotionState state{signals.position.row(start).transpose(),
+                            signals.velocity.row(start).transpose()};
   const int steps = static_cast<int>(std::ceil(signals.interval / kMaxStep));
   const double dt = signals.interval / steps;
   for (Eigen::Index row = 0; row < rows; ++row) {

@@ -75,6 +75,34 @@ TEST(IdentifyRobot, NeedsGainsForCurrents) {
   EXPECT_EQ(run_pcavr(with_gains).exit_code, 0);
 }
 
+TEST(IdentifyRobot, ComparesWithPaperAsTrialByMethodGrid) {
+  const TemporaryFolder folder;
+  const std::string log = write_log(folder, simulated_log(pa10(), {.duration = 12.0}));
+  const std::string report = (folder.path() / "report").string();
+  const std::string options = (folder.path() / "options.yaml").string();
+  EXPECT_TRUE(write_file(options, "robot_identification.grid:\n  stretches: 2\n  stretch: 0.5\n"));
+  const std::vector<std::string> command{"identify",  "robot",        log,        "--robot",
+                                         pa10_file(), "-o",           report,     "--config",
+                                         options,     "--known-body", "--method", "grid"};
+  const nlohmann::json found = run_json(command);
+  for (const nlohmann::json& joint : found["joints"]) {
+    EXPECT_LT(joint["held_out_relative_error"].get<double>(),
+              joint["grid"]["held_out_relative_error"].get<double>());
+  }
+  const nlohmann::json written = nlohmann::json::parse(*read_file(report + "/report.json"));
+  EXPECT_TRUE(written.contains("joint.joint1.grid.alone.viscous"));
+  EXPECT_EQ(written["joint.joint1.intervals"].size(), 6U);
+
+  EXPECT_TRUE(write_file(options, "robot_identification.grid:\n  stretch: 60\n"));
+  std::vector<std::string> again = command;
+  again[6] = (folder.path() / "second").string();
+  const CommandOutcome outcome = run_pcavr(again);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.standard_error.find("--method grid"), std::string::npos)
+      << outcome.standard_error;
+  EXPECT_FALSE(std::filesystem::exists(again[6]));
+}
+
 TEST(IdentifyRobot, HeldOutTorqueErrorsOfFrankaDynamicsStayWithinTheirBounds) {
   PCAVR_NEEDS_SHARED_DATA("real/franka_dynamics");
   const TemporaryFolder folder;

@@ -4,16 +4,20 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/output.hpp"
 #include "pcavr/core/random.hpp"
+#include "pcavr/model/cad_model.hpp"
 #include "pcavr/robot/arm_follower.hpp"
 #include "pcavr/robot/link_meshes.hpp"
 #include "pcavr/robot/urdf.hpp"
 
 #include "robot/wavy_ground.hpp"
 #include "support/source_folder.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace pcavr {
 namespace {
@@ -213,6 +217,73 @@ TEST(LinkMeshes, ShapesAreDrawnAndMissingFilesBecomeRods) {
   EXPECT_NEAR(bounds(rods.of_link[0].vertices).max().z(), 0.5F, 1e-6F);
   EXPECT_NEAR(signed_volume(rods.of_link[0]), M_PI * 0.04 * 0.04 * 0.5, 2e-5);
   EXPECT_TRUE(rods.of_link[1].triangles.empty());
+}
+
+/// A tetrahedron with a vertex at the origin and edges of 200, 300 and 400 units along x, y and z.
+std::string collada_tetrahedron(const std::string& unit, const std::string& up_axis) {
+  return "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' "
+         "version='1.4.1'><asset><unit name='u' meter='" +
+         unit + "'/><up_axis>" + up_axis +
+         "</up_axis></asset><library_geometries><geometry id='g'><mesh><source id='p'>"
+         "<float_array id='a' count='12'>0 0 0 200 0 0 0 300 0 0 0 400</float_array>"
+         "<technique_common><accessor source='#a' count='4' stride='3'><param name='X' "
+         "type='float'/><param name='Y' type='float'/><param name='Z' type='float'/></accessor>"
+         "</technique_common></source><vertices id='v'><input semantic='POSITION' source='#p'/>"
+         "</vertices><triangles count='4'><input semantic='VERTEX' source='#v' offset='0'/>"
+         "<p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries>"
+         "<library_visual_scenes><visual_scene id='s'><node id='n'><instance_geometry url='#g'/>"
+         "</node></visual_scene></library_visual_scenes><scene><instance_visual_scene url='#s'/>"
+         "</scene></COLLADA>";
+}
+
+// As RViz shows it: the file's unit counts, its up axis does not.
+TEST(LinkMeshes, ColladaFilesAreReadInMetresOnTheirOwnAxes) {
+  const TemporaryFolder folder;
+  const std::string urdf =
+      "<robot name='r'><link name='a'><visual><geometry><mesh filename='link.dae'/></geometry>"
+      "</visual></link><link name='b'/><joint name='j' type='revolute'><parent link='a'/>"
+      "<child link='b'/><origin xyz='0 0 0.5'/><axis xyz='0 0 1'/>"
+      "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+  ASSERT_TRUE(write_file(folder.path() / "r.urdf", urdf));
+  for (const std::string up_axis : {"Z_UP", "Y_UP", "X_UP"}) {
+    ASSERT_TRUE(write_file(folder.path() / "link.dae", collada_tetrahedron("0.001", up_axis)));
+    const RobotModel model = read_urdf(folder.path() / "r.urdf").value();
+    const Expected<LinkMeshes> drawn = link_meshes(model);
+    ASSERT_TRUE(drawn) << drawn.error().to_string();
+    EXPECT_TRUE(drawn->warnings.empty());
+    const TriangleMesh& mesh = drawn->of_link[0];
+    EXPECT_LT((bounds(mesh.vertices).max() - Eigen::Vector3f(0.2F, 0.3F, 0.4F)).norm(), 1e-6F)
+        << up_axis << bounds(mesh.vertices).max().transpose();
+    EXPECT_NEAR(signed_volume(mesh), 0.2 * 0.3 * 0.4 / 6.0, 1e-8) << up_axis;
+  }
+}
+
+TEST(LinkMeshes, TruncatedAndDamagedColladaIsReadOrRejected) {
+  const TemporaryFolder folder;
+  const std::string text = collada_tetrahedron("0.001", "Z_UP");
+  Random random(4);
+  int errors = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::string damaged = text;
+    if (i % 3 == 0) damaged.resize(random.below(text.size()));
+    for (int k = 0; k < i % 3; ++k) {
+      damaged[random.below(damaged.size())] = "0'<>9- /#"[random.below(9)];
+    }
+    ASSERT_TRUE(write_file(folder.path() / "damaged.dae", damaged));
+    errors += read_mesh(folder.path() / "damaged.dae") ? 0 : 1;
+  }
+  EXPECT_GT(errors, 50);
+}
+
+TEST(LinkMeshes, DeeplyNestedColladaIsAnError) {
+  const TemporaryFolder folder;
+  std::string nodes;
+  for (int i = 0; i < 100000; ++i) nodes += "<node>";
+  ASSERT_TRUE(write_file(folder.path() / "deep.dae",
+                         "<COLLADA version='1.4.1'><library_visual_scenes>" + nodes));
+  const auto mesh = read_mesh(folder.path() / "deep.dae");
+  ASSERT_FALSE(mesh);
+  EXPECT_NE(mesh.error().message.find("nested too deeply"), std::string::npos);
 }
 
 }  // namespace

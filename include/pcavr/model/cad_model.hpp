@@ -48,7 +48,7 @@ struct CadOptions {
 /// The options "model.cad".
 [[nodiscard]] OptionSection section_of(CadOptions& options);
 
-/// Reads `.obj .stl .ply .glb .gltf`: coordinates as stored, node transforms applied, no axis swap.
+/// Reads `.obj .stl .ply .dae .glb .gltf`: as stored (.dae: its unit applied), no axis swap.
 /// Coincident vertices are welded, and a mesh whose winding is inward is flipped; an inner shell of
 /// opposite winding is a cavity. Large binary STL and PLY files and OBJ files are streamed in
 /// chunks. Errors: no such file, unknown type, not a mesh, a coordinate that is not finite, open

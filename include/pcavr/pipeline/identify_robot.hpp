@@ -11,6 +11,8 @@
 #include "pcavr/recording/joint_log.hpp"
 #include "pcavr/robot/robot_model.hpp"
 #include "pcavr/robot_identification/contact_observer.hpp"
+#include "pcavr/robot_identification/friction_intervals.hpp"
+#include "pcavr/robot_identification/friction_trial.hpp"
 #include "pcavr/robot_identification/joint_signals.hpp"
 #include "pcavr/robot_identification/payload.hpp"
 #include "pcavr/robot_identification/replay_motion.hpp"
@@ -23,6 +25,9 @@ struct RobotIdentificationOptions {
   JointSignalOptions signals;
   RobotFitOptions fit;
   ContactObserverOptions contact;
+  FrictionTrialOptions trial;
+  FrictionIntervalOptions intervals;
+  bool is_trial_wanted = false;  ///< paper A's trial, to compare with
   /// [N m/A] by joint of the log's columns, for currents; empty where the log has torques.
   std::vector<double> gains = {};
 };
@@ -36,7 +41,10 @@ struct RobotIdentification {
   /// Of the held-out rows, with thresholds from the fitted ones; empty where the bodies aren't
   /// possible.
   std::optional<ObservedContacts> contacts = {};
-  std::optional<Payload> payload = {};  ///< by add_payload
+  std::optional<Payload> payload = {};         ///< by add_payload
+  std::vector<JointIntervals> intervals = {};  ///< friction by joint and position
+  std::optional<FrictionTrial> trial = {};     ///< where it is wanted
+  double fit_time = 0.0, trial_time = 0.0;     ///< [s] computing time
   MotionReplay replay;  ///< of the first held-out rows; empty where the bodies aren't possible
   std::vector<std::string> notes;
   std::vector<std::pair<std::string, std::string>> configuration;  ///< changed options
