@@ -27,12 +27,13 @@ class SiteClock {
   [[nodiscard]] double now() const { return source_() - start_; }
   /// CLOCK_MONOTONIC [s] at `t` of this clock.
   [[nodiscard]] double monotonic(double t) const {
-    return read_clock(CLOCK_MONOTONIC) - (now() - t);
+    return start_monotonic_ + t;
   }
 
  private:
   std::function<double()> source_;
   double start_;
+  double start_monotonic_ = read_clock(CLOCK_MONOTONIC);  ///< [s]; equal until the machine sleeps
 };
 
 /// [s] of computing time of the calling thread.
