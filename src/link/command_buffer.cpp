@@ -14,9 +14,10 @@ constexpr auto kCommandFields = std::to_array<OptionField<CommandOptions>>({
     {"max_age", &CommandOptions::max_age, 0.1, 0.001, 10.0, "s",
      "time after its execution was due, until which a late command is executed",
      "lower: jitter discards commands; higher: the robot moves to where the operator was"},
-    {"max_lead", &CommandOptions::max_lead, 2.0, 0.01, 20.0, "s",
+    {"max_lead", &CommandOptions::max_lead, 0.5, 0.01, 20.0, "s",
      "time before its execution, until which a command is accepted",
-     "lower: long delays are not bridged; higher: memory"},
+     "lower: jitter of the network is not bridged; higher: a step of the operator's clock lets the "
+     "robot move later by as much"},
     {"timeout", &CommandOptions::timeout, 0.25, 0.01, 10.0, "s",
      "time without any message of the other site, after which this one holds",
      "lower: jitter and lost messages hold the robot; higher: it moves on without an operator"},

@@ -18,6 +18,12 @@ constexpr double kMinOffsetStd = 2e-5;  // [s] of the fastest round trip: schedu
 constexpr double kStepMargin = 1e-3;
 // ... by this many consecutive round trips: a single one may be a fault of the sender.
 constexpr std::size_t kStepTrips = 4;
+// A round trip that takes this much longer than the fastest [s], and this many variations, was
+// delayed by a stalled network or a site that did not run; ...
+constexpr double kMinStall = 0.1;
+constexpr double kStallVariations = 8.0;
+// ... if all do so for this long [s], the network has become slower.
+constexpr double kMaxStall = 1.0;
 
 bool is_plausible(const LinkClock::RoundTrip& trip) {
   const bool is_finite = std::isfinite(trip.sent) && std::isfinite(trip.received) &&
@@ -29,10 +35,12 @@ bool is_plausible(const LinkClock::RoundTrip& trip) {
 
 void LinkClock::add(const RoundTrip& trip) {
   if (!is_plausible(trip)) return;
+  if (is_known() && trip.delay() + kMinStall < min_delay_) restart();  // all before were stalled
+  if (is_stalled(trip)) return;
   if (is_known() && contradicts(trip)) {
     contradicting_.push_back(trip);
     if (contradicting_.size() < kStepTrips) return;
-    fastest_.clear();
+    restart();
     ++steps_;
     for (const RoundTrip& later : contradicting_) keep(later);
     contradicting_.clear();
@@ -46,6 +54,21 @@ void LinkClock::add(const RoundTrip& trip) {
     keep(trip);
   }
   estimate();
+}
+
+bool LinkClock::is_stalled(const RoundTrip& trip) {
+  const double margin = std::max(kMinStall, kStallVariations * delay_variation_);
+  if (!is_known() || trip.delay() <= min_delay_ + margin) {
+    stalled_since_.reset();
+    return false;
+  }
+  if (!stalled_since_) stalled_since_ = trip.returned;
+  return trip.returned - *stalled_since_ <= kMaxStall;
+}
+
+void LinkClock::restart() {
+  fastest_.clear();
+  stalled_since_.reset();
 }
 
 bool LinkClock::contradicts(const RoundTrip& trip) const {

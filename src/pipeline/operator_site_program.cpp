@@ -4,7 +4,9 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <future>
+#include <memory>
 #include <optional>
 #include <random>
 #include <utility>
@@ -18,6 +20,8 @@
 #include "pcavr/pipeline/link_sites.hpp"
 
 #include "site_clock.hpp"
+#include "site_priority.hpp"
+#include "site_steps.hpp"
 
 namespace pcavr {
 namespace {
@@ -48,25 +52,26 @@ constexpr double kRequestInterval =
     0.02;  // [s] until a stop or a hold is seen in the robot's state
 constexpr double kPreparationMargin = 1.5;  // of the time that the last preparation took
 constexpr double kDelayVariations = 4.0;
+constexpr double kMaxEarly = 0.4;  // [s] that commands may arrive early: below max_lead
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
 constexpr double kMaxFlush = 2.0;      // [s] of a simulated network, at the end
 constexpr double kCloseTimeout = 0.2;  // [s] until the last message has left
 constexpr std::size_t kMaxReportedTimes = 10'000;
 
-std::uint32_t new_session() {
+std::uint32_t random_session() {
   // Sessions of different processes must differ; nothing is computed from it.
   std::uint32_t session = 0;
   while (session == 0) session = std::random_device{}();
   return session;
 }
 
-class OperatorSiteLoop {
+class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
  public:
-  OperatorSiteLoop(LinkClient& client, OperatorInterface& person, const TeleopInput& world,
+  OperatorSiteLoop(OperatorTransport& client, OperatorInterface& person, const TeleopInput& world,
                    const TeleopOptions& teleop, const SiteScene& scene,
                    const OperatorSiteOptions& options, const SimulatedNetwork& network,
-                   const Observer& observer)
+                   const Observer& observer, const SiteRuntime& runtime)
       : client_(client),
         person_(person),
         world_(world),
@@ -74,50 +79,58 @@ class OperatorSiteLoop {
         scene_(scene),
         options_(options),
         observer_(observer),
+        log_(runtime.log != nullptr ? *runtime.log : no_log_),
+        new_session_(runtime.new_session ? runtime.new_session : random_session),
+        prepares_at_once_(runtime.prepares_at_once),
+        clock_(runtime.clock),
+        cpu_before_(thread_cpu()),
+        next_event_(clock_.now() + kIdleWait),
         forward_(network.forward, Random(network.seed).fork(2)),
         backward_(network.backward, Random(network.seed).fork(1)),
-        session_(new_session()) {}
+        session_(new_session_()),
+        last_received_(clock_.now()) {}
 
-  Expected<OperatorSiteReport> run(const std::atomic<bool>& stop) {
-    const double cpu_before = thread_cpu();
-    last_received_ = clock_.now();
-    while (!stop && !is_done_ && !fault_) {
-      // A recording may begin later: until then round trips keep the session alive.
-      const double idle = clock_.now() + (site_ ? kFirstPingInterval : kIdleWait);
-      wait_until(site_ ? std::min(local_time_of(next_cycle_), idle) : idle);
-      const double now = clock_.now();
-      check_link(now);
-      if (!site_) person_.wait(link_at(now));
-      request(now);
-      if (site_ && now < local_time_of(next_cycle_)) {
-        ping(now, kFirstPingInterval);
-      } else if (site_) {
-        cycle(now);
-      } else {
-        connect(now);
-      }
-      transmit(clock_.now());
-    }
+  [[nodiscard]] double until_due() const override {
+    // A simulated arrival is also an event.
+    double until = next_event_;
+    if (const auto arrival = arriving_.next_arrival()) until = std::min(until, *arrival);
+    if (const auto leaving = leaving_.next_arrival()) until = std::min(until, *leaving);
+    return until - clock_.now();
+  }
+
+  void step() override {
+    exchange();
+    if (is_finished() || clock_.now() < next_event_) return;
+    act(clock_.now());
+    transmit(clock_.now());
+    // A recording may begin later: until then round trips keep the session alive.
+    const double idle = clock_.now() + (site_ ? kFirstPingInterval : kIdleWait);
+    next_event_ = site_ ? std::min(local_time_of(next_cycle_), idle) : idle;
+  }
+
+  [[nodiscard]] bool is_finished() const override { return is_done_ || fault_; }
+
+  [[nodiscard]] Expected<OperatorSiteReport> finish() override {
     if (welcome_) {
       send(LinkReject{LinkRejection::ended, "the operator's site has ended"});
       flush();
     }
-    report_.cpu = thread_cpu() - cpu_before;
+    report_.cpu = thread_cpu() - cpu_before_;
     if (fault_) return *fault_;
-    return finish();
+    return describe();
   }
 
  private:
-  void wait_until(double t) {
-    exchange();
-    for (double rest = t - clock_.now(); rest > 0.0; rest = t - clock_.now()) {
-      // A simulated arrival is also an event.
-      double until = t;
-      if (const auto arrival = arriving_.next_arrival()) until = std::min(until, *arrival);
-      if (const auto leaving = leaving_.next_arrival()) until = std::min(until, *leaving);
-      client_.wait(std::max(until - clock_.now(), 0.0));
-      exchange();
-      if (is_done_ || fault_) return;
+  void act(double now) {
+    check_link(now);
+    if (!site_) person_.wait(link_at(now));
+    request(now);
+    if (site_ && now < local_time_of(next_cycle_)) {
+      ping(now, kFirstPingInterval);
+    } else if (site_) {
+      cycle(now);
+    } else {
+      connect(now);
     }
   }
 
@@ -175,8 +188,11 @@ class OperatorSiteLoop {
       }
       return;
     }
-    if (message->header.session != session_) return;  // of an earlier session
-    last_received_ = now;
+    if (message->header.session != session_) return;    // of an earlier session
+    if (message->header.sequence > newest_received_) {  // a repetition shows nothing
+      newest_received_ = message->header.sequence;
+      last_received_ = now;
+    }
     if (const auto* pong = std::get_if<LinkPong>(&message->content)) {
       shared_clock_.add({pong->sent, pong->received, message->header.clock, now});
       ++round_trips_;
@@ -311,7 +327,9 @@ class OperatorSiteLoop {
   /// It takes as long as a session lasts without messages, so it is made while round trips go on.
   void begin(double now) {
     if (!preparing_.valid()) return prepare(now);
-    if (preparing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    const bool is_ready = prepares_at_once_ ||
+                          preparing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (!is_ready) return;
     preparation_time_ = std::max(preparation_time_, kPreparationMargin * (now - prepared_since_));
     Expected<LiveOperatorSite> site = preparing_.get();
     if (!site) {
@@ -331,10 +349,11 @@ class OperatorSiteLoop {
   }
 
   void prepare(double now) {
-    prepared_since_ = now;
-    const double lead = 0.5 * shared_clock_.mean_delay() +
-                        kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
+    const double early = kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
+    if (early > kMaxEarly) return;  // the link is not steady yet: the robot would wait for long
+    const double lead = 0.5 * shared_clock_.mean_delay() + early;
     report_.lead = lead;
+    prepared_since_ = now;
     // Time of the recorded motion: the scene's, or since the first session; without one, since this
     // session, because a robot's site that was started again has another clock.
     if (!trace_zero_ || !person_.cycles()) {
@@ -358,7 +377,8 @@ class OperatorSiteLoop {
     const double start = scene_time_of(next_cycle_ - 1);
     const Eigen::Vector3d p_base_tip =
         person_.p_base_start(next_cycle_, state_ ? &*state_ : nullptr);
-    preparing_ = std::async(std::launch::async, [this, options, start, p_base_tip] {
+    const std::launch policy = prepares_at_once_ ? std::launch::deferred : std::launch::async;
+    preparing_ = std::async(policy, [this, options, start, p_base_tip] {
       return LiveOperatorSite::create(world_, options, start, p_base_tip);
     });
   }
@@ -394,7 +414,9 @@ class OperatorSiteLoop {
     }
     for (const LinkCorrection& correction : corrections_.take()) {
       const double t = correction.t - welcome_->start;
-      if (!site_->apply(t, correction.bytes)) {
+      const bool is_valid = site_->apply(t, correction.bytes);
+      log_.on_applied(session_, correction, is_valid);
+      if (!is_valid) {
         ++report_.invalid_messages;
         continue;
       }
@@ -410,6 +432,7 @@ class OperatorSiteLoop {
     command.acknowledged = corrections_.acknowledgement();
     site_->get_predictions(command.predictions);
     sent_.add(command.t, clock_.now(), moved.device_clock);
+    log_.on_commanded(session_, command);
     send(std::move(command));
     ++report_.commands;
     ping(now, kPingInterval);
@@ -446,17 +469,17 @@ class OperatorSiteLoop {
     preparing_ = {};
     welcome_.reset();
     state_.reset();
-    state_sequence_ = 0;
+    state_sequence_ = newest_received_ = 0;
     delays_.reset();
     sent_.clear();
     drop_releases();
     shared_clock_ = {};
     round_trips_ = 0;
-    session_ = new_session();
+    session_ = new_session_();
     next_hello_ = now;
   }
 
-  OperatorSiteReport finish() {
+  OperatorSiteReport describe() {
     if (site_) report_.late_corrections += site_->late();
     report_.round_trip = shared_clock_.is_known() ? shared_clock_.min_delay() : 0.0;
     if (shared_clock_.is_known()) {
@@ -467,14 +490,20 @@ class OperatorSiteLoop {
     return std::move(report_);
   }
 
-  LinkClient& client_;
+  OperatorTransport& client_;
   OperatorInterface& person_;
   const TeleopInput& world_;
   const TeleopOptions& teleop_;
   const SiteScene& scene_;
   const OperatorSiteOptions& options_;
   const Observer& observer_;
+  SiteLog no_log_;
+  SiteLog& log_;
+  std::function<std::uint32_t()> new_session_;
+  bool prepares_at_once_;
   SiteClock clock_;
+  double cpu_before_;       ///< [s]
+  double next_event_;       ///< [s]
   LinkClock shared_clock_;  ///< the shared clock
   LinkConditions forward_;
   LinkConditions backward_;
@@ -492,7 +521,8 @@ class OperatorSiteLoop {
   double preparation_time_ = 0.1;                      ///< [s] that it is expected to take
   CorrectionReceiver corrections_;
   std::optional<LinkState> state_;
-  std::uint32_t state_sequence_ = 0;  ///< its header's
+  std::uint32_t state_sequence_ = 0;   ///< its header's
+  std::uint32_t newest_received_ = 0;  ///< sequence number in this session
   SentCommands sent_;
   std::optional<DelayStamps> delays_;
   OperatorRequests wanted_;  ///< and not yet confirmed
@@ -500,7 +530,7 @@ class OperatorSiteLoop {
   std::optional<double> trace_zero_;
   std::size_t next_cycle_ = 1;
   double lead_ = 0.0;
-  double last_received_ = 0.0;
+  double last_received_;
   double next_hello_ = 0.0;
   double next_ping_ = 0.0;
   std::optional<double> lost_at_;
@@ -523,8 +553,21 @@ Expected<OperatorSiteReport> run_operator_site(
     LinkClient& client, OperatorInterface& person, const TeleopInput& world,
     const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
     const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop) {
-  return OperatorSiteLoop(client, person, world, teleop, scene, options, network, observer)
-      .run(stop);
+  OperatorSiteLoop loop(client, person, world, teleop, scene, options, network, observer, {});
+  request_site_priority(observer);
+  while (!stop && !loop.is_finished()) {
+    client.wait(loop.until_due());
+    loop.step();
+  }
+  return loop.finish();
+}
+
+std::unique_ptr<SiteSteps<OperatorSiteReport>> make_operator_site_steps(
+    OperatorTransport& client, OperatorInterface& person, const TeleopInput& world,
+    const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
+    const SimulatedNetwork& network, const Observer& observer, const SiteRuntime& runtime) {
+  return std::make_unique<OperatorSiteLoop>(client, person, world, teleop, scene, options, network,
+                                            observer, runtime);
 }
 
 }  // namespace pcavr

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -15,6 +16,8 @@
 #include "pcavr/pipeline/link_sites.hpp"
 
 #include "site_clock.hpp"
+#include "site_priority.hpp"
+#include "site_steps.hpp"
 
 namespace pcavr {
 namespace {
@@ -37,9 +40,8 @@ constexpr double kAuthorisationInterval = 0.5;     // [s] between two checks of 
 constexpr double kMinNoticeInterval = 30.0;        // [s] between two lines for the same cause
 constexpr double kRecordingTail = 0.2;             // [s] after its end, for the last corrections
 constexpr std::size_t kMaxUnsensed = 2000;         // commands: of a robot that gives no samples
-constexpr double kSameTime = 1e-9;                 // [s]
-// Cycles behind the clock, of more all are skipped: this process did not run.
-constexpr double kMaxBacklog = 100.0;
+constexpr double kMaxGap = 0.02;    // [s] without a setpoint, after which the tool has come to rest
+constexpr double kSameTime = 1e-9;  // [s]
 
 /// What one connected operator's site has sent, and is to receive.
 struct OperatorSession {
@@ -47,6 +49,7 @@ struct OperatorSession {
   std::string key;
   std::uint32_t id = 0;
   double last_received = 0.0;
+  std::uint32_t newest = 0;       ///< sequence number of its messages so far
   std::uint32_t newest_stop = 0;  ///< sequence number of the newest hold, stop or release
   CorrectionSender corrections;
   CommandBuffer commands;
@@ -59,45 +62,62 @@ struct ExecutedCommand {
   double applied = 0.0;  ///< when it became the setpoint
 };
 
-class RobotSiteLoop {
+class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
  public:
-  RobotSiteLoop(LinkServer& server, RobotInterface& robot, LiveRobotSite& site,
-                const SiteScene& scene, const RobotSiteOptions& options, const Observer& observer)
+  RobotSiteLoop(RobotTransport& server, RobotInterface& robot, LiveRobotSite& site,
+                const SiteScene& scene, const RobotSiteOptions& options, const Observer& observer,
+                const SiteRuntime& runtime)
       : server_(server),
         robot_(robot),
         site_(site),
         scene_(scene),
         options_(options),
         observer_(observer),
-        limiter_(options.limits, robot.p_base_start()) {
+        log_(runtime.log != nullptr ? *runtime.log : no_log_),
+        clock_(runtime.clock),
+        limiter_(options.limits, robot.p_base_start()),
+        cpu_before_(thread_cpu()),
+        next_cycle_(clock_.now() + options.cycle),
+        last_step_(clock_.now()) {
     if (robot.follows_commands()) start_ = 0.0;
   }
 
-  RobotSiteReport run(const std::atomic<bool>& stop) {
-    const double cpu_before = thread_cpu();
-    double next = clock_.now();
-    while (!stop && !is_finished()) {
-      next += options_.cycle;
-      wait_until(next);
-      const double behind = clock_.now() - next;
-      if (behind > options_.cycle) ++report_.late_cycles;
-      if (behind > kMaxBacklog * options_.cycle) next = clock_.now();
-      ++report_.cycles;
-      cycle(clock_.now());
+  [[nodiscard]] double until_due() const override { return next_cycle_ - clock_.now(); }
+
+  void step() override {
+    receive();
+    last_step_ = clock_.now();
+    const double behind = -until_due();
+    if (behind < 0.0) return;
+    // What was missed is not made up for: the setpoint would move faster than its limits permit.
+    const bool is_late = behind > options_.cycle;
+    if (is_late) ++report_.late_cycles;
+    if (behind > kMaxGap) limiter_.halt();
+    next_cycle_ += options_.cycle + (is_late ? behind : 0.0);
+    ++report_.cycles;
+    cycle(clock_.now());
+  }
+
+  [[nodiscard]] bool is_finished() const override {
+    const std::optional<double> end = robot_.end();
+    return end && start_ && clock_.now() > *start_ + *end + kRecordingTail &&
+           (!session_ || session_->corrections.pending() == 0 ||
+            clock_.now() > *start_ + *end + 10.0 * kRecordingTail);
+  }
+
+  [[nodiscard]] Expected<RobotSiteReport> finish() override {
+    if (session_) {
+      const LinkPacket packet{session_->peer, {}, {}};
+      reject(packet, session_->id, LinkRejection::ended, "the robot's site has ended");
+      collect(*session_);
     }
-    report_.cpu = thread_cpu() - cpu_before;
-    return finish();
+    report_.cpu = thread_cpu() - cpu_before_;
+    report_.streaming_bytes = site_.streaming_bytes();
+    report_.notes = site_.notes();
+    return std::move(report_);
   }
 
  private:
-  void wait_until(double t) {
-    receive();
-    for (double rest = t - clock_.now(); rest > 0.0; rest = t - clock_.now()) {
-      server_.wait(rest);
-      receive();
-    }
-  }
-
   void cycle(double now) {
     check_session(now);
     execute(now);
@@ -137,14 +157,14 @@ class RobotSiteLoop {
 
   void on_message(const LinkPacket& packet, const LinkMessage& message, double now) {
     if (std::holds_alternative<LinkPing>(message.content)) {
-      if (is_of_session(packet, message)) session_->last_received = now;
+      if (is_of_session(packet, message)) note_received(message.header);
       return send(packet.peer, message.header.session, LinkPong{message.header.clock, now});
     }
     if (const auto* hello = std::get_if<LinkHello>(&message.content)) {
       return on_hello(packet, message.header, *hello, now);
     }
     if (!is_of_session(packet, message)) return;  // of a session that has ended
-    session_->last_received = now;
+    note_received(message.header);
     if (const auto* command = std::get_if<LinkCommand>(&message.content)) {
       on_command(*command, now);
     } else if (const auto* stop = std::get_if<LinkStop>(&message.content)) {
@@ -162,10 +182,29 @@ class RobotSiteLoop {
     return session_ && session_->peer == packet.peer && session_->id == message.header.session;
   }
 
+  /// Only newer messages show that the operator's site is there: not repeated ones, nor those that
+  /// waited while this site did not run, and so count from when it ran last.
+  void note_received(const LinkHeader& header) {
+    if (header.sequence <= session_->newest) return;
+    session_->newest = header.sequence;
+    session_->last_received = std::max(session_->last_received, last_step_);
+  }
+
+  /// A connection's hello that is not newer than what it sent in its last session.
+  [[nodiscard]] bool is_old(const LinkPacket& packet, const LinkHeader& header) const {
+    if (session_) return session_->peer == packet.peer && header.sequence <= session_->newest;
+    return ended_peer_ == packet.peer && header.sequence <= ended_newest_;
+  }
+
   void on_hello(const LinkPacket& packet, const LinkHeader& header, const LinkHello& hello,
                 double now) {
+    if (!server_.is_authorized(packet.key)) {  // its connection is older than the revocation
+      return reject(packet, header.session, LinkRejection::revoked,
+                    "the key of this operator was revoked");
+    }
+    if (is_old(packet, header)) return;
     if (session_ && session_->peer == packet.peer && session_->id == header.session) {
-      session_->last_received = now;
+      note_received(header);
       return welcome();  // the first welcome was lost
     }
     const bool is_other = session_ && session_->peer != packet.peer &&
@@ -174,14 +213,17 @@ class RobotSiteLoop {
       return reject(packet, header.session, LinkRejection::busy,
                     "another operator is connected to this robot's site");
     }
+    if (session_) end_session();  // what it commanded is stale
     session_ = OperatorSession{.peer = packet.peer,
                                .key = packet.key,
                                .id = header.session,
                                .last_received = now,
+                               .newest = header.sequence,
                                .newest_stop = 0,
                                .corrections = {},
                                .commands = CommandBuffer(options_.commands)};
     ++report_.sessions;
+    log_.on_session(session_->id, session_->key);
     if (!start_) start_ = now + options_.start_delay;
     // A robot that follows commands may have moved its objects before the first session.
     if (report_.sessions > 1 || robot_.follows_commands()) {
@@ -252,6 +294,8 @@ class RobotSiteLoop {
   void end_session() {
     collect(*session_);
     unsensed_.clear();
+    ended_peer_ = session_->peer;
+    ended_newest_ = session_->newest;
     session_.reset();
     is_engaged_ = false;
     target_.reset();
@@ -270,6 +314,7 @@ class RobotSiteLoop {
         is_engaged_ = command.is_engaged;
         target_ = command.p_base_tip.cast<double>();
         q_base_tool_ = command.q_base_tool.cast<double>().normalized();
+        log_.on_executed(session_->id, session_->key, command);
         site_.add_predictions(command.t - *start_, command.predictions);
       }
     }
@@ -304,7 +349,9 @@ class RobotSiteLoop {
       has_composed_ = true;
       if (session_->corrections.is_full()) continue;  // then the silence ends this session
       report_.correction_bytes += correction.bytes.size();
-      session_->corrections.push(*start_ + correction.sent.t, std::move(correction.bytes));
+      const double t = *start_ + correction.sent.t;
+      const std::uint32_t number = session_->corrections.push(t, correction.bytes);
+      log_.on_composed(session_->id, {number, t, std::move(correction.bytes)});
       if (report_.corrections.size() < kMaxReportedCorrections) {
         report_.corrections.push_back(correction.sent);
       }
@@ -375,34 +422,23 @@ class RobotSiteLoop {
     observer_.on_warning(line);
   }
 
-  [[nodiscard]] bool is_finished() const {
-    const std::optional<double> end = robot_.end();
-    return end && start_ && clock_.now() > *start_ + *end + kRecordingTail &&
-           (!session_ || session_->corrections.pending() == 0 ||
-            clock_.now() > *start_ + *end + 10.0 * kRecordingTail);
-  }
-
-  RobotSiteReport finish() {
-    if (session_) {
-      const LinkPacket packet{session_->peer, {}, {}};
-      reject(packet, session_->id, LinkRejection::ended, "the robot's site has ended");
-      collect(*session_);
-    }
-    report_.streaming_bytes = site_.streaming_bytes();
-    report_.notes = site_.notes();
-    return std::move(report_);
-  }
-
-  LinkServer& server_;
+  RobotTransport& server_;
   RobotInterface& robot_;
   LiveRobotSite& site_;
   const SiteScene& scene_;
   const RobotSiteOptions& options_;
   const Observer& observer_;
+  SiteLog no_log_;
+  SiteLog& log_;
   SiteClock clock_;  ///< the shared one
   MotionLimiter limiter_;
+  double cpu_before_;            ///< [s]
+  double next_cycle_;            ///< [s]
+  double last_step_;             ///< [s] when messages were received last
   std::optional<double> start_;  ///< [s] time zero of the scene
   std::optional<OperatorSession> session_;
+  std::string ended_peer_;          ///< of the last session that has ended
+  std::uint32_t ended_newest_ = 0;  ///< sequence number of its messages
   RobotSiteReport report_;
   bool is_engaged_ = false;
   bool is_on_hold_ = false;        ///< by the operator
@@ -440,7 +476,19 @@ Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& rob
                                          LiveRobotSite& site, const SiteScene& scene,
                                          const RobotSiteOptions& options, const Observer& observer,
                                          const std::atomic<bool>& stop) {
-  return RobotSiteLoop(server, robot, site, scene, options, observer).run(stop);
+  RobotSiteLoop loop(server, robot, site, scene, options, observer, {});
+  request_site_priority(observer);
+  while (!stop && !loop.is_finished()) {
+    server.wait(loop.until_due());
+    loop.step();
+  }
+  return loop.finish();
+}
+
+std::unique_ptr<SiteSteps<RobotSiteReport>> make_robot_site_steps(
+    RobotTransport& server, RobotInterface& robot, LiveRobotSite& site, const SiteScene& scene,
+    const RobotSiteOptions& options, const Observer& observer, const SiteRuntime& runtime) {
+  return std::make_unique<RobotSiteLoop>(server, robot, site, scene, options, observer, runtime);
 }
 
 }  // namespace pcavr

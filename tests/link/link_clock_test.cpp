@@ -70,6 +70,44 @@ TEST(LinkClock, FollowsAStepOfTheOtherClock) {
   EXPECT_NEAR(clock.shared_at(11.0), clocks.shared(11.0), 0.01);
 }
 
+// A site that did not run, or a network that stalled, delivers many late answers at once: neither
+// the offset nor the usual delay follows them.
+TEST(LinkClock, RefusesRoundTripsThatWereStalled) {
+  ClockPair clocks{.offset = 5.0, .forward = 0.02, .backward = 0.02};
+  LinkClock clock;
+  for (int i = 0; i < 100; ++i) clock.add(clocks.round_trip(0.1 * i));
+  for (int i = 0; i < 50; ++i) {
+    const double sent = 10.0 + 0.01 * i;  // all answers arrive at 10.5, one of them hardly late
+    clock.add({sent, clocks.shared(sent + 0.02), clocks.shared(sent + 0.0201), 10.54});
+  }
+  EXPECT_LT(clock.mean_delay(), 0.14);  // those that were less than 0.1 s late count
+  EXPECT_LT(clock.delay_variation(), 0.05);
+  EXPECT_NEAR(clock.shared_at(10.6), clocks.shared(10.6), 1e-3);
+  EXPECT_EQ(clock.steps(), 0);
+}
+
+// ... also if they are the first ones.
+TEST(LinkClock, ForgetsStalledRoundTripsOnceThereAreFasterOnes) {
+  ClockPair clocks{.offset = 5.0, .forward = 0.02, .backward = 0.02};
+  LinkClock clock;
+  for (int i = 0; i < 20; ++i) {
+    const double sent = 0.01 * i;
+    clock.add({sent, clocks.shared(sent + 0.02), clocks.shared(sent + 0.0201), 5.0});
+  }
+  for (int i = 0; i < 3; ++i) clock.add(clocks.round_trip(5.01 + 0.01 * i));
+  EXPECT_NEAR(clock.mean_delay(), 0.04, 0.005);
+  EXPECT_LT(clock.delay_variation(), 0.03);
+}
+
+TEST(LinkClock, FollowsANetworkThatHasBecomeSlower) {
+  ClockPair clocks{.offset = 5.0, .forward = 0.02, .backward = 0.02};
+  LinkClock clock;
+  for (int i = 0; i < 50; ++i) clock.add(clocks.round_trip(0.1 * i));
+  clocks.forward = clocks.backward = 0.2;
+  for (int i = 50; i < 100; ++i) clock.add(clocks.round_trip(0.1 * i));
+  EXPECT_NEAR(clock.mean_delay(), 0.4, 0.05);
+}
+
 // A single wrong answer, and impossible ones, change nothing.
 TEST(LinkClock, IgnoresImplausibleRoundTrips) {
   ClockPair clocks{.offset = 5.0};

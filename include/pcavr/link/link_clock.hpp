@@ -24,7 +24,8 @@ class LinkClock {
     [[nodiscard]] double offset() const { return 0.5 * ((received - sent) + (replied - returned)); }
   };
 
-  /// A round trip with a negative delay, or with a number that is not finite, is ignored.
+  /// A round trip with a negative delay, or with a number that is not finite, is ignored; so is one
+  /// that was delayed much longer than the others, for a second.
   void add(const RoundTrip& trip);
 
   [[nodiscard]] bool is_known() const { return !fastest_.empty(); }
@@ -46,11 +47,14 @@ class LinkClock {
 
  private:
   [[nodiscard]] bool contradicts(const RoundTrip& trip) const;
+  [[nodiscard]] bool is_stalled(const RoundTrip& trip);
+  void restart();
   void keep(const RoundTrip& trip);
   void estimate();
 
   std::deque<RoundTrip> fastest_;  ///< of each second
   std::deque<RoundTrip> contradicting_;
+  std::optional<double> stalled_since_ = {};  ///< [s] of this site's clock
   double reference_ = 0.0;  ///< [s] of this site's clock, at which `offset_` holds
   double offset_ = 0.0;
   double drift_ = 0.0;

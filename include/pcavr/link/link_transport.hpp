@@ -12,6 +12,7 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/link/link_keys.hpp"
+#include "pcavr/link/site_transport.hpp"
 
 namespace pcavr {
 
@@ -30,32 +31,21 @@ struct LinkServerOptions {
   std::filesystem::path authorized = {};  ///< folder of the operators' .pub files, with keys
 };
 
-/// A message, and who sent it.
-struct LinkPacket {
-  std::string peer = {};  ///< identity of the connection, for the answer
-  std::string key = {};   ///< the sender's public key (Z85); empty without keys
-  std::vector<std::uint8_t> bytes = {};
-};
-
 /// The robot's site, which accepts connections.
-class LinkServer {
+class LinkServer final : public RobotTransport {
  public:
   /// An Error if the port is in use, or the address is not loopback and there are no keys.
   [[nodiscard]] static Expected<LinkServer> open(const LinkServerOptions& options);
   LinkServer(LinkServer&&) noexcept;
   LinkServer& operator=(LinkServer&&) noexcept;
-  ~LinkServer();
+  ~LinkServer() override;
 
   [[nodiscard]] std::uint16_t port() const;
-  /// Waits until a message is there, at most `timeout` [s].
-  void wait(double timeout);
-  [[nodiscard]] std::optional<LinkPacket> receive();
-  /// False if it was dropped.
-  bool send(const std::string& peer, std::span<const std::uint8_t> bytes);
-  /// Whether the key's file is still in the folder; always without keys.
-  [[nodiscard]] bool is_authorized(const std::string& key) const;
-  /// Lines for the operator of this program: connections that were rejected, since the last call.
-  [[nodiscard]] std::vector<std::string> take_notices();
+  void wait(double timeout) override;
+  [[nodiscard]] std::optional<LinkPacket> receive() override;
+  bool send(const std::string& peer, std::span<const std::uint8_t> bytes) override;
+  [[nodiscard]] bool is_authorized(const std::string& key) const override;
+  [[nodiscard]] std::vector<std::string> take_notices() override;
 
  private:
   struct Impl;
@@ -71,25 +61,19 @@ struct LinkClientOptions {
 };
 
 /// The operator's site, which connects, and reconnects after an interruption.
-class LinkClient {
+class LinkClient final : public OperatorTransport {
  public:
   /// An Error if the address can't be used, or is not loopback and there are no keys.
   [[nodiscard]] static Expected<LinkClient> open(const LinkClientOptions& options);
   LinkClient(LinkClient&&) noexcept;
   LinkClient& operator=(LinkClient&&) noexcept;
-  ~LinkClient();
+  ~LinkClient() override;
 
-  void wait(double timeout);
-  [[nodiscard]] std::optional<std::vector<std::uint8_t>> receive();
-  bool send(std::span<const std::uint8_t> bytes);
-  /// Ends the connection once what was sent has left this machine, at most `timeout` [s] after the
-  /// client's destruction begins.
-  void close(double timeout);
-
-  enum class State { connecting, connected, rejected, no_handshake };
-  /// `rejected`: the robot's site does not accept this key. `no_handshake`: it was reached, but
-  /// ended the handshake: its key is another one, or one side has no keys.
-  [[nodiscard]] State state();
+  void wait(double timeout) override;
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> receive() override;
+  bool send(std::span<const std::uint8_t> bytes) override;
+  void close(double timeout) override;
+  [[nodiscard]] State state() override;
 
  private:
   struct Impl;

@@ -43,6 +43,9 @@ class MotionLimiter {
   const Eigen::Vector3d& step(const std::optional<Eigen::Vector3d>& command,
                               const Eigen::Vector3d& force_base, double dt);
 
+  /// No setpoint was given for a while: the tool rests at the last one.
+  void halt() { v_base_.setZero(); }
+
   [[nodiscard]] const Eigen::Vector3d& p_base() const { return p_base_; }
   [[nodiscard]] const Eigen::Vector3d& v_base() const { return v_base_; }
   /// LinkLimit bits: which of them changed the last cycle.

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace pcavr {
+
+struct SoakOptions {
+  std::uint64_t seed = 1;       ///< of the faults, the network, the plant and the person
+  double duration = 60.0;       ///< [s] virtual time, with the end
+  double fault_interval = 4.0;  ///< [s] mean time between the beginnings of two faults
+  double quiet_end = 15.0;      ///< [s] without faults at the end, in which both sites recover
+  std::function<std::size_t()> heap_bytes = {};  ///< in use now
+};
+
+struct SoakReport {
+  std::vector<std::string> violations;         ///< of what must hold; the first of them
+  std::uint64_t digest = 0;                    ///< the same for the same options, to the bit
+  std::map<std::string, std::size_t> faults;   ///< by kind
+  std::map<std::string, std::size_t> endings;  ///< of the operator's program, by its message
+  std::size_t sessions = 0;
+  std::size_t commands = 0;     ///< executed
+  std::size_t corrections = 0;  ///< applied
+  double max_age = 0.0;         ///< [s] of an executed command
+  double path = 0.0;            ///< [m] of the robot's setpoint
+  std::size_t heap_peak = 0;    ///< above the use at the beginning
+  std::size_t heap_rest = 0;    ///< the same after both sites have ended
+};
+
+/// Both sites' main loops, message handling, watchdogs and worlds, as the two programs run them, in
+/// virtual time with a simulated plant, through a network, machines and keys that fail at random.
+/// Deterministic by its options.
+[[nodiscard]] SoakReport run_two_sites_soak(const SoakOptions& options);
+
+}  // namespace pcavr
