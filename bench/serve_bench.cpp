@@ -72,8 +72,9 @@ int run(double seconds) {
   if (!write_file(page_folder.path() / "index.html", "")) return 1;
   Expected<HapticWorld> haptic = HapticWorld::create(ten_boxes());
   if (!haptic) return 1;
-  LiveWorld world(std::move(*haptic), std::make_unique<RemoteDevice>(),
-                  {.p_base_tool_start = {0.0, 0.0, 0.1}});
+  LiveWorldOptions live_options;
+  live_options.p_base_tool_start = {0.0, 0.0, 0.1};
+  LiveWorld world(std::move(*haptic), std::make_unique<RemoteDevice>(), live_options);
   const NoScene scene;
   ServerOptions options;
   options.port = 0;
