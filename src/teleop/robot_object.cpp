@@ -161,8 +161,13 @@ TrackedPose RobotObject::averaged_at_rest(const TrackedPose& seen) {
                      moved.translation().norm() <= position_limit &&
                      std::abs(heading_of(moved)) <= rotation_limit;
   averaged_frames_ = rests ? std::min(averaged_frames_ + 1, kMaxAveragedFrames) : 1;
-  if (averaged_frames_ == 1) return seen;
   TrackedPose mean = seen;
+  if (monitor.is_slow_slide()) {
+    // As of an average: its frames agree with the tip's motion.
+    mean.position_std *= kSystematicShare;
+    mean.rotation_std *= kSystematicShare;
+  }
+  if (averaged_frames_ == 1) return mean;
   mean.T_base_object =
       interpolate(latest_.T_base_object, seen.T_base_object, 1.0 / averaged_frames_);
   const double gain = std::max(1.0 / std::sqrt(averaged_frames_), kSystematicShare);

@@ -6,6 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "pcavr/core/median.hpp"
 
 namespace pcavr {
 namespace {
@@ -16,6 +21,12 @@ constexpr double kWindow = 0.5;
 // [stds] From quarter to quarter; and over all [m]: an object that yields under its load rests.
 constexpr double kStds = 3.0;
 constexpr double kMinDisplacement = 3e-4;
+// A stated std counts up to so many times the frames' scatter, of their second differences: what is
+// constant in the tracker's error is no motion. From so many frames on; and its least [m].
+constexpr double kMaxScatterRatio = 3.0;
+constexpr double kStdOfMedian = 1.4826;
+constexpr std::size_t kMinScatterFrames = 8;
+constexpr double kMinStd = 1e-5;
 // Windows over the shortest one: slower slides need more time.
 constexpr double kWindowFactors[] = {1.0, 2.0, 3.0};
 constexpr double kMaxWindowFactor = 3.0;
@@ -39,14 +50,26 @@ void SlowSlide::add(const Frame& frame) {
   while (frames_.front().t < oldest) frames_.pop_front();
 }
 
+double SlowSlide::scatter_std() const {
+  if (frames_.size() < kMinScatterFrames) return std::numeric_limits<double>::infinity();
+  std::vector<double> seconds;
+  for (std::size_t i = 2; i < frames_.size(); ++i) {
+    const double second = frames_[i].body - 2.0 * frames_[i - 1].body + frames_[i - 2].body;
+    seconds.push_back(std::abs(second));
+  }
+  const double std = kStdOfMedian * median(std::move(seconds)) / std::sqrt(6.0);
+  return std::max(kMaxScatterRatio * std, kMinStd);
+}
+
 std::optional<SlowSlide::Mean> SlowSlide::mean_of(double from, double to) const {
   Mean mean;
   double count = 0.0;
+  const double max_std = scatter_std();
   for (const Frame& frame : frames_) {
     if (frame.t < from || frame.t >= to) continue;
     mean.t += frame.t;
     mean.body += frame.body;
-    mean.variance += frame.body_std * frame.body_std;
+    mean.variance += std::pow(std::min(frame.body_std, max_std), 2);
     mean.tip += frame.tip;
     count += 1.0;
   }

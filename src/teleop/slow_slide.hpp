@@ -8,9 +8,9 @@
 namespace pcavr {
 
 /// Detects that a pushed body slides, and that it rests, from its tracked poses: means over the
-/// quarters of a window, each of which must be ahead of the one before by more than their noise. So a
-/// single frame is no motion, nor is a step by a clock that is late; and the noise averages out in
-/// slides that force and tip do not show, as their speed is that of a contact being loaded.
+/// quarters of a window, each of which must be ahead of the one before by more than their noise. So
+/// a single frame is no motion, nor is a step by a clock that is late; and the noise averages out
+/// in slides that force and tip do not show, as their speed is that of a contact being loaded.
 class SlowSlide {
  public:
   /// Along the push [m], of the touched point and of the tip.
@@ -35,6 +35,8 @@ class SlowSlide {
   };
   /// Mean of the frames within [from, to); empty without any.
   [[nodiscard]] std::optional<Mean> mean_of(double from, double to) const;
+  /// Maximum std of a frame [m], by the scatter of the frames.
+  [[nodiscard]] double scatter_std() const;
   [[nodiscard]] std::optional<double> onset_within(double window) const;
 
   std::deque<Frame> frames_;
