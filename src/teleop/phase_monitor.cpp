@@ -118,9 +118,9 @@ void PhaseMonitor::begin_contact(const MonitorSample& sample) {
   is_press_ = !is_movable_ || std::abs(inward.z()) > inward.head<2>().norm();
   direction_base_ = inward;
   if (!is_press_) direction_base_ = Eigen::Vector3d(inward.x(), inward.y(), 0.0).normalized();
-  line_ = ContactLine(sample.p_base_tip.dot(direction_base_),
-                      std::max(sample.force_base.dot(direction_base_), sensors_.enter_force));
-  is_line_final_ = is_contact_stamped_ = false;
+  touch_force_ = std::max(sample.force_base.dot(direction_base_), sensors_.enter_force);
+  line_ = ContactLine(sample.p_base_tip.dot(direction_base_), touch_force_);
+  is_line_final_ = is_contact_stamped_ = has_slid_ = is_slow_slide_ = false;
   next_for_line_ = 0;
   contact_.clear();
   speed_ = 0.0;
@@ -152,22 +152,62 @@ void PhaseMonitor::process(const Point& point,
   }
   if (point.t - contact_.front().t > kStampAfter) stamp_contact();
   if (!line_.is_usable()) {
-    update_static_phase(limiting_friction);
+    if (!is_slow_slide_) update_static_phase(limiting_friction);
     return;
   }
   measure_speed();
+  if (is_slow_slide_) {
+    // Twice: at that speed force and motion show it now and then only.
+    if (is_fast() && speed_ > 2.0 * options_.slide_speed) {
+      is_slow_slide_ = false;
+      has_slid_ = true;
+    }
+    return;
+  }
   if (phase() == MotionPhase::sliding) {
     if (!is_slide_stamped_) stamp_slide();
     if (speed_ < std::max(0.4 * options_.slide_speed, 2.0 * speed_noise_)) end_slide();
     return;
   }
-  const double fast = std::max(options_.slide_speed, 4.0 * speed_noise_);
-  const Point& recent = contact_[first_after(point.t - kRecentTime)];
-  const bool advances = point.tip - recent.tip > 0.5 * fast * (point.t - recent.t);
-  const bool is_fast = speed_ > std::max(fast, kToolSpeedRatio * tip_speed_) && advances;
-  fast_in_a_row_ = is_fast ? fast_in_a_row_ + 1 : 0;
-  if (fast_in_a_row_ >= options_.debounce_samples) begin_slide();
+  if (is_fast()) begin_slide();
   if (phase() != MotionPhase::sliding) update_static_phase(limiting_friction);
+}
+
+bool PhaseMonitor::is_fast() {
+  const Point& now = contact_.back();
+  const double fast = std::max(options_.slide_speed, 4.0 * speed_noise_);
+  const Point& recent = contact_[first_after(now.t - kRecentTime)];
+  const bool advances = now.tip - recent.tip > 0.5 * fast * (now.t - recent.t);
+  const bool is_moving = speed_ > std::max(fast, kToolSpeedRatio * tip_speed_) && advances;
+  fast_in_a_row_ = is_moving ? fast_in_a_row_ + 1 : 0;
+  return fast_in_a_row_ >= options_.debounce_samples;
+}
+
+void PhaseMonitor::begin_slow_slide(double t_onset) {
+  if (!is_touched_ || is_press_ || phase() == MotionPhase::sliding || contact_.empty()) return;
+  const double onset = std::max(t_onset, rest_since_);
+  if (!is_line_final_) {
+    // Samples of the slide are in the line: a soft contact.
+    line_ = ContactLine(contact_.front().tip, touch_force_);
+    for (const Point& past : contact_) {
+      if (past.t > onset) break;
+      if (past.force > sensors_.enter_force) line_.add(past.tip, past.force, sensors_.correlated);
+    }
+    is_line_final_ = true;
+  }
+  stamp_contact();
+  is_slow_slide_ = is_slide_stamped_ = true;
+  fast_in_a_row_ = 0;
+  slide_detected_ = contact_.back().t;
+  rest_displacement_ = displacement(contact_[std::min(first_after(onset), contact_.size() - 1)]);
+  change_to(contact_.back().t, MotionPhase::sliding);
+  const MonitoredPhase& previous = changes_[changes_.size() - 2];
+  changes_.back().t = std::max(onset, previous.t);
+  stamp_critical(onset);
+}
+
+void PhaseMonitor::end_slow_slide() {
+  if (is_slow_slide_) end_slide();
 }
 
 void PhaseMonitor::update_static_phase(const std::optional<ParameterValue>& limiting_friction) {
@@ -248,7 +288,7 @@ void PhaseMonitor::begin_slide() {
   const double level = min_displacement();
   if (displacement(contact_.back()) - rest < level) return;
   rest_displacement_ = rest;
-  is_line_final_ = true;
+  is_line_final_ = has_slid_ = true;
   stamp_contact();
   is_slide_stamped_ = false;
   slide_detected_ = now;
@@ -308,6 +348,7 @@ void PhaseMonitor::stamp_critical(double t_onset) {
 }
 
 void PhaseMonitor::end_slide() {
+  is_slow_slide_ = false;
   if (!is_slide_stamped_) stamp_slide(true);
   const double now = contact_.back().t;
   const double level = min_displacement();

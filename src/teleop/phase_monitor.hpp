@@ -58,6 +58,13 @@ class PhaseMonitor {
   /// not known.
   void step(const MonitorSample& sample, const std::optional<ParameterValue>& limiting_friction,
             double damping);
+  /// Tracking shows that a pushed object slides, since `t_onset` [s], although force and motion do
+  /// not: a slow slide looks like a contact being loaded. Then the contact line is that before the
+  /// onset, and the slide lasts until tracking shows the object at rest, or force and motion take
+  /// over.
+  void begin_slow_slide(double t_onset);
+  /// Ends such a slide; otherwise without effect.
+  void end_slow_slide();
   /// Update by the camera alone, without force.
   void update_from_camera(double t, bool is_moving, bool is_near);
 
@@ -66,8 +73,10 @@ class PhaseMonitor {
   [[nodiscard]] double contact_begin() const { return contact_begin_; }
   [[nodiscard]] const Eigen::Vector3d& direction_base() const { return direction_base_; }
   [[nodiscard]] bool is_press() const { return is_press_; }
-  /// In the current or the last contact.
-  [[nodiscard]] bool has_slid() const { return is_line_final_; }
+  /// In the current or the last contact, by force and motion.
+  [[nodiscard]] bool has_slid() const { return has_slid_; }
+  /// It slides by tracking alone.
+  [[nodiscard]] bool is_slow_slide() const { return is_slow_slide_; }
   /// The object's speed along the push [m/s]; 0 unless it slides.
   [[nodiscard]] double speed() const { return speed_; }
   /// The tip's speed along the push, over the same time [m/s].
@@ -94,6 +103,8 @@ class PhaseMonitor {
   void process(const Point& point, const std::optional<ParameterValue>& limiting_friction);
   void update_static_phase(const std::optional<ParameterValue>& limiting_friction);
   void measure_speed();
+  /// Whether the object's speed has been above its noise for some samples.
+  [[nodiscard]] bool is_fast();
   void begin_slide();
   /// `is_over`: no further samples will refine its onset.
   void stamp_slide(bool is_over = false);
@@ -125,6 +136,9 @@ class PhaseMonitor {
   Eigen::Vector3d direction_base_ = Eigen::Vector3d::UnitX();
   ContactLine line_;
   bool is_line_final_ = false;
+  bool has_slid_ = false;
+  bool is_slow_slide_ = false;
+  double touch_force_ = 0.0;  ///< [N] when contact was detected
   std::size_t next_for_line_ = 0;
   std::vector<Point> contact_;  ///< all samples of the current contact
   double window_;               ///< for the speed estimate [s]

@@ -92,6 +92,7 @@ void RobotObject::update_tracking(double t, double camera_offset) {
     latest_ = averaged_at_rest(seen);
     T_base_object_ = latest_.T_base_object;
     compare_with_before_contact();
+    detect_slow_slide(seen);
     seen_.push_back(seen);
     if (seen_.size() > kMotionFrames) seen_.pop_front();
     measure_motion();
@@ -116,6 +117,35 @@ void RobotObject::compare_with_before_contact() {
       displacement > std::max(options_.moved_stds * std, options_.min_displacement);
 }
 
+void RobotObject::detect_slow_slide(const TrackedPose& seen) {
+  if (!is_pushed()) {
+    slow_contact_begin_.reset();
+    return;
+  }
+  const Eigen::Vector3d& direction = monitor.direction_base();
+  if (slow_contact_begin_ != monitor.contact_begin()) {
+    slow_contact_begin_ = monitor.contact_begin();
+    touched_object_ = before_contact_.T_base_object.inverse() * p_base_tip_;
+    slow_slide_.restart(p_base_tip_.dot(direction));
+  }
+  if (slides(monitor.phase()) && !monitor.is_slow_slide()) {
+    slow_slide_.restart();
+    return;
+  }
+  const Eigen::Vector3d p_base_touched = seen.T_base_object * touched_object_;
+  const double arm = (p_base_touched - seen.T_base_object.translation()).head<2>().norm();
+  slow_slide_.add({seen.t, p_base_touched.dot(direction),
+                   std::hypot(seen.position_std / std::sqrt(3.0), seen.rotation_std * arm),
+                   p_base_tip_.dot(direction)});
+  if (monitor.is_slow_slide()) {
+    if (!slow_slide_.is_at_rest()) return;
+    monitor.end_slow_slide();
+    slow_slide_.restart();
+  } else if (const std::optional<double> onset = slow_slide_.onset()) {
+    monitor.begin_slow_slide(*onset);
+  }
+}
+
 void RobotObject::measure_interval(double t) {
   if (seen_.empty()) return;
   gaps_.push_back(t - seen_.back().t);
@@ -131,8 +161,13 @@ TrackedPose RobotObject::averaged_at_rest(const TrackedPose& seen) {
                      moved.translation().norm() <= position_limit &&
                      std::abs(heading_of(moved)) <= rotation_limit;
   averaged_frames_ = rests ? std::min(averaged_frames_ + 1, kMaxAveragedFrames) : 1;
-  if (averaged_frames_ == 1) return seen;
   TrackedPose mean = seen;
+  if (monitor.is_slow_slide()) {
+    // As of an average: its frames agree with the tip's motion.
+    mean.position_std *= kSystematicShare;
+    mean.rotation_std *= kSystematicShare;
+  }
+  if (averaged_frames_ == 1) return mean;
   mean.T_base_object =
       interpolate(latest_.T_base_object, seen.T_base_object, 1.0 / averaged_frames_);
   const double gain = std::max(1.0 / std::sqrt(averaged_frames_), kSystematicShare);
@@ -185,6 +220,7 @@ Touch RobotObject::touch(const Eigen::Vector3d& p_base_tip) const {
 }
 
 PoseEstimate RobotObject::estimate_pose(const TouchSample& sample, const PlanarPose& predicted) {
+  p_base_tip_ = sample.p_base_tip;
   if (!is_lost(sample.t)) return estimate_from_frame(sample);
   PoseEstimate estimate = estimate_from_prediction(sample, predicted);
   T_base_object_ = estimate.T_base_object;

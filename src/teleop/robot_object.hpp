@@ -19,6 +19,7 @@
 #include "teleop/message.hpp"
 #include "teleop/object_learner.hpp"
 #include "teleop/phase_monitor.hpp"
+#include "teleop/slow_slide.hpp"
 #include "teleop/surface_offset.hpp"
 
 namespace pcavr {
@@ -127,6 +128,8 @@ class RobotObject {
   /// The mean of the newest frames while the object rests: their noise is no motion.
   [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
   void compare_with_before_contact();
+  /// Slides that tracking shows although force and motion do not.
+  void detect_slow_slide(const TrackedPose& seen);
   void measure_interval(double t);
   /// How the body moves while it is pushed, from its newest frames.
   void measure_motion();
@@ -161,6 +164,10 @@ class RobotObject {
   bool is_seen_moving_ = false;
   TrackedPose before_contact_;  ///< the latest frame before the contact
   bool has_moved_in_contact_ = false;
+  SlowSlide slow_slide_;
+  std::optional<double> slow_contact_begin_ = {};             ///< [s] of its contact
+  Eigen::Vector3d touched_object_ = Eigen::Vector3d::Zero();  ///< [m] at first touch
+  Eigen::Vector3d p_base_tip_ = Eigen::Vector3d::Zero();      ///< newest [m]
   double frame_interval_;
   Eigen::Vector3d touched_offset_ =
       Eigen::Vector3d::Zero();  ///< from the tracked position to that by contact [m]
