@@ -26,9 +26,7 @@ class SiteClock {
 
   [[nodiscard]] double now() const { return source_() - start_; }
   /// CLOCK_MONOTONIC [s] at `t` of this clock.
-  [[nodiscard]] double monotonic(double t) const {
-    return start_monotonic_ + t;
-  }
+  [[nodiscard]] double monotonic(double t) const { return start_monotonic_ + t; }
 
  private:
   std::function<double()> source_;

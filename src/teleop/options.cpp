@@ -84,6 +84,15 @@ constexpr auto kPhaseFields = std::to_array<OptionField<Phases>>({
     {"max_speed_window", &Phases::max_speed_window, 0.120, 0.005, 10.0, "s",
      "longest window of the object's speed, used as the sensors' noise requires",
      "lower: slow slides are lost in noise; higher: phase changes are detected late"},
+    // At 2.5 mm/s, 30 frames a second and 0.1 mm of noise its quarters are four stds apart.
+    {"slow_slide_window", &Phases::slow_slide_window, 0.5, 0.01, 10.0, "s",
+     "shortest time in which tracked poses show a slide that force and motion do not; up to three "
+     "times as "
+     "long is tried",
+     "lower: only low noise or faster slides are seen; higher: they are seen late"},
+    {"slow_slide_displacement", &Phases::slow_slide_displacement, 3e-4, 1e-6, 0.1, "m",
+     "minimum displacement of an object in that time",
+     "lower: an object that yields under its load slides; higher: slow slides are missed"},
 });
 static_assert(are_valid_fields(kPhaseFields));
 

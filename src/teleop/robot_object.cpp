@@ -52,6 +52,7 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       latest_{start, object.T_base_object, std::sqrt(3.0) * options.pose.initial_std, 0.0},
       T_base_object_(object.T_base_object),
       before_contact_(latest_),
+      slow_slide_(options.phases.slow_slide_window, options.phases.slow_slide_displacement),
       frame_interval_(kTypicalFrameInterval),
       measured_surface_(options.pose.max_surface_offset) {
   acknowledged.contact_surface_offset = object.parameters.contact_surface_offset;

@@ -15,12 +15,8 @@
 namespace pcavr {
 namespace {
 
-// [s] The shortest window in which a slide shows: at 2.5 mm/s, 30 frames a second and 0.1 mm of
-// noise its thirds are six stds apart.
-constexpr double kWindow = 0.5;
-// [stds] From quarter to quarter; and over all [m]: an object that yields under its load rests.
+// [stds] From quarter to quarter.
 constexpr double kStds = 3.0;
-constexpr double kMinDisplacement = 3e-4;
 // A stated std counts up to so many times the frames' scatter, of their second differences: what is
 // constant in the tracker's error is no motion. From so many frames on; and its least [m].
 constexpr double kMaxScatterRatio = 3.0;
@@ -46,7 +42,7 @@ void SlowSlide::restart(std::optional<double> rest) {
 
 void SlowSlide::add(const Frame& frame) {
   frames_.push_back(frame);
-  const double oldest = frame.t - kMaxWindowFactor * kWindow - kRounding;
+  const double oldest = frame.t - kMaxWindowFactor * window_ - kRounding;
   while (frames_.front().t < oldest) frames_.pop_front();
 }
 
@@ -94,7 +90,7 @@ std::optional<double> SlowSlide::onset_within(double window) const {
     if (means[k].body - means[k - 1].body < kStds * noise) return std::nullopt;
   }
   const double moved = means[3].body - means[0].body;
-  if (moved < kMinDisplacement) return std::nullopt;
+  if (moved < min_displacement_) return std::nullopt;
   if (means[3].tip - means[0].tip < kMinTipShare * moved) return std::nullopt;
   const double speed = moved / (means[3].t - means[0].t);
   const double slid = means[3].body - rest_.value_or(means[0].body);
@@ -104,7 +100,7 @@ std::optional<double> SlowSlide::onset_within(double window) const {
 std::optional<double> SlowSlide::onset() const {
   for (const double factor : kWindowFactors) {
     if (frames_.empty()) break;
-    if (const auto found = onset_within(factor * kWindow)) return found;
+    if (const auto found = onset_within(factor * window_)) return found;
   }
   return std::nullopt;
 }
@@ -112,7 +108,7 @@ std::optional<double> SlowSlide::onset() const {
 bool SlowSlide::is_at_rest() const {
   if (frames_.empty()) return false;
   const double end = frames_.back().t + kRounding;
-  const double half = 0.5 * kWindow;
+  const double half = 0.5 * window_;
   if (frames_.front().t > end - 2.0 * half) return false;
   const auto before = mean_of(end - 2.0 * half, end - half);
   const auto now = mean_of(end - half, end);

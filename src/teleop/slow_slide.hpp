@@ -13,6 +13,10 @@ namespace pcavr {
 /// in slides that force and tip do not show, as their speed is that of a contact being loaded.
 class SlowSlide {
  public:
+  /// `window` [s], the shortest that is tried; `min_displacement` [m] within it.
+  SlowSlide(double window, double min_displacement)
+      : window_(window), min_displacement_(min_displacement) {}
+
   /// Along the push [m], of the touched point and of the tip.
   struct Frame {
     double t = 0.0;  ///< [s]
@@ -39,6 +43,8 @@ class SlowSlide {
   [[nodiscard]] double scatter_std() const;
   [[nodiscard]] std::optional<double> onset_within(double window) const;
 
+  double window_;
+  double min_displacement_;
   std::deque<Frame> frames_;
   std::optional<double> rest_;
 };

@@ -21,7 +21,7 @@ SlowSlide::Frame frame_at(double t, double body, double tip, Random& random) {
 TEST(SlowSlide, IsFoundWithItsOnsetAndItsEnd) {
   for (const double speed : {0.001, 0.0025, 0.01}) {
     Random random(3);
-    SlowSlide slide;
+    SlowSlide slide(0.5, 3e-4);
     slide.restart(0.0);
     double found = 0.0, ended = 0.0;
     for (double t = 0.0; t < 8.0; t += kFrame) {
@@ -45,7 +45,7 @@ TEST(SlowSlide, IsFoundWithItsOnsetAndItsEnd) {
 
 TEST(SlowSlide, IsNoNoiseNoStepAndNoMotionThatTheTipDoesNotMake) {
   Random random(4);
-  SlowSlide noise, step, alone;
+  SlowSlide noise(0.5, 3e-4), step(0.5, 3e-4), alone(0.5, 3e-4);
   for (double t = 0.0; t < 60.0; t += kFrame) {
     noise.add(frame_at(t, 0.0, 0.0025 * t, random));
     EXPECT_FALSE(noise.onset()) << t;

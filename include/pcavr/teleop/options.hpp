@@ -43,17 +43,19 @@ struct SensorPriorOptions {
 /// Detection of free, static, critical and sliding at the robot's site ("teleop.phases").
 struct PhaseMonitorOptions {
   PhaseMonitorOptions();
-  double slide_speed;       ///< [m/s] minimum speed that is distinguished from rest
-  double min_displacement;  ///< [m] minimum displacement of a slide
-  int debounce_samples;     ///< consecutive samples that must agree
-  double critical_share;    ///< of F_M: minimum width of the critical band below it
-  double leave_ratio;       ///< of the contact force: a contact ends below
-  double leave_time;        ///< [s] ... for this long
-  double retraction;        ///< [m] of the tip, at which a contact ends
-  double line_guard;        ///< [s] newest samples that the contact line does not use
-  double rate_window;       ///< [s] of the tip's speed, for damping
-  double min_speed_window;  ///< [s] of the object's speed
-  double max_speed_window;  ///< [s] of the object's speed
+  double slide_speed;              ///< [m/s] minimum speed that is distinguished from rest
+  double min_displacement;         ///< [m] minimum displacement of a slide
+  int debounce_samples;            ///< consecutive samples that must agree
+  double critical_share;           ///< of F_M: minimum width of the critical band below it
+  double leave_ratio;              ///< of the contact force: a contact ends below
+  double leave_time;               ///< [s] ... for this long
+  double retraction;               ///< [m] of the tip, at which a contact ends
+  double line_guard;               ///< [s] newest samples that the contact line does not use
+  double rate_window;              ///< [s] of the tip's speed, for damping
+  double min_speed_window;         ///< [s] of the object's speed
+  double max_speed_window;         ///< [s] of the object's speed
+  double slow_slide_window;        ///< [s] shortest time in which tracking shows a slow slide
+  double slow_slide_displacement;  ///< [m] minimum within that time
 };
 
 /// The robot site's pose estimate, from camera and contact ("teleop.pose").
