@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "haptics/haptic_world_content.hpp"
-
 #include <algorithm>
+
+#include "haptics/haptic_world_content.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "haptics/haptic_world_content.hpp"
-
 #include <algorithm>
 #include <limits>
 
 #include "haptics/friction_cone.hpp"
+#include "haptics/haptic_world_content.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <memory>
 #include <variant>
 #include <vector>
 
@@ -9,60 +8,20 @@
 
 #include "pcavr/serve/live_protocol.hpp"
 
-#include "serve/a_world.hpp"
-#include "serve/live_cycle.hpp"
+#include "serve/live_cycle_fixture.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kCycle = 0.001;
-const Eigen::Vector3d kInTheBox{0.1, 0.0, 0.05};
+using EmergencyStop = test::LiveCycleTest;
+using test::kCycle;
+using test::kInTheBox;
 
 /// [m] in which friction alone stops the box.
 double coasting_distance(double speed) {
   const auto friction = test::foam_physics().friction;
   return speed * speed * friction.mass / (2.0 * friction.coulomb_force);
 }
-
-/// Returns the test's sample.
-class HandDevice final : public Device {
- public:
-  explicit HandDevice(DeviceSample& sample) : sample_(sample) {}
-  [[nodiscard]] std::string_view name() const noexcept override { return "test"; }
-  [[nodiscard]] DeviceSample exchange(double, double, const DeviceFeedback&) noexcept override {
-    return sample_;
-  }
-
- private:
-  DeviceSample& sample_;
-};
-
-class EmergencyStop : public testing::Test {
- protected:
-  const WorldSnapshot& run(int cycles) {
-    for (int i = 0; i < cycles; ++i) {
-      t_ += kCycle;
-      cycle_.step(t_);
-      cycle_.publish(1e-5, 0, t_);
-    }
-    return cycle_.newest();
-  }
-  /// Moves the hand at constant speed with the clutch closed.
-  const WorldSnapshot& move(const Eigen::Vector3d& to, int cycles) {
-    const Eigen::Vector3d from = sample_.p_base_tip;
-    sample_.is_engaged = true;
-    for (int i = 1; i <= cycles; ++i) {
-      sample_.p_base_tip = from + (to - from) * (static_cast<double>(i) / cycles);
-      run(1);
-    }
-    return cycle_.newest();
-  }
-
-  DeviceSample sample_{test::kToolStart, Eigen::Quaterniond::Identity(), false, true};
-  LiveCycle cycle_{test::a_box_on_a_table(), std::make_unique<HandDevice>(sample_),
-                   test::options_with_tool_start()};
-  double t_ = 0.0;
-};
 
 // From the stop on nothing but friction acts on the box. Only the release ends it, and then the
 // clutch has to open first.
