@@ -14,11 +14,11 @@
 #include <fmt/core.h>
 
 #include "pcavr/core/options.hpp"
-#include "pcavr/core/random.hpp"
 #include "pcavr/link/correction_channel.hpp"
 #include "pcavr/link/link_clock.hpp"
 #include "pcavr/pipeline/link_sites.hpp"
 
+#include "delayed_transport.hpp"
 #include "site_clock.hpp"
 #include "site_priority.hpp"
 #include "site_steps.hpp"
@@ -85,16 +85,14 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
         clock_(runtime.clock),
         cpu_before_(thread_cpu()),
         next_event_(clock_.now() + kIdleWait),
-        forward_(network.forward, Random(network.seed).fork(2)),
-        backward_(network.backward, Random(network.seed).fork(1)),
+        network_(client, network),
         session_(new_session_()),
         last_received_(clock_.now()) {}
 
   [[nodiscard]] double until_due() const override {
     // A simulated arrival is also an event.
     double until = next_event_;
-    if (const auto arrival = arriving_.next_arrival()) until = std::min(until, *arrival);
-    if (const auto leaving = leaving_.next_arrival()) until = std::min(until, *leaving);
+    if (const auto event = network_.next_event()) until = std::min(until, *event);
     return until - clock_.now();
   }
 
@@ -102,7 +100,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     exchange();
     if (is_finished() || clock_.now() < next_event_) return;
     act(clock_.now());
-    transmit(clock_.now());
+    network_.transmit(clock_.now());
     // A recording may begin later: until then round trips keep the session alive.
     const double idle = clock_.now() + (site_ ? kFirstPingInterval : kIdleWait);
     next_event_ = site_ ? std::min(local_time_of(next_cycle_), idle) : idle;
@@ -135,26 +133,16 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   }
 
   void exchange() {
-    transmit(clock_.now());
-    while (auto bytes = client_.receive()) {
-      const double now = clock_.now();
-      const LinkConditions::Arrivals arrivals = backward_.arrivals(now, bytes->size());
-      if (arrivals.second) arriving_.push(*arrivals.second, *bytes);
-      if (arrivals.first) arriving_.push(*arrivals.first, std::move(*bytes));
-    }
-    while (const auto bytes = arriving_.pop(clock_.now())) on_bytes(*bytes, clock_.now());
-  }
-
-  void transmit(double now) {
-    while (const auto bytes = leaving_.pop(now)) client_.send(*bytes);
+    network_.transmit(clock_.now());
+    while (const auto bytes = network_.receive(clock_.now())) on_bytes(*bytes, clock_.now());
   }
 
   /// What is still in the simulated network, and the socket's own thread.
   void flush() {
-    const double end = leaving_.size() > 0 ? clock_.now() + kMaxFlush : clock_.now();
-    while (leaving_.size() > 0 && clock_.now() < end) {
+    const double end = clock_.now() + kMaxFlush;
+    while (network_.leaving() > 0 && clock_.now() < end) {
       client_.wait(kIdleWait);
-      transmit(clock_.now());
+      network_.transmit(clock_.now());
     }
     client_.close(kCloseTimeout);
   }
@@ -165,9 +153,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     message_.header = {++sequence_, session_, now};
     message_.content = std::forward<Content>(content);
     encode_link_message(message_, bytes_);
-    const LinkConditions::Arrivals arrivals = forward_.arrivals(now, bytes_.size());
-    if (arrivals.second) leaving_.push(*arrivals.second, bytes_);
-    if (arrivals.first) leaving_.push(*arrivals.first, bytes_);
+    network_.send(now, bytes_);
   }
 
   void on_bytes(const std::vector<std::uint8_t>& bytes, double now) {
@@ -505,10 +491,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   double cpu_before_;       ///< [s]
   double next_event_;       ///< [s]
   LinkClock shared_clock_;  ///< the shared clock
-  LinkConditions forward_;
-  LinkConditions backward_;
-  DelayedMessages<std::vector<std::uint8_t>> leaving_;   ///< in the simulated network
-  DelayedMessages<std::vector<std::uint8_t>> arriving_;  ///< in the simulated network
+  DelayedTransport network_;
   std::uint32_t session_;
   std::optional<LinkWelcome> welcome_;
   double welcomed_ = 0.0;
