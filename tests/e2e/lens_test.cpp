@@ -79,6 +79,7 @@ TEST_P(EachLens, IsBuiltAsAccuratelyAsAPinhole) {
   const fs::path recording = folder.path() / "recording";
   fs::create_directories(recording);
   SimulationCase simulation = tabletop();
+  simulation.frame_rate *= 0.5;  // half the time of the test; a lens errs in each frame
   simulation.camera = simulated_camera(simulation);
   simulation.camera->fx = simulation.camera->fy = lens.focal_length;
   simulation.camera->distortion = LensDistortion(lens.model, lens.coefficients);
@@ -101,8 +102,7 @@ TEST_P(EachLens, IsBuiltAsAccuratelyAsAPinhole) {
 
 INSTANTIATE_TEST_SUITE_P(
     Each, EachLens,
-    testing::Values(Lens{"Pinhole", LensModel::plumb_bob, {0, 0, 0, 0, 0}, 525.0},
-                    Lens{"PlumbBob", LensModel::plumb_bob, {-0.25, 0.08, 0.001, -0.0005, 0}, 525.0},
+    testing::Values(Lens{"PlumbBob", LensModel::plumb_bob, {-0.25, 0.08, 0.001, -0.0005, 0}, 525.0},
                     Lens{"Rational",
                          LensModel::rational,
                          {0.5285, -2.68, 0.0005, -0.0002, 1.51, 0.4095, -2.5, 1.44},
