@@ -44,6 +44,7 @@ void SlowSlide::add(const Frame& frame) {
   frames_.push_back(frame);
   const double oldest = frame.t - kMaxWindowFactor * window_ - kRounding;
   while (frames_.front().t < oldest) frames_.pop_front();
+  max_std_ = scatter_std();
 }
 
 double SlowSlide::scatter_std() const {
@@ -60,12 +61,11 @@ double SlowSlide::scatter_std() const {
 std::optional<SlowSlide::Mean> SlowSlide::mean_of(double from, double to) const {
   Mean mean;
   double count = 0.0;
-  const double max_std = scatter_std();
   for (const Frame& frame : frames_) {
     if (frame.t < from || frame.t >= to) continue;
     mean.t += frame.t;
     mean.body += frame.body;
-    mean.variance += std::pow(std::min(frame.body_std, max_std), 2);
+    mean.variance += std::pow(std::min(frame.body_std, max_std_), 2);
     mean.tip += frame.tip;
     count += 1.0;
   }

@@ -46,6 +46,7 @@ class SlowSlide {
   double window_;
   double min_displacement_;
   std::deque<Frame> frames_;
+  double max_std_ = 0.0;  ///< [m] scatter_std() of `frames_`
   std::optional<double> rest_;
 };
 
