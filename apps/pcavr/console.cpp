@@ -22,7 +22,8 @@ Console::~Console() { clear_bar(); }
 Observer Console::observer() {
   return {.progress = [this](std::string_view stage, std::size_t done,
                              std::size_t total) { progress(stage, done, total); },
-          .warn = [this](std::string_view line) { warn(line); }};
+          .warn = [this](std::string_view line) { print_line("warning: ", line); },
+          .note = [this](std::string_view line) { print_line("", line); }};
 }
 
 void Console::progress(std::string_view stage, std::size_t done, std::size_t total) {
@@ -53,9 +54,10 @@ void Console::progress(std::string_view stage, std::size_t done, std::size_t tot
                total, left);
 }
 
-void Console::warn(std::string_view line) {
+void Console::print_line(std::string_view prefix, std::string_view line) {
   clear_bar();
-  std::fprintf(stderr, "warning: %.*s\n", static_cast<int>(line.size()), line.data());
+  std::fprintf(stderr, "%.*s%.*s\n", static_cast<int>(prefix.size()), prefix.data(),
+               static_cast<int>(line.size()), line.data());
 }
 
 void Console::clear_bar() {

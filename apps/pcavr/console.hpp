@@ -24,7 +24,7 @@ struct CommandResult {
 /// Set by the invoked subcommand, run after the whole command line is parsed.
 using Action = std::function<Expected<CommandResult>(const Observer&)>;
 
-/// Progress and warnings on standard error: a bar on a terminal, else a line at the end of
+/// Progress, events and warnings on standard error: a bar on a terminal, else a line at the end of
 /// each stage.
 class Console {
  public:
@@ -37,7 +37,7 @@ class Console {
 
  private:
   void progress(std::string_view stage, std::size_t done, std::size_t total);
-  void warn(std::string_view line);
+  void print_line(std::string_view prefix, std::string_view line);
   void clear_bar();
 
   bool is_terminal_;

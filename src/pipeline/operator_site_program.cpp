@@ -329,7 +329,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     corrections_ = {};
     if (lost_at_) {
       report_.interruptions.back().duration = now - *lost_at_;
-      observer_.on_warning(fmt::format("connected again after {:.2f} s", now - *lost_at_));
+      observer_.on_note(fmt::format("connected again after {:.2f} s", now - *lost_at_));
       lost_at_.reset();
     }
   }

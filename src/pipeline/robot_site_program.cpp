@@ -170,7 +170,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     } else if (const auto* stop = std::get_if<LinkStop>(&message.content)) {
       on_stop(message.header.sequence, *stop);
     } else if (std::holds_alternative<LinkReject>(message.content)) {
-      observer_.on_warning("the operator's site has ended: the tool holds");
+      observer_.on_note("the operator's site has ended: the tool holds");
       has_silence_hold_ = true;
       end_session();
     } else if (const auto* acknowledged = std::get_if<LinkAcknowledgement>(&message.content)) {
@@ -230,8 +230,8 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       site_.restart(std::max(now - *start_, 0.0));
     }
     has_silence_hold_ = false;
-    observer_.on_warning("operator's site connected: " +
-                         (hello.name.empty() ? std::string("without name") : hello.name));
+    observer_.on_note("operator's site connected: " +
+                      (hello.name.empty() ? std::string("without name") : hello.name));
     welcome();
   }
 
@@ -263,7 +263,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         is_stopped_ = is_on_hold_ = true;
         break;
       case LinkStop::reset:
-        if (is_stopped_) observer_.on_warning("the emergency stop was released: on hold");
+        if (is_stopped_) observer_.on_note("the emergency stop was released: on hold");
         is_stopped_ = false;
         break;
     }
