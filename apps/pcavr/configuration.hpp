@@ -44,6 +44,7 @@ struct Configuration {
   DeviceOptions devices;
   EvaluationOptions evaluation;
   FrictionPriors friction_priors;
+  PlanOptions plan;               ///< of identify --plan
   EstimatorOptions<3> estimator;  ///< of the comparison in identify's report
   RobotIdentificationOptions robot_identification;
   ArmFollowerOptions arm;  ///< with the options of its inverse kinematics

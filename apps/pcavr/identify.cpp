@@ -3,6 +3,7 @@
 #include "pcavr/pipeline/identify.hpp"
 
 #include <filesystem>
+#include <optional>
 
 #include <fmt/core.h>
 
@@ -10,10 +11,12 @@
 #include "pcavr/core/output_file.hpp"
 #include "pcavr/core/output_paths.hpp"
 #include "pcavr/object/parameters_file.hpp"
+#include "pcavr/pipeline/plan_motion.hpp"
 #include "pcavr/report/report_page.hpp"
 
 #include "commands.hpp"
 #include "damping_option.hpp"
+#include "identify_plan.hpp"
 #include "identify_robot.hpp"
 #include "output_option.hpp"
 
@@ -28,6 +31,7 @@ struct IdentifyArguments {
   std::string parameters;
   std::string output;
   std::string report;
+  std::string plan;
   std::string damping_law = "exact";
   bool replace = false;
   bool skip_bad = false;
@@ -92,13 +96,16 @@ bool is_parameter_file(const std::filesystem::path& file) {
 struct IdentifyOutputs {
   OutputFile parameters;
   OutputFolder report;
+  std::optional<OutputFile> plan = std::nullopt;
 };
 
 /// Creates the outputs before any work.
 Expected<IdentifyOutputs> create_outputs(const IdentifyArguments& arguments) {
   const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
                                                   arguments.tracked, arguments.parameters};
-  const Expected<void> apart = check_outputs({arguments.output, arguments.report}, inputs);
+  std::vector<std::filesystem::path> outputs{arguments.output, arguments.report};
+  if (!arguments.plan.empty()) outputs.emplace_back(arguments.plan);
+  const Expected<void> apart = check_outputs(outputs, inputs);
   if (!apart) return apart.error();
   Expected<OutputFile> parameters =
       OutputFile::create(arguments.output, {.replace = arguments.replace,
@@ -108,19 +115,36 @@ Expected<IdentifyOutputs> create_outputs(const IdentifyArguments& arguments) {
   Expected<OutputFolder> report =
       create_output({arguments.report, arguments.replace}, OutputKind::report, inputs);
   if (!report) return report.error();
-  return IdentifyOutputs{*std::move(parameters), *std::move(report)};
+  IdentifyOutputs created{*std::move(parameters), *std::move(report)};
+  if (arguments.plan.empty()) return created;
+  Expected<OutputFile> plan = create_plan_file(arguments.plan, arguments.replace);
+  if (!plan) return plan.error();
+  created.plan = *std::move(plan);
+  return created;
 }
 
-/// Commits both outputs, or neither.
+/// Commits all outputs, or none.
 Expected<void> commit(IdentifyOutputs& outputs) {
   Expected<void> done = outputs.parameters.commit();
   if (!done) return done;
+  if (outputs.plan) done = outputs.plan->commit();
+  if (!done) {
+    outputs.parameters.undo();
+    return done;
+  }
   done = outputs.report.commit();
-  if (!done) outputs.parameters.undo();
+  if (done) return done;
+  if (outputs.plan) outputs.plan->undo();
+  outputs.parameters.undo();
   return done;
 }
 
-Expected<Identification> run(const IdentifyArguments& arguments, Configuration& configuration,
+struct IdentifyResult {
+  Identification found;
+  std::optional<MotionPlan> plan = {};
+};
+
+Expected<IdentifyResult> run(const IdentifyArguments& arguments, Configuration& configuration,
                              const Observer& observer) {
   ParameterTable known;
   if (!arguments.parameters.empty()) {
@@ -144,13 +168,15 @@ Expected<Identification> run(const IdentifyArguments& arguments, Configuration& 
   IdentificationOptions options = configuration.identification();
   options.damping_law = damping_law_of(arguments.damping_law);  // none: by the criterion
   Expected<Identification> found = identify(*input, arguments.goal, options);
-  if (found) {
-    found->configuration = configuration.changed();
-    return found;
+  if (!found) {
+    Error error = found.error();
+    if (!error.file.empty()) error.file = (recording->folder / error.file).string();
+    return error;
   }
-  Error error = found.error();
-  if (!error.file.empty()) error.file = (recording->folder / error.file).string();
-  return error;
+  found->configuration = configuration.changed();
+  IdentifyResult result{*std::move(found)};
+  if (!arguments.plan.empty()) result.plan = plan_motion(*input, result.found, options);
+  return result;
 }
 
 /// The comment at the top of the parameter file.
@@ -176,17 +202,22 @@ Expected<CommandResult> identify_recording(IdentifyArguments arguments,
   }
   Expected<IdentifyOutputs> outputs = create_outputs(arguments);
   if (!outputs) return outputs.error();
-  const Expected<Identification> found = run(arguments, configuration, observer);
-  if (!found) return found.error();
+  const Expected<IdentifyResult> done = run(arguments, configuration, observer);
+  if (!done) return done.error();
+  const Identification& found = done->found;
   Expected<void> written =
-      write_identification_report(*found, arguments.recording, outputs->report.path());
+      write_identification_report(found, arguments.recording, outputs->report.path());
   if (!written) return written.error();
   written = outputs->parameters.write(
-      format_parameters(found->parameters(), comment_of(*found, arguments.recording)));
+      format_parameters(found.parameters(), comment_of(found, arguments.recording)));
+  if (!written) return written.error();
+  if (done->plan) written = outputs->plan->write(format_path(*done->plan));
   if (!written) return written.error();
   const Expected<void> committed = commit(*outputs);
   if (!committed) return committed.error();
-  return describe(*found, arguments);
+  CommandResult result = describe(found, arguments);
+  if (done->plan) add_plan(*done->plan, arguments.plan, result);
+  return result;
 }
 
 void add_goal(CLI::App& app, Configuration& configuration, Action& action, IdentificationGoal goal,
@@ -210,6 +241,9 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
   command->add_option("-o,--output", arguments->output, "Parameter file to write")->required();
   command->add_option("--report", arguments->report,
                       "Folder for the report; by default next to the parameter file");
+  command->add_option("--plan", arguments->plan,
+                      "CSV file to write with the motion of a next recording, by which the "
+                      "parameters get the stds that identification.plan wishes");
   command
       ->add_option("--damping-law", arguments->damping_law,
                    "Damping of a Hunt-Crossley contact from the restitution of impacts: the exact "

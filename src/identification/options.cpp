@@ -9,6 +9,7 @@
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/friction_posterior.hpp"
+#include "pcavr/identification/motion_plan.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/signals.hpp"
 #include "pcavr/identification/sliding.hpp"
@@ -248,6 +249,57 @@ constexpr auto kFrictionPriorFields = std::to_array<OptionField<FrictionPriors>>
 });
 static_assert(are_valid_fields(kFrictionPriorFields));
 
+using Plan = PlanOptions;
+constexpr auto kPlanFields = std::to_array<OptionField<Plan>>({
+    // Errors of this size change a predicted push by less than a millimetre.
+    {"mass_std", &Plan::mass_std, 0.03, 1e-4, 1.0, "", "wished std of the mass, as a share",
+     "lower: more slides; higher: starts and stops are wrong"},
+    {"coefficient_std", &Plan::coefficient_std, 0.02, 1e-4, 1.0, "",
+     "wished std of the sliding friction coefficient, as a share",
+     "lower: more slides; higher: objects stop too early or too late"},
+    {"viscous_std", &Plan::viscous_std, 0.15, 1e-4, 10.0, "",
+     "wished std of the viscous friction, as a share",
+     "lower: more slides; higher: friction is wrong at other speeds"},
+    {"limit_std", &Plan::limit_std, 0.02, 1e-4, 1.0, "",
+     "wished std of the limiting static friction, as a share",
+     "lower: more pushes; higher: breakaway is predicted early or late"},
+    {"exponent_std", &Plan::exponent_std, 0.03, 1e-4, 1.0, "",
+     "wished std of the contact law's exponent",
+     "lower: more presses; higher: the law is wrong at other penetrations"},
+    {"damping_std", &Plan::damping_std, 0.1, 1e-3, 10.0, "",
+     "wished std of the contact's damping, as a share",
+     "lower: more presses; higher: impacts bounce too much or too little"},
+    {"max_speed", &Plan::max_speed, 0.1, 1e-3, 1.0, "m/s",
+     "maximum speed of the tip while it pushes",
+     "lower: mass and viscous friction need more slides; higher: the robot can't follow"},
+    {"frequency", &Plan::frequency, 2.0, 0.2, 20.0, "Hz",
+     "frequency of a slide's modulation, well below the resonance of object, contact and arm",
+     "lower: small accelerations, more slides; higher: the object oscillates on its contact"},
+    {"slide_distance", &Plan::slide_distance, 0.09, 0.01, 1.0, "m",
+     "length of a slide, of which objects move to and fro",
+     "lower: more slides; higher: objects leave the support or the camera's view"},
+    {"press_depth", &Plan::press_depth, 0.006, 1e-5, 0.1, "m",
+     "maximum penetration of a press, of tip and object together; 2 mm at first, where the contact "
+     "law is not known",
+     "lower: noise hides the exponent; higher: the robot's or the object's limits are exceeded"},
+    {"max_force", &Plan::max_force, 40.0, 0.1, 1e4, "N",
+     "maximum force of a press, where the contact law is known",
+     "lower: noise hides the exponent; higher: the robot's or the object's limits are exceeded"},
+    // Collaborative and industrial arms have 2e4 to 5e5 N/m at the tip.
+    {"arm_stiffness", &Plan::arm_stiffness, 5e4, 100.0, 1e8, "N/m",
+     "stiffness between the command and the tip",
+     "lower: more presses than needed, fast breakaways; higher: presses are shallower than "
+     "planned, "
+     "slides begin before the object breaks away"},
+    {"clearance", &Plan::clearance, 0.03, 1e-3, 1.0, "m",
+     "clearance of the tip above the objects between contacts",
+     "lower: errors of the objects' poses become collisions; higher: longer paths"},
+    {"max_contacts", &Plan::max_contacts, 12, 1, 1000, "contacts",
+     "maximum number of contacts of one kind with one object",
+     "lower: the wished stds are not reached; higher: long recordings"},
+});
+static_assert(are_valid_fields(kPlanFields));
+
 template <int N>
 constexpr auto kEstimatorFields = std::to_array<OptionField<EstimatorOptions<N>>>({
     {"window", &EstimatorOptions<N>::window, 30, N + 1, 1'000'000, "samples",
@@ -345,6 +397,11 @@ FrictionPriors::FrictionPriors() : gravity(kStandardGravity) {
 }
 OptionSection section_of(FrictionPriors& priors) {
   return make_section("identification.friction_priors", priors, kFrictionPriorFields);
+}
+
+PlanOptions::PlanOptions() { set_defaults(*this, kPlanFields); }
+OptionSection section_of(PlanOptions& options) {
+  return make_section("identification.plan", options, kPlanFields);
 }
 
 template <int N>

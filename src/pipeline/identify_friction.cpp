@@ -128,14 +128,6 @@ Breakaway with_final_rate(const ContactEpisode& episode) {
   return breakaway;
 }
 
-/// Std [N] of F_M as the dependence of friction's limit on the loading rate: under fast loading an
-/// object breaks loose before its contacts have adapted [Canudas de Wit et al. 1995].
-double rate_std(const LimitingFriction& limit) {
-  if (!(limit.loading_rate > 0.0)) return 0.0;
-  const double duration = limit.mean / limit.loading_rate;
-  return limit.mean * kRateShare * kRateDuration / (kRateDuration + duration);
-}
-
 /// Raises an F_M that is uncertain to what sliding says of it, and withholds one that contradicts
 /// it: false then.
 bool bound_by_sliding(ObjectIdentification& result) {
@@ -202,7 +194,10 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
   const FrictionPriors& priors = options.friction_priors;
   result.limit_of_pushes = combine_limits(limits, priors.scatter, priors.scatter_factor);
   IdentifiedParameter& mean = result.limit_of_pushes.limit;
-  mean.std = std::hypot(mean.std, rate_std(result.limit));
+  if (result.limit.loading_rate > 0.0) {
+    const double loading_time = result.limit.mean / result.limit.loading_rate;
+    mean.std = std::hypot(mean.std, limit_rate_std(result.limit.mean, loading_time));
+  }
   if (!bound_by_sliding(result)) return;
   ObjectParameters& parameters = result.parameters;
   parameters.limiting_static_friction = as_value(result.limit_of_pushes.limit);
@@ -217,6 +212,10 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
 }
 
 }  // namespace
+
+double limit_rate_std(double limit, double loading_time) {
+  return limit * kRateShare * kRateDuration / (kRateDuration + loading_time);
+}
 
 bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
 
@@ -248,9 +247,9 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
     sliding.mass = known_mass;
     result.sliding = identify_sliding(slides, *contact_law, sliding);
   }
-  const std::vector<FrictionSample> samples =
+  result.slide_samples =
       friction_samples(body.tracked.empty() ? pushes : all, contact_law, body, tip, tool_radius);
-  take_sliding(infer(samples, known_mass, options), given_mass, result);
+  take_sliding(infer(result.slide_samples, known_mass, options), given_mass, result);
   find_limits(pushes, contact_law, options, result);
 }
 

@@ -62,6 +62,11 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
                          const BodyMotion& body, const PathView& tip, double tool_radius,
                          ObjectIdentification& result);
 
+/// Std [N] of F_M as the dependence of friction's limit on the time [s] in which it is loaded:
+/// under fast loading an object breaks loose before its contacts have adapted [Canudas de Wit et
+/// al. 1995].
+[[nodiscard]] double limit_rate_std(double limit, double loading_time);
+
 [[nodiscard]] ParameterValue as_value(const IdentifiedParameter& parameter);
 
 }  // namespace pcavr

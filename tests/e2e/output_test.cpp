@@ -142,6 +142,9 @@ TEST_F(Outputs, ReplaceOnlyTheirOwnKind) {
       {"import", "@home/tum", "--camera", "@home/camera.yaml", "-o", "@unrelated", "--force"},
       "--force");
   expect_refused({"evaluate", "@home/run", "-o", "@home/scene", "--force"}, "contains a scene");
+  expect_refused({"identify", "contact", "@home/recording", "-o", "@new.yaml", "--plan",
+                  "@home/thesis.tex", "--force"},
+                 "not a motion plan");
   expect_refused({"identify", "contact", "@home/recording", "-o", "@home/thesis.tex", "--force"},
                  "not a parameter file");
   write_tree(path_of("home"), {{"thesis.pdf", "%PDF-1.4 years"}});

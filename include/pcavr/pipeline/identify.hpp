@@ -25,6 +25,7 @@
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/identification/limit_of_pushes.hpp"
+#include "pcavr/identification/motion_plan.hpp"
 #include "pcavr/identification/press_line.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/sliding.hpp"
@@ -82,6 +83,7 @@ struct IdentificationOptions {
   LimitingFrictionOptions limiting_friction;
   SlidingOptions sliding;
   FrictionPriors friction_priors;
+  PlanOptions plan;               ///< of plan_motion
   EstimatorOptions<3> estimator;  ///< of the comparison of BSLS, EWRLS and affRLS on the presses
   /// Damping from impacts; empty: the published law that paper B's criterion chooses (eq. 12). The
   /// exact relation has no error, the published ones up to hundreds of per cent.
@@ -185,6 +187,7 @@ struct ObjectIdentification {
   /// `mass` is by accelerations alone.
   SlidingIdentification sliding = {};
   FrictionPosterior friction = {};
+  std::vector<FrictionSample> slide_samples = {};  ///< that `friction` is inferred from
   bool is_mass_given = false;  ///< the parameters' mass is the weighed or known one
   LimitSurfaceFit surface = {};
   std::vector<PushSample> turning = {};

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identify_plan.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/core.h>
+
+namespace pcavr::app {
+namespace {
+
+nlohmann::ordered_json plan_json(const MotionPlan& plan) {
+  nlohmann::ordered_json json{{"duration", plan.path.empty() ? 0.0 : plan.path.back().t}};
+  for (const ObjectPlan& one : plan.objects) {
+    nlohmann::ordered_json object{{"name", one.name},
+                                  {"press_series", one.press_series},
+                                  {"press_depth", one.press_depth},
+                                  {"breakaways", one.breakaways},
+                                  {"slides", one.slides},
+                                  {"is_enough", one.is_enough},
+                                  {"notes", one.notes}};
+    for (const PlannedStd& row : one.stds) {
+      nlohmann::ordered_json& stds = object["stds"][row.name] = nlohmann::ordered_json::object();
+      if (row.now) stds["now"] = *row.now;
+      if (row.expected) stds["expected"] = *row.expected;
+      if (row.wished) stds["wished"] = *row.wished;
+    }
+    json["objects"].push_back(object);
+  }
+  return json;
+}
+
+/// Whether --force may replace the file: one that begins as a trace.
+bool is_trace_file(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string header;
+  return std::getline(stream, header) && header == "t,x,y,z";
+}
+
+}  // namespace
+
+Expected<OutputFile> create_plan_file(const std::string& file, bool replace) {
+  return OutputFile::create(
+      file, {.replace = replace, .kind = "motion plan", .is_replaceable = is_trace_file});
+}
+
+void add_plan(const MotionPlan& plan, const std::string& file, CommandResult& result) {
+  result.json["plan"] = plan_json(plan);
+  result.json["plan"]["file"] = file;
+  result.summary += "next recording:\n";
+  for (const std::string& line : describe_plan(plan)) result.summary += "  " + line + '\n';
+  if (plan.path.empty()) return;
+  const PlannedPoint& first = plan.path.front();
+  result.summary += fmt::format(
+      "wrote {}: {:.0f} s of commands of the tip in base; it begins at ({:.3f}, {:.3f}, {:.3f}) "
+      "m\n",
+      file, plan.path.back().t, first.p_base.x(), first.p_base.y(), first.p_base.z());
+}
+
+}  // namespace pcavr::app
