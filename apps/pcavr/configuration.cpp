@@ -35,6 +35,7 @@ std::vector<OptionSection> Configuration::sections() {
   sections.push_back(section_of(robot_identification.contact));
   sections.push_back(section_of(robot_identification.trial));
   sections.push_back(section_of(robot_identification.intervals));
+  sections.push_back(section_of(robot_identification.plan));
   sections.push_back(section_of(arm));
   sections.push_back(section_of(arm.inverse_kinematics));
   sections.push_back(section_of(arm_drive));

@@ -6,6 +6,7 @@
 
 #include "pcavr/core/output_file.hpp"
 #include "pcavr/pipeline/plan_motion.hpp"
+#include "pcavr/robot_identification/exciting_motion.hpp"
 
 #include "console.hpp"
 
@@ -16,5 +17,8 @@ namespace pcavr::app {
 
 /// Appends the plan, which `file` contains, to the result of `identify`.
 void add_plan(const MotionPlan& plan, const std::string& file, CommandResult& result);
+/// Likewise, to that of `identify robot`; `fit` is what the plan was made from.
+void add_plan(const ExcitingMotion& motion, const RobotFit& fit, const std::string& file,
+              CommandResult& result);
 
 }  // namespace pcavr::app

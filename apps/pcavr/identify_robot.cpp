@@ -7,14 +7,17 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "pcavr/core/output_paths.hpp"
 #include "pcavr/report/report_page.hpp"
 #include "pcavr/robot/urdf.hpp"
 
 #include "commands.hpp"
+#include "identify_plan.hpp"
 #include "identify_robot.hpp"
 #include "output_option.hpp"
 
@@ -26,6 +29,7 @@ struct RobotArguments {
   std::string robot;
   std::string unloaded;
   OutputOption report;
+  std::string plan;
   std::vector<double> gains;
   std::string method = "regression";
   bool is_body_known = false;
@@ -175,6 +179,15 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
   Expected<OutputFolder> folder =
       create_output(arguments.report, OutputKind::report, inputs_of(arguments));
   if (!folder) return folder.error();
+  std::optional<OutputFile> plan_file;
+  if (!arguments.plan.empty()) {
+    const Expected<void> apart =
+        check_outputs({arguments.plan, arguments.report.folder}, inputs_of(arguments));
+    if (!apart) return apart.error();
+    Expected<OutputFile> created = create_plan_file(arguments.plan, arguments.report.replace);
+    if (!created) return created.error();
+    plan_file = *std::move(created);
+  }
   const Expected<RobotModel> model = read_urdf(arguments.robot);
   if (!model) return model.error();
   for (const Error& warning : model->warnings) {
@@ -205,9 +218,20 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
   const Expected<void> written =
       write_robot_report(*found, fitted, arguments.robot, folder->path());
   if (!written) return written.error();
-  const Expected<void> committed = folder->commit();
-  if (!committed) return committed.error();
-  return describe(*found, arguments);
+  CommandResult result = describe(*found, arguments);
+  Expected<void> committed;
+  if (plan_file) {
+    const ExcitingMotion motion =
+        plan_exciting_motion(found->signals, found->model, found->fit, options.plan);
+    committed = plan_file->write(format_motion(motion, found->model));
+    if (committed) committed = plan_file->commit();
+    if (!committed) return committed.error();
+    add_plan(motion, found->fit, arguments.plan, result);
+  }
+  committed = folder->commit();
+  if (committed) return result;
+  if (plan_file) plan_file->undo();
+  return committed.error();
 }
 
 }  // namespace
@@ -228,6 +252,9 @@ void add_identify_robot(CLI::App& app, Configuration& configuration, Action& act
                       "Log of the same arm without its load: fitted in place of LOG, and the load "
                       "of LOG is identified");
   add_output_option(*command, arguments->report, "Folder for the report");
+  command->add_option("--plan", arguments->plan,
+                      "CSV file to write with a motion (t, q_NAME) that excites bodies and "
+                      "friction better, within the recorded range");
   command
       ->add_option("--gains", arguments->gains,
                    "Torque of a current [N m/A] for each joint, in the order of the columns")

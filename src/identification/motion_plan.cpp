@@ -27,6 +27,7 @@ constexpr int kMaxSeries = 4;
 /// expected, not as it happens to be drawn.
 std::vector<double> expected_normals(int count, Random& random) {
   std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(count));
   double mean = 0.0, squares = 0.0;
   for (int i = 0; i < count; ++i) values.push_back(random.normal());
   for (const double value : values) mean += value / count;
@@ -197,6 +198,7 @@ PressPlan plan_presses(const HuntCrossley& known, const PressNoise& noise,
       presses.emplace_back(known, noise, speed, plan.depth, options.arm_stiffness, random);
     }
     std::vector<ForceMotion> series;
+    series.reserve(presses.size());
     for (const SimulatedPress& press : presses) {
       series.push_back({press.t, press.tool, press.force, noise.tip_std});
     }

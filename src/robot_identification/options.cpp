@@ -3,6 +3,7 @@
 #include "pcavr/core/options.hpp"
 
 #include "pcavr/robot_identification/contact_observer.hpp"
+#include "pcavr/robot_identification/exciting_motion.hpp"
 #include "pcavr/robot_identification/friction_intervals.hpp"
 #include "pcavr/robot_identification/friction_trial.hpp"
 #include "pcavr/robot_identification/joint_signals.hpp"
@@ -100,6 +101,33 @@ constexpr auto kIntervalFields = std::to_array<OptionField<FrictionIntervalOptio
 });
 static_assert(are_valid_fields(kIntervalFields));
 
+using Exciting = ExcitingMotionOptions;
+constexpr auto kExcitingFields = std::to_array<OptionField<Exciting>>({
+    {"duration", &Exciting::duration, 30.0, 1.0, 600.0, "s", "of the planned motion",
+     "lower: larger stds; higher: the arm warms up, and its friction changes"},
+    {"frequency", &Exciting::frequency, 0.1, 0.01, 5.0, "Hz", "of the slowest harmonic",
+     "lower: slow motions, gravity alone; higher: small motions, within the speed limits"},
+    {"harmonics", &Exciting::harmonics, 5, 1, 20, "", "of each joint's motion",
+     "lower: joints move alike; higher: fast, small motions near the arm's resonances"},
+    {"speed_share", &Exciting::speed_share, 0.5, 0.01, 1.0, "",
+     "share of the joints' velocity limits",
+     "lower: viscous friction and inertias are less certain; higher: controllers stop at limits"},
+    {"max_speed", &Exciting::max_speed, 1.0, 0.01, 20.0, "rad/s",
+     "of joints whose description has no limit",
+     "lower: viscous friction is less certain; higher: the arm can't follow"},
+    {"max_acceleration", &Exciting::max_acceleration, 4.0, 0.1, 100.0, "rad/s^2", "of all joints",
+     "lower: inertias are less certain; higher: torque limits are reached, gears deflect"},
+    {"extra_range", &Exciting::extra_range, 0.0, 0.0, 6.3, "rad",
+     "beyond the recorded positions, on either side",
+     "lower: parameters that the log did not excite stay so; higher: the arm may meet something"},
+    {"limit_margin", &Exciting::limit_margin, 0.1, 0.0, 1.0, "rad",
+     "distance to the joints' position limits",
+     "lower: controllers stop; higher: less of the range is used"},
+    {"candidates", &Exciting::candidates, 400, 1, 100000, "", "motions that are compared",
+     "lower: a worse motion; higher: more time, about 5 ms each"},
+});
+static_assert(are_valid_fields(kExcitingFields));
+
 }  // namespace
 
 FrictionTrialOptions::FrictionTrialOptions() { set_defaults(*this, kTrialFields); }
@@ -110,6 +138,11 @@ OptionSection section_of(FrictionTrialOptions& options) {
 FrictionIntervalOptions::FrictionIntervalOptions() { set_defaults(*this, kIntervalFields); }
 OptionSection section_of(FrictionIntervalOptions& options) {
   return make_section("robot_identification.intervals", options, kIntervalFields);
+}
+
+ExcitingMotionOptions::ExcitingMotionOptions() { set_defaults(*this, kExcitingFields); }
+OptionSection section_of(ExcitingMotionOptions& options) {
+  return make_section("robot_identification.plan", options, kExcitingFields);
 }
 
 JointSignalOptions::JointSignalOptions() { set_defaults(*this, kSignalFields); }

@@ -168,10 +168,11 @@ void RobotFitter::finish(RobotFit& fit) {
   for (Eigen::Index body = 0; body < at(joints_.size()); ++body) {
     fit.is_physical &= physical_margin(solution_.rigid.segment<10>(10 * body)) > 0.0;
   }
+  fit.prior_std = scaled_prior(prior_scale_).std;
   fit.base_parameters = base_parameters(
       model_, solution_.rigid,
       solution_.covariance.topLeftCorner(solution_.rigid.size(), solution_.rigid.size()),
-      scaled_prior(prior_scale_).std);
+      fit.prior_std);
 }
 
 }  // namespace detail

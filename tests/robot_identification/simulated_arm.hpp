@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -42,24 +43,18 @@ struct SimulatedLogOptions {
   double torque_noise = 0.3;     ///< [N m] std, of base joints; less at the wrist
   double position_noise = 2e-5;  ///< [rad] std
   double torque_delay = 0.0;     ///< [s]
+  double amplitude_share = 1.0;  ///< of the usual motion
   std::uint64_t seed = 3;
 };
 
-/// A Fourier motion of all joints with the torques of bodies and friction, by inverse dynamics. The
-/// plant is not the fitted model: its friction changes sign by a Stribeck curve and without
-/// smoothing.
-inline JointLog simulated_log(const RobotModel& model, const SimulatedLogOptions& options = {}) {
+/// The log of a motion, with the torques of bodies and friction by inverse dynamics. The plant is
+/// not the fitted model: its friction changes sign by a Stribeck curve and without smoothing.
+/// `state_at(t, q, dq, ddq)` sets the state.
+template <typename StateAt>
+JointLog log_of_motion(const RobotModel& model, const SimulatedLogOptions& options, Random& random,
+                       const StateAt& state_at) {
   const auto dof = static_cast<Eigen::Index>(model.dof);
   const auto rows = static_cast<Eigen::Index>(options.duration * options.rate);
-  Random random(options.seed);
-  constexpr int kHarmonics = 5;
-  Eigen::MatrixXd amplitude(dof, kHarmonics), phase(dof, kHarmonics);
-  for (Eigen::Index j = 0; j < dof; ++j) {
-    for (int k = 0; k < kHarmonics; ++k) {
-      amplitude(j, k) = random.uniform(0.1, 0.35);
-      phase(j, k) = random.uniform(0.0, 6.28);
-    }
-  }
   JointLog log;
   for (Eigen::Index j = 0; j < dof; ++j) {
     log.joints.push_back(model.joints[static_cast<std::size_t>(j)].name);
@@ -68,24 +63,12 @@ inline JointLog simulated_log(const RobotModel& model, const SimulatedLogOptions
   log.torque.resize(rows, dof);
   RobotDynamics dynamics(model);
   Eigen::VectorXd q(dof), dq(dof), ddq(dof), tau(dof);
-  const auto state_at = [&](double t) {
-    for (Eigen::Index j = 0; j < dof; ++j) {
-      q[j] = dq[j] = ddq[j] = 0.0;
-      for (int k = 0; k < kHarmonics; ++k) {
-        const double w = 2.0 * 3.14159265358979 * 0.1 * (k + 1);
-        const double a = amplitude(j, k), p = w * t + phase(j, k);
-        q[j] += a * std::sin(p);
-        dq[j] += a * w * std::cos(p);
-        ddq[j] -= a * w * w * std::sin(p);
-      }
-    }
-  };
   for (Eigen::Index i = 0; i < rows; ++i) {
     const double t = static_cast<double>(i) / options.rate;
     log.stamps.push_back(Stamp::from_seconds(100.0 + t));
     log.t.push_back(t);
     log.lines.push_back(static_cast<int>(i) + 2);
-    state_at(t - options.torque_delay);
+    state_at(t - options.torque_delay, q, dq, ddq);
     dynamics.inverse_dynamics(q, dq, ddq, tau);
     for (Eigen::Index j = 0; j < dof; ++j) {
       const PlantFriction f = plant_friction(j);
@@ -95,12 +78,61 @@ inline JointLog simulated_log(const RobotModel& model, const SimulatedLogOptions
       const double share = 1.0 - 0.12 * static_cast<double>(j);
       log.torque(i, j) = tau[j] + options.torque_noise * share * random.normal();
     }
-    state_at(t);
+    state_at(t, q, dq, ddq);
     for (Eigen::Index j = 0; j < dof; ++j) {
       log.position(i, j) = q[j] + options.position_noise * random.normal();
     }
   }
   return log;
+}
+
+/// A Fourier motion of all joints.
+inline JointLog simulated_log(const RobotModel& model, const SimulatedLogOptions& options = {}) {
+  const auto dof = static_cast<Eigen::Index>(model.dof);
+  Random random(options.seed);
+  constexpr int kHarmonics = 5;
+  Eigen::MatrixXd amplitude(dof, kHarmonics), phase(dof, kHarmonics);
+  for (Eigen::Index j = 0; j < dof; ++j) {
+    for (int k = 0; k < kHarmonics; ++k) {
+      amplitude(j, k) = options.amplitude_share * random.uniform(0.1, 0.35);
+      phase(j, k) = random.uniform(0.0, 6.28);
+    }
+  }
+  return log_of_motion(
+      model, options, random,
+      [&](double t, Eigen::VectorXd& q, Eigen::VectorXd& dq, Eigen::VectorXd& ddq) {
+        for (Eigen::Index j = 0; j < dof; ++j) {
+          q[j] = dq[j] = ddq[j] = 0.0;
+          for (int k = 0; k < kHarmonics; ++k) {
+            const double w = 2.0 * 3.14159265358979 * 0.1 * (k + 1);
+            const double a = amplitude(j, k), p = w * t + phase(j, k);
+            q[j] += a * std::sin(p);
+            dq[j] += a * w * std::cos(p);
+            ddq[j] -= a * w * w * std::sin(p);
+          }
+        }
+      });
+}
+
+/// The motion through the rows of `position`, one every `interval` [s].
+inline JointLog simulated_log_along(const RobotModel& model, const Eigen::MatrixXd& position,
+                                    double interval, SimulatedLogOptions options) {
+  options.duration = interval * static_cast<double>(position.rows() - 1);
+  Random random(options.seed);
+  const Eigen::Index last = position.rows() - 2;
+  return log_of_motion(
+      model, options, random,
+      [&](double t, Eigen::VectorXd& q, Eigen::VectorXd& dq, Eigen::VectorXd& ddq) {
+        // Quadratic through the three nearest rows.
+        const auto row = std::clamp<Eigen::Index>(std::lround(t / interval), 1, last);
+        const double s = t / interval - static_cast<double>(row);
+        const Eigen::VectorXd before = position.row(row - 1), at = position.row(row),
+                              after = position.row(row + 1);
+        const Eigen::VectorXd slope = 0.5 * (after - before), curve = after - 2.0 * at + before;
+        q = at + s * slope + 0.5 * s * s * curve;
+        dq = (slope + s * curve) / interval;
+        ddq = curve / (interval * interval);
+      });
 }
 
 }  // namespace pcavr

@@ -11,6 +11,7 @@
 #include "pcavr/recording/joint_log.hpp"
 #include "pcavr/robot/robot_model.hpp"
 #include "pcavr/robot_identification/contact_observer.hpp"
+#include "pcavr/robot_identification/exciting_motion.hpp"
 #include "pcavr/robot_identification/friction_intervals.hpp"
 #include "pcavr/robot_identification/friction_trial.hpp"
 #include "pcavr/robot_identification/joint_signals.hpp"
@@ -27,6 +28,7 @@ struct RobotIdentificationOptions {
   ContactObserverOptions contact;
   FrictionTrialOptions trial;
   FrictionIntervalOptions intervals;
+  ExcitingMotionOptions plan;
   bool is_trial_wanted = false;  ///< paper A's trial, to compare with
   /// [N m/A] by joint of the log's columns, for currents; empty where the log has torques.
   std::vector<double> gains = {};

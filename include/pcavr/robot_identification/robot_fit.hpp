@@ -92,6 +92,7 @@ struct RobotFit {
   Eigen::MatrixXd fitted_torque;  ///< [N m] row by row of the signals
   double torque_lag = 0.0;        ///< [s] of the torques after the positions; was removed
   double torque_lag_std = 0.0;    ///< [s]
+  Eigen::VectorXd prior_std;      ///< of the inertial parameters
   double prior_scale = 1.0;       ///< factor of the prior's std that cross-validation chose
 
   /// The model with these inertias, for dynamics; armature is the motor inertia.
