@@ -8,7 +8,18 @@
 #include <string>
 #include <string_view>
 
+#include "pcavr/core/utf8.hpp"
+
 namespace pcavr {
+
+/// A name from a file as one line of UTF-8, whatever its bytes are.
+[[nodiscard]] inline std::string printable_name(std::string_view bytes) {
+  std::string name = as_utf8_text(bytes);
+  for (char& c : name) {
+    if ((c >= 0 && c < ' ') || c == 0x7F) c = '?';
+  }
+  return name;
+}
 
 inline std::string_view text_of(std::span<const std::uint8_t> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

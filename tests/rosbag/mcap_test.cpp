@@ -14,46 +14,17 @@
 
 #include "rosbag/byte_source.hpp"
 #include "rosbag/mcap_reader.hpp"
+#include "support/read_bag.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
 namespace {
 
-struct ReadMessage {
-  std::string topic;
-  std::int64_t log_time = 0, publish_time = 0;
-  std::string payload;
-  bool operator==(const ReadMessage&) const = default;
-};
+using test::ReadBag;
+using test::ReadMessage;
 
-struct ReadMcap {
-  std::vector<ReadMessage> messages;
-  std::vector<std::string> warnings;
-  std::vector<BagTopic> topics;
-  std::string error;
-};
-
-ReadMcap read_mcap(const std::string& bytes) {
-  ReadMcap read;
-  ByteSource source(std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()),
-                    "a.mcap");
-  Expected<std::unique_ptr<BagReader>> reader = open_mcap(std::move(source));
-  if (!reader) {
-    read.error = reader.error().to_string();
-    return read;
-  }
-  for (;;) {
-    const Expected<std::optional<BagMessage>> message = (*reader)->next();
-    if (!message) read.error = message.error().to_string();
-    if (!message || !*message) break;
-    const BagMessage& m = **message;
-    read.messages.push_back(
-        {(*reader)->topics()[m.topic].name, m.log_time.nanoseconds, m.publish_time.nanoseconds,
-         std::string(reinterpret_cast<const char*>(m.payload.data()), m.payload.size())});
-  }
-  read.warnings = (*reader)->warnings();
-  read.topics = (*reader)->topics();
-  return read;
+ReadBag read_mcap(const std::string& bytes) {
+  return test::read_all(open_mcap(ByteSource(test::bytes_of(bytes), "a.mcap")));
 }
 
 std::vector<ReadMessage> expected_messages(std::size_t count) {
@@ -87,7 +58,7 @@ std::string write_mcap(const std::filesystem::path& file, bool close = true) {
 
 TEST(Mcap, WhatIsWrittenIsRead) {
   const TemporaryFolder folder;
-  const ReadMcap read = read_mcap(write_mcap(folder.path() / "a.mcap"));
+  const ReadBag read = read_mcap(write_mcap(folder.path() / "a.mcap"));
   EXPECT_EQ(read.error, "");
   EXPECT_TRUE(read.warnings.empty());
   EXPECT_EQ(read.messages, expected_messages(40));
@@ -100,7 +71,7 @@ TEST(Mcap, WhatIsWrittenIsRead) {
 
 TEST(Mcap, WithoutCloseAllButTheLastChunkIsRead) {
   const TemporaryFolder folder;
-  const ReadMcap read = read_mcap(write_mcap(folder.path() / "a.mcap", false));
+  const ReadBag read = read_mcap(write_mcap(folder.path() / "a.mcap", false));
   EXPECT_EQ(read.error, "");
   ASSERT_EQ(read.warnings.size(), 1U);
   EXPECT_GE(read.messages.size(), 34U);
@@ -112,7 +83,7 @@ TEST(Mcap, CutAnywhereIsReadUpToTheLastWholeMessage) {
   const std::vector<ReadMessage> all = expected_messages(40);
   std::size_t before = 0;
   for (std::size_t size = 8; size < bytes.size() - 8; ++size) {
-    const ReadMcap read = read_mcap(bytes.substr(0, size));
+    const ReadBag read = read_mcap(bytes.substr(0, size));
     ASSERT_EQ(read.error, "") << size;
     ASSERT_EQ(read.warnings.size(), 1U) << size;
     ASSERT_NE(read.warnings[0].find("is cut at byte"), std::string::npos);
@@ -131,7 +102,7 @@ TEST(Mcap, ChangedBytesAreFoundByTheCrcs) {
   EXPECT_NE(read_mcap(bytes).error.find("CRC"), std::string::npos);
   bytes[at + 5] = '3';
   bytes[bytes.rfind("jsonschema")] = 'J';  // in the summary
-  const ReadMcap read = read_mcap(bytes);
+  const ReadBag read = read_mcap(bytes);
   EXPECT_EQ(read.messages.size(), 40U);
   ASSERT_EQ(read.warnings.size(), 1U);
   EXPECT_NE(read.warnings[0].find("CRC of its summary"), std::string::npos);
