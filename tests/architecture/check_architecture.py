@@ -18,7 +18,7 @@ import re
 import sys
 import tempfile
 
-MODULES = ("core geometry rosbag recording cloud contact friction object identification model robot "
+MODULES = ("core geometry rosbag recording bag_import cloud contact friction object identification model robot "
            "robot_identification arm inputs prediction haptics "
            "devices link teleop marker tracking reconstruction texture scene simulation report evaluation pipeline serve").split()
 HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|fmt/|yaml-cpp/|nlohmann/|"
