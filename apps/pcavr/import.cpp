@@ -7,8 +7,10 @@
 #include "pcavr/cloud/cloud_list.hpp"
 #include "pcavr/recording/camera_file.hpp"
 #include "pcavr/recording/import_joint_log.hpp"
+#include "pcavr/rosbag/bag_reader.hpp"
 
 #include "commands.hpp"
+#include "import_bag.hpp"
 #include "import_clouds.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
@@ -31,7 +33,16 @@ struct ImportArguments {
   double period = 0.0;  ///< [s] 0: not given
   ImportOptions options;
   CloudArguments clouds;
+  BagArguments bag;
 };
+
+bool is_of_bag(const ImportArguments& arguments) {
+  if (!arguments.format.empty()) return arguments.format == "bag";
+  std::error_code code;
+  const bool is_recording =
+      std::filesystem::exists(std::filesystem::path(arguments.source) / "recording.yaml", code);
+  return !is_recording && is_bag(arguments.source);
+}
 
 bool is_of_clouds(const ImportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format == "clouds";
@@ -89,7 +100,34 @@ Expected<CommandResult> import_sequence(const ImportArguments& arguments,
                            observer);
 }
 
+Expected<CommandResult> import_from_bag(const ImportArguments& arguments,
+                                        const Observer& observer) {
+  const std::string cloud_option =
+      arguments.clouds.manifest.empty() ? first_cloud_option(arguments.clouds) : std::string();
+  if (!cloud_option.empty()) {
+    return Error{.message = cloud_option + " is for point clouds, but this is a bag",
+                 .file = arguments.source};
+  }
+  BagImportOptions options;
+  options.manifest = arguments.clouds.manifest;
+  options.stride = arguments.options.stride;
+  options.first = arguments.options.first;
+  if (arguments.depth_scale > 0.0) options.depth_scale = arguments.depth_scale;
+  if (!arguments.camera.empty()) {
+    const Expected<CameraFile> sensor = read_camera_file(arguments.camera);
+    if (!sensor) return sensor.error();
+    options.camera = sensor->camera;
+  }
+  return run_import_bag(arguments.source, arguments.output, arguments.bag, options, observer);
+}
+
 Expected<CommandResult> run_import(ImportArguments arguments, const Observer& observer) {
+  if (is_of_bag(arguments)) return import_from_bag(arguments, observer);
+  if (const std::string option = first_bag_option(arguments.bag); !option.empty()) {
+    return Error{.message = option + " is for bags, but this is none",
+                 .file = arguments.source,
+                 .hint = "give a .bag, .mcap or .db3 file, or the folder of one"};
+  }
   if (is_joint_log(arguments)) return import_joints(arguments);
   if (is_of_clouds(arguments)) return import_sequence(arguments, observer);
   if (const std::string option = first_cloud_option(arguments.clouds); !option.empty()) {
@@ -132,21 +170,25 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
 void add_import(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("import",
-                         "Convert a TUM RGB-D or 7-Scenes folder, point clouds, or the log "
-                         "of an arm into a recording");
+                         "Convert a bag of ROS 1 or ROS 2, a TUM RGB-D or 7-Scenes folder, point "
+                         "clouds, or the log of an arm into a recording");
   command->footer(
       "Example:\n  pcavr import rgbd_dataset_freiburg1_desk --camera calib/cameras/kinect_v1.yaml "
-      "-o desk\n  pcavr import clouds/ --poses poses.txt -o scan");
+      "-o desk\n  pcavr import clouds/ --poses poses.txt -o scan\n  pcavr import push.bag "
+      "--wrench-topic /netft_data --object "
+      "box=/vicon/box/box -o push");
   auto arguments = std::make_shared<ImportArguments>();
   command
-      ->add_option("source", arguments->source,
-                   "Folder, cloud file (.pcd, .ply), or list of clouds 'timestamp path'")
+      ->add_option(
+          "source", arguments->source,
+          "Bag (.bag, .mcap, .db3 or a folder), folder, cloud file (.pcd, .ply), or list of "
+          "clouds 'timestamp path'")
       ->required();
   add_output_option(*command, arguments->output, "Folder for the recording");
   command
       ->add_option("--format", arguments->format,
-                   "tum, 7scenes, clouds or joints; detected from the files if absent")
-      ->check(CLI::IsMember({"tum", "7scenes", "clouds", "joints"}));
+                   "bag, tum, 7scenes, clouds or joints; detected from the files if absent")
+      ->check(CLI::IsMember({"bag", "tum", "7scenes", "clouds", "joints"}));
   command->add_option("--camera", arguments->camera,
                       "Camera file for a source without intrinsics (see calib/cameras)");
   add_number(*command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
@@ -162,6 +204,7 @@ void add_import(CLI::App& app, Action& action) {
   add_whole<std::size_t>(*command, "--first", arguments->options.first, 0, kMaxFrames,
                          "Index of the first frame to import")
       ->capture_default_str();
+  add_bag_options(*command, arguments->bag);
   add_cloud_options(*command, arguments->clouds);
   command->callback([arguments, &action] {
     action = [arguments](const Observer& observer) { return run_import(*arguments, observer); };

@@ -10,9 +10,11 @@
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/recording/line_counts.hpp"
 #include "pcavr/recording/stream_clocks.hpp"
+#include "pcavr/rosbag/bag_reader.hpp"
 #include "pcavr/scene/scene_bundle.hpp"
 
 #include "commands.hpp"
+#include "import_bag.hpp"
 
 namespace pcavr::app {
 namespace fs = std::filesystem;
@@ -118,19 +120,24 @@ Expected<std::vector<SceneCheck>> inspect_run(const fs::path& folder) {
 Expected<CommandResult> inspect(const fs::path& folder, const Configuration& configuration,
                                 const Observer& observer) {
   Expected<std::vector<SceneCheck>> checks =
-      Error{.message = "contains no recording.yaml, scene.yaml or run.yaml",
+      Error{.message = "contains no recording.yaml, scene.yaml or run.yaml, and is no bag",
             .file = folder.string(),
-            .hint = "give the folder of a recording, a scene or a run"};
+            .hint = "give the folder of a recording, a scene or a run, or a bag"};
+  bool is_output = false;
   for (const char* manifest : {"scene.yaml", "recording.yaml", "run.yaml"}) {
-    const Expected<bool> is_there = is_present(folder / manifest);
+    // A bag may be a file: no folder has these files then.
+    const Expected<bool> is_there =
+        fs::is_directory(folder) ? is_present(folder / manifest) : Expected<bool>(false);
     if (!is_there) return is_there.error();
     if (!*is_there) continue;
+    is_output = true;
     const std::string name = manifest;
     checks = name == "scene.yaml"       ? inspect_scene(folder)
              : name == "recording.yaml" ? inspect_recording(folder, configuration, observer)
                                         : inspect_run(folder);
     break;
   }
+  if (!is_output && is_bag(folder)) return inspect_bag(folder, observer);
   if (!checks) return checks.error();
   return describe_checks(*checks);
 }
@@ -139,10 +146,11 @@ Expected<CommandResult> inspect(const fs::path& folder, const Configuration& con
 
 void add_inspect(CLI::App& app, const Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "inspect", "Summarise a recording, a scene or a run, and check that it is sound");
-  command->footer("Example:\n  pcavr inspect my_scene");
+      "inspect", "Summarise a recording, a scene or a run, and check that it is sound; list a bag");
+  command->footer("Example:\n  pcavr inspect my_scene\n  pcavr inspect push.bag");
   auto folder = std::make_shared<std::string>();
-  command->add_option("folder", *folder, "Folder of a recording, a scene or a run")->required();
+  command->add_option("folder", *folder, "Folder of a recording, a scene or a run; or a bag")
+      ->required();
   command->callback([folder, &configuration, &action] {
     action = [folder, &configuration](const Observer& observer) {
       return inspect(*folder, configuration, observer);

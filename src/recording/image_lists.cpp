@@ -10,7 +10,7 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/time_series.hpp"
 
-#include "recording/pairing.hpp"
+#include "pcavr/recording/pairing.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;

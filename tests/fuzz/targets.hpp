@@ -31,6 +31,11 @@ void identified_arm(std::string_view bytes);
 void message(std::string_view bytes);
 /// A message between two sites.
 void link(std::string_view bytes);
+/// An MCAP file, a ROS 1 bag.
+void mcap(std::string_view bytes);
+void ros1_bag(std::string_view bytes);
+/// A ROS message: the first byte chooses type and serialization.
+void ros_message(std::string_view bytes);
 /// A WebSocket message of page or server.
 void live(std::string_view bytes);
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "recording/pairing.hpp"
+#include "pcavr/recording/pairing.hpp"
 
 #include <cstdlib>
 #include <set>

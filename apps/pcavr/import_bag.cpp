@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "import_bag.hpp"
+
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "output_option.hpp"
+
+namespace pcavr::app {
+namespace {
+
+Expected<std::vector<std::pair<std::string, std::string>>> parse_objects(
+    const std::vector<std::string>& texts) {
+  std::vector<std::pair<std::string, std::string>> objects;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == text.npos || equals == 0 || equals + 1 == text.size()) {
+      return Error{.message = "'" + text + "' is not NAME=TOPIC",
+                   .place = "--object",
+                   .hint = "give the object's name and the topic of its poses: box=/vicon/box/box"};
+    }
+    objects.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return objects;
+}
+
+std::string counts_text(const ImportedStream& stream) {
+  std::string text;
+  if (stream.reordered > 0) text += fmt::format(", {} sorted by stamp", stream.reordered);
+  if (stream.duplicates > 0) text += fmt::format(", {} duplicates left out", stream.duplicates);
+  if (stream.left_out > 0) {
+    text += fmt::format(", {} left out (first: {})", stream.left_out, stream.left_out_reason);
+  }
+  return text;
+}
+
+std::string stamps_text(const ImportedStream& stream) {
+  if (stream.has_receive_stamps) return "log time";
+  if (!stream.delay) return "";
+  const bool is_future = *stream.delay < 0.0;
+  return fmt::format("header, {:.1f} ms {} log time (median)", 1e3 * std::abs(*stream.delay),
+                     is_future ? "after" : "before");
+}
+
+std::string summary_of(const BagImportReport& report, const std::string& folder) {
+  std::string text =
+      fmt::format("bag     {} messages, {:.3f} s; base frame {}\n", report.messages,
+                  report.duration, report.base_frame.empty() ? "not known" : report.base_frame);
+  bool has_frames = false;
+  bool has_force = false;
+  for (const ImportedStream& stream : report.streams) {
+    text += fmt::format("{}: {} rows from {}{}\n", stream.file, stream.rows, stream.topic,
+                        counts_text(stream));
+    if (const std::string stamps = stamps_text(stream); !stamps.empty()) {
+      text += "    stamps: " + stamps + "\n";
+    }
+    if (!stream.frame.empty()) text += "    frame: " + stream.frame + "\n";
+    has_frames = has_frames || stream.file.starts_with("rgb");
+    has_force = has_force || stream.file == "wrench.csv";
+  }
+  for (const std::string& note : report.notes) text += "not taken: " + note + "\n";
+  text += "next: pcavr inspect " + folder;
+  if (has_frames) text += "; pcavr build " + folder + " -o SCENE";
+  if (has_force) text += "; pcavr identify friction " + folder + " -o PARAMETERS";
+  return text + '\n';
+}
+
+nlohmann::ordered_json json_of(const BagImportReport& report, const std::string& folder) {
+  nlohmann::ordered_json json{{"recording", folder},
+                              {"messages", report.messages},
+                              {"duration_s", report.duration},
+                              {"base_frame", report.base_frame}};
+  json["streams"] = nlohmann::ordered_json::array();
+  for (const ImportedStream& stream : report.streams) {
+    nlohmann::ordered_json entry{{"file", stream.file},
+                                 {"topic", stream.topic},
+                                 {"rows", stream.rows},
+                                 {"sorted", stream.reordered},
+                                 {"duplicates", stream.duplicates},
+                                 {"left_out", stream.left_out},
+                                 {"left_out_reason", stream.left_out_reason},
+                                 {"stamps", stream.has_receive_stamps ? "log" : "header"},
+                                 {"frame", stream.frame}};
+    if (stream.delay) entry["delay_s"] = *stream.delay;
+    json["streams"].push_back(entry);
+  }
+  json["not_taken"] = report.notes;
+  return json;
+}
+
+std::string detail_of(const SurveyedTopic& topic) {
+  std::string text;
+  if (topic.width > 0) text += fmt::format(" {} x {}", topic.width, topic.height);
+  if (!topic.image_format.empty()) text += " " + topic.image_format;
+  for (const std::string& frame : topic.frames) {
+    if (!frame.empty()) text += (text.find("frame") == text.npos ? " frame " : ", ") + frame;
+  }
+  if (topic.delay) text += fmt::format(" delay {:.1f} ms", 1e3 * *topic.delay);
+  if (topic.undecodable > 0) {
+    text += fmt::format(" {} can't be decoded: {}", topic.undecodable, topic.problem);
+  }
+  return text;
+}
+
+nlohmann::ordered_json json_of(const SurveyedTopic& topic, Stamp begin, const std::string& use) {
+  nlohmann::ordered_json json{{"topic", topic.topic.name},
+                              {"type", topic.topic.type},
+                              {"serialization", topic.topic.encoding},
+                              {"messages", topic.messages},
+                              {"taken_for", use},
+                              {"frames", topic.frames},
+                              {"undecodable", topic.undecodable}};
+  if (topic.rate) json["rate_hz"] = *topic.rate;
+  if (topic.messages > 0) {
+    json["begin_s"] = to_seconds(topic.first - begin);
+    json["end_s"] = to_seconds(topic.last - begin);
+  }
+  if (topic.delay) json["delay_s"] = *topic.delay;
+  if (!topic.image_format.empty()) json["image_format"] = topic.image_format;
+  if (topic.width > 0) json["image_size"] = {topic.width, topic.height};
+  return json;
+}
+
+}  // namespace
+
+void add_bag_options(CLI::App& command, BagArguments& arguments) {
+  CLI::App* group = command.add_option_group(
+      "bags", "ROS 1 (.bag) and ROS 2 (.mcap, .db3, folders); 'pcavr inspect BAG' lists topics");
+  BagTopicOptions& topics = arguments.topics;
+  const auto add = [&](const char* name, std::string& value, const char* what) {
+    group->add_option(name, value, what);
+  };
+  add("--depth-topic", topics.depth_topic, "Depth images, registered to colour");
+  add("--colour-topic", topics.color_topic,
+      "Colour images; none: depth alone, which need not be registered");
+  add("--camera-info-topic", topics.camera_info_topic, "Camera info of the colour images");
+  add("--camera-pose-topic", topics.camera_pose_topic,
+      "Poses of the camera's optical frame; if absent by TF, if that has them");
+  add("--tool-topic", topics.tool_topic, "Poses or points of the tool's tip");
+  add("--tool-frame", topics.tool_frame, "The tip's frame in TF, instead of a topic");
+  group
+      ->add_option("--tool-offset", arguments.tool_offset,
+                   "The tip in the frame of the tool topic or frame: x y z [m]")
+      ->expected(3)
+      ->check(CLI::Range(-10.0, 10.0));
+  add("--base-frame", topics.base_frame,
+      "The robot's base, into which poses and forces are transformed by TF");
+  add("--wrench-topic", topics.wrench_topic, "Forces of the tool on its surroundings");
+  add("--wrench-frame", topics.wrench_frame,
+      "The forces' frame, instead of that in their headers; the base frame: they are not rotated");
+  group->add_flag("--invert-wrench", arguments.invert_wrench,
+                  "For sensors that report the force on the tool");
+  add("--joint-topic", topics.joint_topic, "Joint states");
+  group->add_option("--object", arguments.objects,
+                    "NAME=TOPIC: poses of a tracked object; may be repeated");
+  group
+      ->add_option("--stamps", arguments.stamps,
+                   "header or receive: which stamps of the messages are used")
+      ->check(CLI::IsMember({"header", "receive"}))
+      ->capture_default_str();
+}
+
+std::string first_bag_option(const BagArguments& arguments) {
+  const BagTopicOptions& t = arguments.topics;
+  if (!t.depth_topic.empty()) return "--depth-topic";
+  if (!t.color_topic.empty()) return "--colour-topic";
+  if (!t.camera_info_topic.empty()) return "--camera-info-topic";
+  if (!t.camera_pose_topic.empty()) return "--camera-pose-topic";
+  if (!t.tool_topic.empty()) return "--tool-topic";
+  if (!t.tool_frame.empty()) return "--tool-frame";
+  if (!arguments.tool_offset.empty()) return "--tool-offset";
+  if (!t.base_frame.empty()) return "--base-frame";
+  if (!t.wrench_topic.empty()) return "--wrench-topic";
+  if (!t.wrench_frame.empty()) return "--wrench-frame";
+  if (arguments.invert_wrench) return "--invert-wrench";
+  if (!t.joint_topic.empty()) return "--joint-topic";
+  if (!arguments.objects.empty()) return "--object";
+  return arguments.stamps != "header" ? "--stamps" : "";
+}
+
+Expected<CommandResult> run_import_bag(const std::string& source, const OutputOption& output,
+                                       const BagArguments& arguments, BagImportOptions options,
+                                       const Observer& observer) {
+  options.topics = arguments.topics;
+  const auto objects = parse_objects(arguments.objects);
+  if (!objects) return objects.error();
+  options.topics.objects = *objects;
+  options.use_receive_stamps = arguments.stamps == "receive";
+  if (arguments.tool_offset.size() == 3) {
+    options.p_tool_tip = Eigen::Vector3d::Map(arguments.tool_offset.data());
+  }
+  options.invert_wrench = arguments.invert_wrench;
+  Expected<OutputFolder> folder =
+      create_output(output, OutputKind::recording, {source, options.manifest});
+  if (!folder) return folder.error();
+  const Expected<BagImportReport> report = import_bag(source, folder->path(), options, observer);
+  if (!report) return report.error();
+  const Expected<void> committed = folder->commit();
+  if (!committed) return committed.error();
+  return CommandResult{.summary = summary_of(*report, output.folder),
+                       .json = json_of(*report, output.folder)};
+}
+
+Expected<CommandResult> inspect_bag(const std::filesystem::path& bag, const Observer& observer) {
+  const Expected<BagSurvey> survey = survey_bag(bag, observer);
+  if (!survey) return survey.error();
+  const Expected<BagSelection> selection = select_bag_topics(bag, *survey, {});
+  if (!selection) return selection.error();
+  for (const std::string& warning : survey->warnings) observer.on_warning(warning);
+  CommandResult result;
+  const double duration = to_seconds(survey->last - survey->first);
+  result.summary = fmt::format("{} messages on {} topics", survey->messages, survey->topics.size());
+  if (survey->messages > 0) {
+    result.summary += fmt::format(", {:.3f} s from {}", duration, format_stamp(survey->first, 9));
+  }
+  result.summary += '\n';
+  result.json = {{"bag", bag.string()}, {"messages", survey->messages}};
+  if (survey->messages > 0) {
+    result.json["begin_s"] = survey->first.seconds();
+    result.json["duration_s"] = duration;
+  }
+  result.json["topics"] = nlohmann::ordered_json::array();
+  for (const SurveyedTopic& topic : survey->topics) {
+    const std::string use = selection->use_of(topic);
+    result.json["topics"].push_back(json_of(topic, survey->first, use));
+    result.summary += fmt::format("  {:>7} {:>9}  {}  {} ({}){}{}\n", topic.messages,
+                                  topic.rate ? fmt::format("{:.1f} Hz", *topic.rate) : "",
+                                  topic.topic.name, topic.topic.type, topic.topic.encoding,
+                                  detail_of(topic), use.empty() ? "" : "  [" + use + "]");
+  }
+  result.json["base_frame"] = selection->base_frame;
+  result.json["transforms"] = nlohmann::ordered_json::array();
+  std::string links;
+  for (const auto& [link, count] : survey->transforms) {
+    links += fmt::format("{}{} -> {}", links.empty() ? "" : ", ", link.first, link.second);
+    result.json["transforms"].push_back({link.first, link.second});
+  }
+  if (!links.empty()) result.summary += "TF: " + links + '\n';
+  for (const std::string& note : selection->notes) result.summary += "import: " + note + '\n';
+  result.json["not_taken"] = selection->notes;
+  return result;
+}
+
+}  // namespace pcavr::app

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pcavr/bag_import/import_bag.hpp"
+
+#include "commands.hpp"
+
+namespace pcavr::app {
+
+/// The options of `import` for bags, as given.
+struct BagArguments {
+  BagTopicOptions topics;
+  std::vector<std::string> objects;  ///< NAME=TOPIC
+  std::string stamps = "header";
+  bool invert_wrench = false;
+  std::vector<double> tool_offset;  ///< [m] x y z; empty: not given
+};
+
+void add_bag_options(CLI::App& command, BagArguments& arguments);
+/// The name of the first of these options that was given; empty where none was.
+[[nodiscard]] std::string first_bag_option(const BagArguments& arguments);
+
+/// `options` has what bags share with other sources.
+[[nodiscard]] Expected<CommandResult> run_import_bag(const std::string& source,
+                                                     const OutputOption& output,
+                                                     const BagArguments& arguments,
+                                                     BagImportOptions options,
+                                                     const Observer& observer);
+
+/// Lists a bag's topics, and what `import` would take each for.
+[[nodiscard]] Expected<CommandResult> inspect_bag(const std::filesystem::path& bag,
+                                                  const Observer& observer);
+
+}  // namespace pcavr::app

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/bag_import/bag_selection.hpp"
+#include "pcavr/core/expected.hpp"
+#include "pcavr/core/observer.hpp"
+#include "pcavr/geometry/camera.hpp"
+
+namespace pcavr {
+
+struct BagImportOptions {
+  BagTopicOptions topics = {};
+  std::optional<CameraModel> camera = {};  ///< instead of the bag's camera info
+  /// [units/m] of the depth images written; default: 1000 for depth in millimetres (unchanged),
+  /// 5000 for depth in metres. Only for the latter.
+  std::optional<double> depth_scale = {};
+  /// A recording.yaml of which markers, objects, tool and robot are taken over, with their files.
+  std::filesystem::path manifest = {};
+  bool use_receive_stamps = false;  ///< instead of the stamps in the headers
+  bool invert_wrench = false;       ///< for sensors that report the force on the tool
+  Eigen::Vector3d p_tool_tip = Eigen::Vector3d::Zero();  ///< [m] the tip in the tool's frame
+  std::size_t stride = 1;                                ///< take every n-th frame
+  std::size_t first = 0;                                 ///< skip the frames before this one
+};
+
+/// One file of the recording, or its images.
+struct ImportedStream {
+  std::string file;   ///< "tool.csv"
+  std::string topic;  ///< of the bag, or the frame
+  std::size_t rows = 0;
+  std::size_t duplicates = 0;  ///< left out: their stamp is another row's
+  std::size_t left_out = 0;    ///< not decodable, not finite, out of range or without transform
+  std::string left_out_reason = {};  ///< of the first
+  std::size_t reordered = 0;         ///< stamps before that of the message before
+  std::optional<double> delay = {};  ///< [s] median from header stamp to log time
+  bool has_receive_stamps = false;   ///< log times are used as stamps
+  std::string frame = {};            ///< of the messages, and how it was taken to the base frame
+};
+
+struct BagImportReport {
+  std::vector<ImportedStream> streams;
+  std::string base_frame;
+  std::vector<std::string> notes;  ///< what was not taken, and by which option it can be
+  double duration = 0.0;           ///< [s] of the bag
+  std::size_t messages = 0;
+};
+
+/// Converts a bag to a recording at `target`, an existing, empty folder. Reads the bag two or three
+/// times: to choose topics, for the time series, and for the images, which are written as they
+/// come; memory grows with the time series only. Poses and forces are transformed to the base frame
+/// by TF. Warnings go to the observer. Errors name bag and topic; the caller removes what was
+/// written.
+[[nodiscard]] Expected<BagImportReport> import_bag(const std::filesystem::path& bag,
+                                                   const std::filesystem::path& target,
+                                                   const BagImportOptions& options,
+                                                   const Observer& observer = {});
+
+}  // namespace pcavr

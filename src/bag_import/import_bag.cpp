@@ -1,0 +1,339 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/bag_import/import_bag.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <utility>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/core/output.hpp"
+#include "pcavr/recording/manifest_parser.hpp"
+#include "pcavr/recording/recording_writer.hpp"
+
+#include "bag_import/bag_streams.hpp"
+#include "bag_import/camera_images.hpp"
+#include "bag_import/frame_import.hpp"
+#include "bag_import/series_import.hpp"
+
+namespace pcavr {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMillimetreScale = 1000.0;  // [units/m] of 16UC1
+constexpr double kMetricScale = 5000.0;      // [units/m] for depth in metres: 0.2 mm up to 13 m
+
+/// Frames by which a recorder's base is known, unlike the root of a camera's own tree.
+bool may_place_camera(const BagSelection& selection) {
+  return !selection.base_frame.empty() &&
+         (selection.is_base_frame_given ||
+          selection.base_frame.find("camera") == std::string::npos);
+}
+
+bool is_rectified(const SurveyedTopic& topic) {
+  return topic.topic.name.find("rect") != std::string::npos;
+}
+
+/// The manifest's markers, objects, tool and robot.
+Expected<Manifest> read_manifest_template(const fs::path& file) {
+  if (file.empty()) return Manifest{};
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  Expected<Manifest> manifest = parse_manifest(*text, file.string(), file.parent_path());
+  if (manifest) manifest->camera.reset();
+  return manifest;
+}
+
+Expected<void> copy_manifest_files(const Manifest& manifest, const fs::path& from,
+                                   const fs::path& target) {
+  std::set<fs::path> files;
+  for (const ObjectEntry& object : manifest.objects) {
+    if (!object.mesh.empty()) files.insert(object.mesh);
+  }
+  if (manifest.robot) files.insert(manifest.robot->urdf);
+  for (const fs::path& file : files) {
+    const Expected<std::string> bytes = read_file(from / file);
+    if (!bytes) return bytes.error();
+    std::error_code code;
+    fs::create_directories((target / file).parent_path(), code);
+    if (auto written = write_file(target / file, *bytes); !written) return written.error();
+  }
+  return {};
+}
+
+/// As manifests require it of objects, because files are named after them.
+Expected<void> check_object_name(const std::string& name) {
+  const bool is_plain = !name.empty() && name.front() != '.' &&
+                        std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                          return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+                        });
+  if (is_plain) return {};
+  return Error{.message = "'" + name + "' can't be an object's name",
+               .place = "--object",
+               .hint = "use letters, digits, '_', '-' and '.'"};
+}
+
+/// One import: what its steps share.
+class BagImport {
+ public:
+  BagImport(const fs::path& bag, const fs::path& target, const BagImportOptions& options,
+            const Observer& observer)
+      : bag_(bag), target_(target), options_(options), observer_(observer) {}
+
+  Expected<BagImportReport> run() {
+    if (const auto done = prepare(); !done) return done.error();
+    const StampRule stamps(survey_, selection_, options_.use_receive_stamps);
+    report_other_clocks(stamps);
+    Expected<BagStreams> streams = collect_streams(bag_, selection_, survey_, stamps, observer_);
+    if (!streams) return streams.error();
+    streams_ = *std::move(streams);
+    for (const std::string& frame : streams_.frames.reparented()) {
+      warn("frame '" + frame + "' has several parents in TF; the first is used");
+    }
+    if (const auto done = prepare_camera(); !done) return done.error();
+    RecordingWriter writer(target_, manifest_);
+    const SeriesImporter importer(bag_, selection_, options_, streams_, stamps, observer_);
+    if (const auto done = write_series(importer, writer); !done) return done.error();
+    if (const auto done = write_frames(importer, stamps, writer); !done) return done.error();
+    const auto copied = copy_manifest_files(manifest_, options_.manifest.parent_path(), target_);
+    if (!copied) return copied.error();
+    if (const auto done = writer.finish(); !done) return done.error();
+    return std::move(report_);
+  }
+
+ private:
+  void warn(const std::string& text) const { observer_.on_warning(bag_.string() + ": " + text); }
+
+  /// What can be checked before the bag is read again.
+  Expected<void> prepare() {
+    Expected<BagSurvey> survey = survey_bag(bag_, observer_);
+    if (!survey) return survey.error();
+    survey_ = *std::move(survey);
+    for (const std::string& warning : survey_.warnings) observer_.on_warning(warning);
+    if (survey_.messages == 0) {
+      return Error{.message = "has no messages", .file = bag_.string(), .hint = "record again"};
+    }
+    Expected<BagSelection> selection = select_bag_topics(bag_, survey_, options_.topics);
+    if (!selection) return selection.error();
+    selection_ = *std::move(selection);
+    if (selection_.is_empty(options_.topics)) {
+      return Error{.message = "has no topic to import",
+                   .file = bag_.string(),
+                   .hint = selection_.notes.empty()
+                               ? "'pcavr inspect' lists its topics; depth, poses, forces and joint "
+                                 "states are imported"
+                               : selection_.notes.front()};
+    }
+    Expected<Manifest> manifest = read_manifest_template(options_.manifest);
+    if (!manifest) return manifest.error();
+    manifest_ = *std::move(manifest);
+    for (const auto& [name, topic] : selection_.objects) {
+      if (const auto checked = check_object_name(name); !checked) return checked;
+      const bool is_declared =
+          std::any_of(manifest_.objects.begin(), manifest_.objects.end(),
+                      [&, &wanted = name](const ObjectEntry& o) { return o.name == wanted; });
+      if (!is_declared) manifest_.objects.push_back({.name = name, .mesh = {}});
+    }
+    report_.notes = selection_.notes;
+    report_.base_frame = selection_.base_frame;
+    report_.messages = survey_.messages;
+    report_.duration = to_seconds(survey_.last - survey_.first);
+    return {};
+  }
+
+  void report_other_clocks(const StampRule& stamps) const {
+    for (const SurveyedTopic* topic : stamps.outliers()) {
+      warn(topic->topic.name +
+           ": its header stamps are on another clock than the recorder's; log times "
+           "are used");
+    }
+  }
+
+  /// The camera of the options or of the bag, for the size of the colour images.
+  Expected<void> prepare_camera() {
+    if (selection_.depth == nullptr) return {};
+    if (options_.camera) {
+      manifest_.camera = options_.camera;
+    } else if (!streams_.camera_info) {
+      return Error{.message = "has no camera info for " + selection_.depth->topic.name,
+                   .file = bag_.string(),
+                   .hint = "give --camera-info-topic, or --camera with a calibration file"};
+    } else {
+      const SurveyedTopic& image =
+          selection_.color != nullptr ? *selection_.color : *selection_.depth;
+      Expected<CameraModel> camera = camera_of(*streams_.camera_info, is_rectified(image));
+      if (!camera) {
+        Error error = camera.error();
+        error.file = bag_.string();
+        error.place = selection_.camera_info->topic.name;
+        return error;
+      }
+      manifest_.camera = *camera;
+    }
+    const bool is_metric = is_metric_depth(selection_.depth->image_format);
+    manifest_.depth_scale =
+        is_metric ? options_.depth_scale.value_or(kMetricScale) : kMillimetreScale;
+    if (selection_.color == nullptr) {
+      warn("no colour topic is taken; frames are grey, in which no tags are found");
+    } else if (selection_.color->frames != selection_.depth->frames) {
+      warn("depth and colour are in frames '" + joined(selection_.depth->frames) + "' and '" +
+           joined(selection_.color->frames) + "'; record depth that is registered to colour");
+    }
+    return {};
+  }
+
+  static std::string joined(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+  }
+
+  Expected<void> write_series(const SeriesImporter& importer, RecordingWriter& writer) {
+    Expected<ImportedSeries<Trajectory>> tool = tip_series(importer);
+    if (!tool) return tool.error();
+    if (!tool->content.empty()) {
+      if (auto written = writer.write_tool(tool->content); !written) return written;
+    }
+    add_stream(tool->stream);
+    if (selection_.wrench != nullptr) {
+      const auto wrench = importer.wrench(tool->content);
+      if (!wrench) return wrench.error();
+      if (auto written = writer.write_wrench(wrench->content); !written) return written;
+      add_stream(wrench->stream);
+    }
+    if (selection_.joints != nullptr) {
+      const auto joints = importer.joints();
+      if (!joints) return joints.error();
+      if (joints->stream.rows > 0) {
+        if (auto written = writer.write_joints(joints->content); !written) return written;
+      }
+      add_stream(joints->stream);
+    }
+    for (const auto& [name, topic] : selection_.objects) {
+      if (const auto written = write_object(importer, name, *topic); !written) return written;
+    }
+    return {};
+  }
+
+  /// Of the tip, by its place in the tool's frame.
+  Expected<ImportedSeries<Trajectory>> tip_series(const SeriesImporter& importer) const {
+    Expected<ImportedSeries<Trajectory>> tool = tool_series(importer);
+    if (!tool || options_.p_tool_tip.isZero(0.0)) return tool;
+    Trajectory T_base_tip;
+    for (const TimedPose& pose : tool->content.poses()) {
+      T_base_tip.append(pose.stamp, pose.pose * Pose::from_translation(options_.p_tool_tip));
+    }
+    tool->content = std::move(T_base_tip);
+    return tool;
+  }
+
+  Expected<ImportedSeries<Trajectory>> tool_series(const SeriesImporter& importer) const {
+    if (selection_.tool != nullptr) {
+      const auto& rows = streams_.poses.at(selection_.tool).rows;
+      if (!rows.empty() && !rows.front().value.has_orientation) {
+        warn(selection_.tool->topic.name +
+             ": points have no orientation; the tool keeps that of the base");
+      }
+      return importer.poses(*selection_.tool, "tool.csv");
+    }
+    if (options_.topics.tool_frame.empty()) return ImportedSeries<Trajectory>{};
+    const std::string frame = frame_name(options_.topics.tool_frame);
+    auto series = importer.frame(frame, "tool.csv", {});
+    if (series && series->content.empty()) {  // all links are fixed
+      series = importer.frame(frame, "tool.csv", {survey_.first, survey_.last});
+    }
+    return series;
+  }
+
+  Expected<void> write_object(const SeriesImporter& importer, const std::string& name,
+                              const SurveyedTopic& topic) {
+    const fs::path file = fs::path("tracked") / "objects" / name / "tracked.txt";
+    const auto poses = importer.poses(topic, file.string());
+    if (!poses) return poses.error();
+    std::error_code code;
+    fs::create_directories((target_ / file).parent_path(), code);
+    if (auto written = write_file(target_ / file, format_trajectory(poses->content)); !written) {
+      return written;
+    }
+    add_stream(poses->stream);
+    return {};
+  }
+
+  Expected<void> write_frames(const SeriesImporter& importer, const StampRule& stamps,
+                              RecordingWriter& writer) {
+    if (selection_.depth == nullptr) return {};
+    const std::vector<FramePlan> plan = plan_frames(streams_, options_);
+    if (plan.empty()) {
+      return Error{.message = "has no depth and colour images that are at most 20 ms apart",
+                   .file = bag_.string(),
+                   .hint = "choose other topics, or a smaller --first"};
+    }
+    const auto counts = import_frames(bag_, selection_, stamps, plan, *manifest_.camera,
+                                      manifest_.depth_scale, writer, observer_);
+    if (!counts) return counts.error();
+    if (counts->frames == 0) {
+      return Error{.message = "no frame can be imported: " + counts->left_out_reason,
+                   .file = bag_.string(),
+                   .place = selection_.depth->topic.name,
+                   .hint =
+                       "record depth that is registered to colour, or import depth alone with "
+                       "--colour-topic none"};
+    }
+    ImportedStream stream{.file = "rgb, depth", .topic = selection_.depth->topic.name};
+    if (selection_.color != nullptr) stream.topic += ", " + selection_.color->topic.name;
+    stream.rows = counts->frames;
+    stream.left_out = counts->left_out;
+    stream.left_out_reason = counts->left_out_reason;
+    stream.delay = selection_.depth->delay;
+    stream.has_receive_stamps = stamps.uses_log_time(*selection_.depth);
+    stream.frame = joined(selection_.depth->frames);
+    add_stream(stream);
+    return write_camera_poses(importer, plan, writer);
+  }
+
+  /// By their topic, or by TF at the stamps of the images.
+  Expected<void> write_camera_poses(const SeriesImporter& importer,
+                                    const std::vector<FramePlan>& plan, RecordingWriter& writer) {
+    const std::string frame =
+        selection_.depth->frames.empty() ? "" : selection_.depth->frames.front();
+    const bool is_in_tf = may_place_camera(selection_) && !frame.empty() &&
+                          streams_.frames.chain(selection_.base_frame, frame).has_value();
+    if (selection_.camera_pose == nullptr && !is_in_tf) return {};
+    std::vector<Stamp> at;
+    for (const FramePlan& images : plan) at.insert(at.end(), {images.depth, images.color});
+    std::sort(at.begin(), at.end());
+    at.erase(std::unique(at.begin(), at.end()), at.end());
+    const auto poses = selection_.camera_pose != nullptr
+                           ? importer.poses(*selection_.camera_pose, "groundtruth.txt")
+                           : importer.frame(frame, "groundtruth.txt", at);
+    if (!poses) return poses.error();
+    add_stream(poses->stream);
+    if (poses->content.empty()) return {};
+    return writer.write_groundtruth(poses->content);
+  }
+
+  void add_stream(const ImportedStream& stream) {
+    if (!stream.file.empty()) report_.streams.push_back(stream);
+  }
+
+  const fs::path& bag_;
+  const fs::path& target_;
+  const BagImportOptions& options_;
+  const Observer& observer_;
+  BagSurvey survey_;
+  BagSelection selection_;  ///< points into survey_
+  BagStreams streams_;
+  Manifest manifest_;
+  BagImportReport report_;
+};
+
+}  // namespace
+
+Expected<BagImportReport> import_bag(const fs::path& bag, const fs::path& target,
+                                     const BagImportOptions& options, const Observer& observer) {
+  PCAVR_REQUIRE(options.stride >= 1, options.stride);
+  return BagImport(bag, target, options, observer).run();
+}
+
+}  // namespace pcavr

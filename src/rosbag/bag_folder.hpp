@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+
+namespace pcavr {
+
+/// What metadata.yaml of a rosbag2 folder states, as far as it is used: its times and counts may be
+/// wrong.
+struct BagFolder {
+  std::vector<std::filesystem::path> files;  ///< in order
+  bool is_message_compressed = false;        ///< each payload alone, with zstd
+  std::vector<std::string> warnings;
+};
+
+/// Whether the folder has metadata.yaml of rosbag2, or .mcap or .db3 files.
+[[nodiscard]] bool is_bag_folder(const std::filesystem::path& folder);
+
+/// The files that metadata.yaml lists; without it, or where none of these is there, all .mcap or
+/// .db3 files of the folder by name, with numbers in it in their order.
+[[nodiscard]] Expected<BagFolder> read_bag_folder(const std::filesystem::path& folder);
+
+}  // namespace pcavr
