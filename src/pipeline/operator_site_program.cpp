@@ -16,11 +16,13 @@
 #include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
 #include "pcavr/link/link_clock.hpp"
+#include "pcavr/pipeline/black_box.hpp"
 #include "pcavr/pipeline/link_sites.hpp"
 
 #include "delayed_transport.hpp"
 #include "site_clock.hpp"
 #include "site_priority.hpp"
+#include "site_reporter.hpp"
 #include "site_steps.hpp"
 
 namespace pcavr {
@@ -46,6 +48,7 @@ static_assert(are_valid_fields(kOperatorSiteFields));
 constexpr double kHelloInterval = 0.1;       // [s] below the robot site's timeout
 constexpr double kFirstPingInterval = 0.01;  // [s] until the first command
 constexpr double kPingInterval = 0.1;        // [s]
+constexpr double kLinkInterval = 1.0;        // [s] between two statistics in the log
 constexpr std::size_t kMinRoundTrips = 10;
 constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
 constexpr double kRequestInterval =
@@ -78,8 +81,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
         teleop_(teleop),
         scene_(scene),
         options_(options),
-        observer_(observer),
-        log_(runtime.log != nullptr ? *runtime.log : no_log_),
+        reporter_(observer, runtime.log),
+        log_(reporter_.log()),
         new_session_(runtime.new_session ? runtime.new_session : random_session),
         prepares_at_once_(runtime.prepares_at_once),
         clock_(runtime.clock),
@@ -87,7 +90,9 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
         next_event_(clock_.now() + kIdleWait),
         network_(client, network),
         session_(new_session_()),
-        last_received_(clock_.now()) {}
+        last_received_(clock_.now()) {
+    log_.on_start(clock_.now());
+  }
 
   [[nodiscard]] double until_due() const override {
     // A simulated arrival is also an event.
@@ -120,7 +125,9 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
  private:
   void act(double now) {
+    reporter_.check_log();
     check_link(now);
+    if (site_) log_link(now);
     if (!site_) person_.wait(link_at(now));
     request(now);
     if (site_ && now < local_time_of(next_cycle_)) {
@@ -153,6 +160,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     message_.header = {++sequence_, session_, now};
     message_.content = std::forward<Content>(content);
     encode_link_message(message_, bytes_);
+    if (SiteReporter::is_logged(message_)) log_.on_sent(now, bytes_);
     network_.send(now, bytes_);
   }
 
@@ -168,6 +176,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       ++report_.invalid_messages;
       return;
     }
+    if (SiteReporter::is_logged(*message)) log_.on_received(now, bytes);
     if (const auto* rejected = std::get_if<LinkReject>(&message->content)) {
       if (message->header.session == session_ || message->header.session == 0) {
         on_reject(*rejected);
@@ -206,6 +215,17 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
                           local(state_->t),        local(header.clock),
                           clock_.monotonic(now)};
     report_.delays.add(*delays_);
+    log_.on_delays(now, *delays_);
+  }
+
+  void log_link(double now) {
+    if (now < next_link_) return;
+    next_link_ = now + kLinkInterval;
+    log_.on_link(now, {.clock_offset = shared_clock_.shared_at(now) - now,
+                       .clock_std = shared_clock_.std(),
+                       .round_trip = shared_clock_.min_delay(),
+                       .delay_variation = shared_clock_.delay_variation(),
+                       .lead = lead_});
   }
 
   [[nodiscard]] OperatorLink link_at(double now) const {
@@ -324,12 +344,13 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     }
     has_connected_ = true;
     site_.emplace(std::move(*site));
+    next_link_ = now;
     if (welcome_->follows_commands) place_objects();
     person_.begin(*site_);
     corrections_ = {};
     if (lost_at_) {
       report_.interruptions.back().duration = now - *lost_at_;
-      observer_.on_note(fmt::format("connected again after {:.2f} s", now - *lost_at_));
+      reporter_.note(now, fmt::format("connected again after {:.2f} s", now - *lost_at_));
       lost_at_.reset();
     }
   }
@@ -401,7 +422,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     for (const LinkCorrection& correction : corrections_.take()) {
       const double t = correction.t - welcome_->start;
       const bool is_valid = site_->apply(t, correction.bytes);
-      log_.on_applied(session_, correction, is_valid);
+      log_.on_applied(now, session_, correction, is_valid);
       if (!is_valid) {
         ++report_.invalid_messages;
         continue;
@@ -443,7 +464,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   /// The clutch opens: no command is sent until a new session begins from the robot's state.
   void lose(double now, const std::string& reason) {
     if (!lost_at_ && site_) {
-      observer_.on_warning(reason + ": the clutch is open, connecting again");
+      reporter_.warn(now, reason + ": the clutch is open, connecting again");
       report_.interruptions.push_back({scene_time_of(next_cycle_), 0.0});
       lost_at_ = now;
     }
@@ -482,8 +503,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   const TeleopOptions& teleop_;
   const SiteScene& scene_;
   const OperatorSiteOptions& options_;
-  const Observer& observer_;
-  SiteLog no_log_;
+  SiteReporter reporter_;
   SiteLog& log_;
   std::function<std::uint32_t()> new_session_;
   bool prepares_at_once_;
@@ -516,6 +536,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   double last_received_;
   double next_hello_ = 0.0;
   double next_ping_ = 0.0;
+  double next_link_ = 0.0;
   std::optional<double> lost_at_;
   std::optional<Error> fault_;
   bool is_done_ = false;
@@ -532,11 +553,16 @@ OptionSection section_of(OperatorSiteOptions& options) {
   return make_section("operator_site", options, kOperatorSiteFields);
 }
 
-Expected<OperatorSiteReport> run_operator_site(
-    LinkClient& client, OperatorInterface& person, const TeleopInput& world,
-    const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
-    const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop) {
-  OperatorSiteLoop loop(client, person, world, teleop, scene, options, network, observer, {});
+Expected<OperatorSiteReport> run_operator_site(LinkClient& client, OperatorInterface& person,
+                                               const TeleopInput& world,
+                                               const TeleopOptions& teleop, const SiteScene& scene,
+                                               const OperatorSiteOptions& options,
+                                               const SimulatedNetwork& network,
+                                               const Observer& observer,
+                                               const std::atomic<bool>& stop, BlackBox* black_box) {
+  SiteRuntime runtime;
+  if (black_box != nullptr) runtime.log = &black_box->log();
+  OperatorSiteLoop loop(client, person, world, teleop, scene, options, network, observer, runtime);
   request_site_priority(observer);
   while (!stop && !loop.is_finished()) {
     client.wait(loop.until_due());

@@ -13,10 +13,12 @@
 
 #include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
+#include "pcavr/pipeline/black_box.hpp"
 #include "pcavr/pipeline/link_sites.hpp"
 
 #include "site_clock.hpp"
 #include "site_priority.hpp"
+#include "site_reporter.hpp"
 #include "site_steps.hpp"
 
 namespace pcavr {
@@ -72,14 +74,15 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         site_(site),
         scene_(scene),
         options_(options),
-        observer_(observer),
-        log_(runtime.log != nullptr ? *runtime.log : no_log_),
+        reporter_(observer, runtime.log),
+        log_(reporter_.log()),
         clock_(runtime.clock),
         limiter_(options.limits, robot.p_base_start()),
         cpu_before_(thread_cpu()),
         next_cycle_(clock_.now() + options.cycle),
         last_step_(clock_.now()) {
     if (robot.follows_commands()) start_ = 0.0;
+    log_.on_start(clock_.now());
   }
 
   [[nodiscard]] double until_due() const override { return next_cycle_ - clock_.now(); }
@@ -133,6 +136,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       send_state(now);
     }
     for (const std::string& notice : server_.take_notices()) warn(notice, now);
+    reporter_.check_log();
   }
 
   void receive() {
@@ -142,6 +146,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       const double now = clock_.now();
       const Expected<LinkMessage> message = decode_link_message(packet->bytes);
       if (message) {
+        if (SiteReporter::is_logged(*message)) log_.on_received(now, packet->bytes);
         on_message(*packet, *message, now);
         continue;
       }
@@ -168,9 +173,9 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     if (const auto* command = std::get_if<LinkCommand>(&message.content)) {
       on_command(*command, now);
     } else if (const auto* stop = std::get_if<LinkStop>(&message.content)) {
-      on_stop(message.header.sequence, *stop);
+      on_stop(message.header.sequence, *stop, now);
     } else if (std::holds_alternative<LinkReject>(message.content)) {
-      observer_.on_note("the operator's site has ended: the tool holds");
+      reporter_.note(now, "the operator's site has ended: the tool holds");
       has_silence_hold_ = true;
       end_session();
     } else if (const auto* acknowledged = std::get_if<LinkAcknowledgement>(&message.content)) {
@@ -230,8 +235,8 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       site_.restart(std::max(now - *start_, 0.0));
     }
     has_silence_hold_ = false;
-    observer_.on_note("operator's site connected: " +
-                      (hello.name.empty() ? std::string("without name") : hello.name));
+    reporter_.note(now, "operator's site connected: " +
+                            (hello.name.empty() ? std::string("without name") : hello.name));
     welcome();
   }
 
@@ -247,7 +252,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   }
 
   /// One that a newer one has overtaken, or that arrives twice, must not undo the newer one.
-  void on_stop(std::uint32_t sequence, LinkStop stop) {
+  void on_stop(std::uint32_t sequence, LinkStop stop, double now) {
     if (sequence <= session_->newest_stop) return;
     session_->newest_stop = sequence;
     switch (stop) {
@@ -258,12 +263,12 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         if (!is_stopped_) is_on_hold_ = false;
         break;
       case LinkStop::emergency_stop:
-        if (!is_stopped_) observer_.on_warning("emergency stop: the tool holds until its release");
+        if (!is_stopped_) reporter_.warn(now, "emergency stop: the tool holds until its release");
         report_.emergency_stops += is_stopped_ ? 0U : 1U;
         is_stopped_ = is_on_hold_ = true;
         break;
       case LinkStop::reset:
-        if (is_stopped_) observer_.on_note("the emergency stop was released: on hold");
+        if (is_stopped_) reporter_.note(now, "the emergency stop was released: on hold");
         is_stopped_ = false;
         break;
     }
@@ -275,7 +280,8 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     if (now - session_->last_received > options_.commands.timeout) {
       ++report_.holds;
       has_silence_hold_ = true;
-      observer_.on_warning(
+      reporter_.warn(
+          now,
           fmt::format("nothing from the operator's site for {:.2f} s: the tool is brought to rest "
                       "within {:.2f} s, and holds",
                       now - session_->last_received, options_.limits.max_hold_time()));
@@ -286,7 +292,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     if (server_.is_authorized(session_->key)) return;
     const LinkPacket packet{session_->peer, {}, {}};
     reject(packet, session_->id, LinkRejection::revoked, "the key of this operator was revoked");
-    observer_.on_warning("the operator's key was revoked: the tool holds");
+    reporter_.warn(now, "the operator's key was revoked: the tool holds");
     has_silence_hold_ = true;
     end_session();
   }
@@ -330,16 +336,19 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     for (const RobotSamples::Tool& tool : samples_.tool) {
       site_.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool);
       tool_ = tool;
+      log_.on_tool(*start_ + tool.t, tool);
     }
     for (const RobotSamples::Wrench& wrench : samples_.wrench) {
       site_.add_wrench(wrench.t, wrench.force_base);
       force_base_ = wrench.force_base;
       torque_base_ = wrench.torque_base;
+      log_.on_wrench(*start_ + wrench.t, wrench);
     }
     for (const RobotSamples::Tracked& tracked : samples_.tracked) {
       site_.add_tracked(tracked.object, tracked.pose);
       if (tracked_.size() <= tracked.object) tracked_.resize(tracked.object + 1);
       tracked_[tracked.object] = tracked.pose;
+      log_.on_tracked(*start_ + tracked.pose.t, tracked);
     }
     if (!session_) site_.idle(now - *start_);
   }
@@ -407,6 +416,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     message_.header = {++sequence_, session, clock_.now()};
     message_.content = std::forward<Content>(content);
     encode_link_message(message_, bytes_);
+    if (SiteReporter::is_logged(message_)) log_.on_sent(message_.header.clock, bytes_);
     server_.send(peer, bytes_);
   }
 
@@ -419,7 +429,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     if (line == last_notice_ && now < last_notice_at_ + kMinNoticeInterval) return;
     last_notice_ = line;
     last_notice_at_ = now;
-    observer_.on_warning(line);
+    reporter_.warn(now, line);
   }
 
   RobotTransport& server_;
@@ -427,8 +437,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   LiveRobotSite& site_;
   const SiteScene& scene_;
   const RobotSiteOptions& options_;
-  const Observer& observer_;
-  SiteLog no_log_;
+  SiteReporter reporter_;
   SiteLog& log_;
   SiteClock clock_;  ///< the shared one
   MotionLimiter limiter_;
@@ -475,8 +484,10 @@ OptionSection section_of(RobotSiteOptions& options) {
 Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& robot,
                                          LiveRobotSite& site, const SiteScene& scene,
                                          const RobotSiteOptions& options, const Observer& observer,
-                                         const std::atomic<bool>& stop) {
-  RobotSiteLoop loop(server, robot, site, scene, options, observer, {});
+                                         const std::atomic<bool>& stop, BlackBox* black_box) {
+  SiteRuntime runtime;
+  if (black_box != nullptr) runtime.log = &black_box->log();
+  RobotSiteLoop loop(server, robot, site, scene, options, observer, runtime);
   request_site_priority(observer);
   while (!stop && !loop.is_finished()) {
     server.wait(loop.until_due());

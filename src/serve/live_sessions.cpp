@@ -293,11 +293,12 @@ void LiveSessions::take_tool(PageId id, double now) {
       if (previous != id) on_change({ToolAssignment::Change::Reason::idle, previous, id}, now);
       return;
     case ToolAssignment::Answer::asked:
-      send_notice(id, LiveLevel::info,
-                  fmt::format("asked for the tool: another page has it, and hands it over, or loses "
-                              "it after {} s with its clutch open",
-                              tool_.idle_time()),
-                  now);
+      send_notice(
+          id, LiveLevel::info,
+          fmt::format("asked for the tool: another page has it, and hands it over, or loses "
+                      "it after {} s with its clutch open",
+                      tool_.idle_time()),
+          now);
       return;
     case ToolAssignment::Answer::refused_before:
       send_notice(id, LiveLevel::warning,

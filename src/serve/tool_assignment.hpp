@@ -11,9 +11,9 @@ namespace pcavr {
 
 /// Which page has the tool, and which ask for it. Without messages; times [s] ascend.
 ///
-/// A page that asks gets a free tool at once. One that another page uses goes to the first that asks
-/// when that page hands it over, releases it, leaves, or has not held the clutch for the idle time;
-/// unless it refuses.
+/// A page that asks gets a free tool at once. One that another page uses goes to the first that
+/// asks when that page hands it over, releases it, leaves, or has not held the clutch for the idle
+/// time; unless it refuses.
 class ToolAssignment {
  public:
   using PageId = std::uint32_t;
@@ -26,8 +26,8 @@ class ToolAssignment {
   };
   enum class Answer { given, asked, already_asked, refused_before };
 
-  /// `timeout` [s]: a page that holds the clutch and is silent for longer loses the tool (watchdog).
-  /// `idle_time` [s]: see above; a page that was refused can't ask again for as long.
+  /// `timeout` [s]: a page that holds the clutch and is silent for longer loses the tool
+  /// (watchdog). `idle_time` [s]: see above; a page that was refused can't ask again for as long.
   ToolAssignment(double timeout, double idle_time) : timeout_(timeout), idle_time_(idle_time) {}
 
   [[nodiscard]] std::optional<PageId> holder() const { return holder_; }

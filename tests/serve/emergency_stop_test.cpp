@@ -80,9 +80,9 @@ TEST(OperatorPageStop, TheDevicesButtonIsOneRequestToTheRobotsSite) {
   DeviceSample sample{test::kToolStart, Eigen::Quaterniond::Identity(), false, true};
   HapticWorldModel model = test::one_box_on_a_table();
   const std::string box = model.world.bodies.front().model.name;
-  auto page = OperatorPage::create(std::move(model), {box},
-                                   std::make_unique<test::ScriptedDevice>(sample),
-                                   test::options_with_tool_start(), MotionLimits());
+  auto page =
+      OperatorPage::create(std::move(model), {box}, std::make_unique<test::ScriptedDevice>(sample),
+                           test::options_with_tool_start(), MotionLimits());
   ASSERT_TRUE(page) << page.error().to_string();
   OperatorLink link;
   const auto requests = [&] {

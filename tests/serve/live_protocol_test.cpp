@@ -85,10 +85,10 @@ TEST(LiveProtocol, PageMessagesSurviveARoundTrip) {
     EXPECT_EQ(same.is_engaged, tool.is_engaged);
     EXPECT_EQ(same.device, tool.device);
   }
-  for (const auto command : {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset,
-                             LiveCommand::take_tool, LiveCommand::release_tool, LiveCommand::slower,
-                             LiveCommand::faster, LiveCommand::undo_reset, LiveCommand::hand_over_tool,
-                             LiveCommand::keep_tool}) {
+  for (const auto command :
+       {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset, LiveCommand::take_tool,
+        LiveCommand::release_tool, LiveCommand::slower, LiveCommand::faster,
+        LiveCommand::undo_reset, LiveCommand::hand_over_tool, LiveCommand::keep_tool}) {
     const auto read = decode_page_message(encode(PageMessage{{9, 1.0}, command}));
     ASSERT_TRUE(read);
     EXPECT_EQ(std::get<LiveCommand>(read->content), command);
