@@ -36,7 +36,7 @@ void add_site_options(CLI::App& command, SiteArguments& arguments) {
   command.add_option(
       "--log", arguments.log,
       "Black box: write what this site sends, receives and measures to this new MCAP "
-      "file, some 0.5 GB an hour; readable also after a crash");
+      "file, some 1 GB an hour; readable also after a crash");
 }
 
 Expected<std::optional<LinkKeys>> keys_of(const SiteArguments& arguments) {

@@ -174,6 +174,7 @@ TEST(BlackBox, WritesWhatASiteDoesWithTypesThatOtherToolsKnow) {
   EXPECT_EQ(bag.json("/corrections", 0)["action"], "received");
   EXPECT_EQ(bag.json("/corrections", 1)["action"], "not valid");
   EXPECT_EQ(bag.json("/corrections", 1)["data"], "0102ff");
+  EXPECT_NEAR(to_seconds(bag.stamps.at("/corrections").at(1) - sent), 1.0, 1e-6);
   EXPECT_EQ(bag.json("/delays", 0)["received_back"], 2.5);
   EXPECT_EQ(bag.json("/link", 0)["round_trip"], 0.4);
 }
