@@ -18,6 +18,7 @@
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/identify_robot.hpp"
+#include "pcavr/pipeline/black_box.hpp"
 #include "pcavr/pipeline/link_sites.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/robot/arm_follower.hpp"
@@ -52,6 +53,7 @@ struct Configuration {
   ArmQueryOptions arm_query;  ///< its drive is arm_drive
   RobotSiteOptions robot_site;
   OperatorSiteOptions operator_site;
+  BlackBoxOptions black_box;
 
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }

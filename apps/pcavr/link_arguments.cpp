@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "pcavr/object/parameters_file.hpp"
 #include "pcavr/serve/scene_content.hpp"
 
@@ -31,6 +33,10 @@ void add_site_options(CLI::App& command, SiteArguments& arguments) {
       ->capture_default_str();
   command.add_option("--key", arguments.key,
                      "This site's secret key, from pcavr keygen; only loopback works without");
+  command.add_option(
+      "--log", arguments.log,
+      "Black box: write what this site sends, receives and measures to this new MCAP "
+      "file, some 1 GB an hour; readable also after a crash");
 }
 
 Expected<std::optional<LinkKeys>> keys_of(const SiteArguments& arguments) {
@@ -58,9 +64,35 @@ SiteScene site_scene_of(const SceneManifest& scene, const TeleopInput& world) {
   SiteScene result{.name = scene_name(scene),
                    .version = PCAVR_VERSION,
                    .objects = {},
-                   .tool_radius = world.tool_radius};
-  for (const TeleopObject& object : world.objects) result.objects.push_back(object.name);
+                   .tool_radius = world.tool_radius,
+                   .T_base_objects = {}};
+  for (const TeleopObject& object : world.objects) {
+    result.objects.push_back(object.name);
+    result.T_base_objects.push_back(object.T_base_object);
+  }
   return result;
+}
+
+Expected<std::unique_ptr<BlackBox>> open_black_box(const SiteArguments& arguments,
+                                                   const SiteScene& scene,
+                                                   const Configuration& configuration) {
+  if (arguments.log.empty()) return std::unique_ptr<BlackBox>();
+  return BlackBox::create(arguments.log, scene, configuration.black_box);
+}
+
+void close_black_box(BlackBox* black_box, const std::string& file, const Observer& observer,
+                     CommandResult& result) {
+  if (black_box == nullptr) return;
+  const Expected<BlackBox::Summary> written = black_box->close();
+  if (!written)
+    return observer.on_warning("the log is not complete: " + written.error().to_string());
+  result.summary +=
+      fmt::format("log        {} messages, {:.1f} MB, {} records dropped: {}\n", written->messages,
+                  1e-6 * static_cast<double>(written->bytes), written->dropped, file);
+  result.json["log"] = {{"file", file},
+                        {"messages", written->messages},
+                        {"bytes", written->bytes},
+                        {"dropped", written->dropped}};
 }
 
 const std::atomic<bool>& stop_on_signals() {

@@ -4,9 +4,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "pcavr/link/link_keys.hpp"
+#include "pcavr/pipeline/black_box.hpp"
 #include "pcavr/pipeline/link_sites.hpp"
 #include "pcavr/pipeline/replay.hpp"
 
@@ -23,6 +25,7 @@ struct SiteArguments {
   std::string host = "127.0.0.1";
   std::uint16_t port = 5670;
   std::string key;  ///< file
+  std::string log;  ///< file
 };
 void add_site_options(CLI::App& command, SiteArguments& arguments);
 
@@ -33,6 +36,14 @@ void add_site_options(CLI::App& command, SiteArguments& arguments);
 [[nodiscard]] Expected<ReplayOptions> site_options(const SiteArguments& arguments,
                                                    const Configuration& configuration);
 [[nodiscard]] SiteScene site_scene_of(const SceneManifest& scene, const TeleopInput& world);
+
+/// The black box of --log; null without it.
+[[nodiscard]] Expected<std::unique_ptr<BlackBox>> open_black_box(
+    const SiteArguments& arguments, const SiteScene& scene, const Configuration& configuration);
+/// Closes it, and adds to the site's result what it contains. What could not be written is a
+/// warning: the site's result is worth more.
+void close_black_box(BlackBox* black_box, const std::string& file, const Observer& observer,
+                     CommandResult& result);
 
 /// Becomes true with SIGINT or SIGTERM, from then on.
 [[nodiscard]] const std::atomic<bool>& stop_on_signals();

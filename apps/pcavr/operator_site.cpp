@@ -116,13 +116,17 @@ Expected<CommandResult> run_recorded(const OperatorSiteArguments& arguments, Ope
   const Expected<std::unique_ptr<OperatorInterface>> person =
       make_recorded_operator(inputs.world, inputs.options.teleop);
   if (!person) return person.error();
+  const SiteScene scene = site_scene_of(inputs.scene, inputs.world);
+  const auto black_box = open_black_box(arguments.site, scene, configuration);
+  if (!black_box) return black_box.error();
   const std::atomic<bool>& stop = stop_on_signals();
-  const Expected<OperatorSiteReport> report =
-      run_operator_site(*client, **person, inputs.world, inputs.options.teleop,
-                        site_scene_of(inputs.scene, inputs.world), configuration.operator_site,
-                        arguments.network, observer, stop);
+  const Expected<OperatorSiteReport> report = run_operator_site(
+      *client, **person, inputs.world, inputs.options.teleop, scene, configuration.operator_site,
+      arguments.network, observer, stop, black_box->get());
   if (!report) return report.error();
-  return describe_operator_site(*report);
+  CommandResult result = describe_operator_site(*report);
+  close_black_box(black_box->get(), arguments.site.log, observer, result);
+  return result;
 }
 
 Expected<std::unique_ptr<OperatorPage>> make_operator_page(const OperatorSiteArguments& arguments,
@@ -147,20 +151,24 @@ Expected<CommandResult> run_both(LiveServer& server, OperatorPage& page, LinkCli
                                  const OperatorSiteArguments& arguments,
                                  const OperatorInputs& inputs, const Configuration& configuration,
                                  const Observer& observer) {
+  const SiteScene scene = site_scene_of(inputs.scene, inputs.world);
+  const auto black_box = open_black_box(arguments.site, scene, configuration);
+  if (!black_box) return black_box.error();
   std::atomic<bool> stop = false;
   std::optional<Expected<OperatorSiteReport>> report;
   std::thread site([&] {
-    report.emplace(run_operator_site(client, page, inputs.world, inputs.options.teleop,
-                                     site_scene_of(inputs.scene, inputs.world),
-                                     configuration.operator_site, arguments.network, observer,
-                                     stop));
+    report.emplace(run_operator_site(client, page, inputs.world, inputs.options.teleop, scene,
+                                     configuration.operator_site, arguments.network, observer, stop,
+                                     black_box->get()));
     server.stop();
   });
   server.run();
   stop = true;
   site.join();
   if (!*report) return report->error();
-  return describe_operator_site(**report);
+  CommandResult result = describe_operator_site(**report);
+  close_black_box(black_box->get(), arguments.site.log, observer, result);
+  return result;
 }
 
 Expected<CommandResult> run_page(OperatorSiteArguments arguments, OperatorInputs& inputs,

@@ -168,13 +168,18 @@ Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
   const double start = input.t_tool.empty() ? 0.0 : input.t_tool.front();
   Expected<LiveRobotSite> site = LiveRobotSite::create(input, options->teleop, start);
   if (!site) return site.error();
+  const SiteScene site_scene = site_scene_of(*scene, input);
+  const auto black_box = open_black_box(arguments.site, site_scene, configuration);
+  if (!black_box) return black_box.error();
   const std::atomic<bool>& stop = stop_on_signals();
   announce(*server, *robot, arguments);
   const Expected<RobotSiteReport> report =
-      run_robot_site(*server, *robot, *site, site_scene_of(*scene, input), configuration.robot_site,
-                     observer, stop);
+      run_robot_site(*server, *robot, *site, site_scene, configuration.robot_site, observer, stop,
+                     black_box->get());
   if (!report) return report.error();
-  return describe_robot_site(*report);
+  CommandResult result = describe_robot_site(*report);
+  close_black_box(black_box->get(), arguments.site.log, observer, result);
+  return result;
 }
 
 }  // namespace

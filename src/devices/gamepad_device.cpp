@@ -15,6 +15,7 @@
 
 #include "devices/newest.hpp"
 #include "devices/rate_tip.hpp"
+#include "devices/stop_button.hpp"
 
 namespace pcavr {
 namespace {
@@ -80,6 +81,11 @@ RateCommand command_of(SDL_GameController* controller, double dead_zone) {
   return {{level.x(), level.y(), upright.y()}, is_engaged, true};
 }
 
+bool is_pressed(SDL_GameController* controller, int button) {
+  return SDL_GameControllerGetButton(controller, static_cast<SDL_GameControllerButton>(button)) !=
+         0;
+}
+
 std::uint16_t strength(double ratio) {
   return static_cast<std::uint16_t>(std::lround(std::clamp(ratio, 0.0, 1.0) * 65535.0));
 }
@@ -105,6 +111,7 @@ struct GamepadDevice::Content {
   std::string name = "gamepad";
   RateTip tip;
   Newest<RateCommand> newest;
+  StopButton stop;
   std::atomic<float> heavy{0.0F};  ///< 0 to 1
   std::atomic<float> light{0.0F};  ///< 0 to 1
   std::atomic<bool> is_stopping{false};
@@ -122,6 +129,7 @@ void GamepadDevice::Content::run() noexcept {
       controller.reset();
     }
     if (!controller) controller = first_controller();
+    stop.set(controller && is_pressed(controller.get(), options.stop_button));
     newest.put(controller ? command_of(controller.get(), options.dead_zone) : RateCommand{});
     if (controller) rumble();
     std::this_thread::sleep_for(kPeriod);
@@ -137,6 +145,9 @@ Expected<std::unique_ptr<GamepadDevice>> GamepadDevice::open(const GamepadOption
                                                              const RateOptions& rate) {
   PCAVR_REQUIRE(std::isfinite(options.max_force) && options.max_force > 0.0, options.max_force);
   PCAVR_REQUIRE(options.dead_zone >= 0.0 && options.dead_zone < 1.0, options.dead_zone);
+  PCAVR_REQUIRE(options.stop_button >= 0 && options.stop_button < SDL_CONTROLLER_BUTTON_MAX &&
+                    options.stop_button != SDL_CONTROLLER_BUTTON_RIGHTSHOULDER,
+                options.stop_button);
   auto content = std::make_unique<Content>(options, rate);
   if (!content->subsystem.is_up()) {
     return Error{.message = std::string("no gamepad: SDL initialization failed: ") + SDL_GetError(),
@@ -162,7 +173,8 @@ std::string_view GamepadDevice::name() const noexcept { return content_->name; }
 DeviceSample GamepadDevice::exchange(double /*t*/, double dt,
                                      const DeviceFeedback& feedback) noexcept {
   Content& own = *content_;
-  const DeviceSample sample = own.tip.step(own.newest.get(), dt, feedback.p_base_tool);
+  DeviceSample sample = own.tip.step(own.newest.get(), dt, feedback.p_base_tool);
+  sample.is_stop_pressed = own.stop.take();
   // No vibration while the clutch is open, even if the world still has a force.
   const double force = sample.is_engaged ? feedback.force_base.norm() / own.options.max_force : 0.0;
   const double pulse = sample.is_engaged ? feedback.pulse : 0.0;

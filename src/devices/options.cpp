@@ -35,6 +35,8 @@ constexpr auto kRateFields = std::to_array<OptionField<RateOptions>>({
 });
 static_assert(are_valid_fields(kRateFields));
 
+constexpr int kShoulderButton = 10;  // SDL_CONTROLLER_BUTTON_RIGHTSHOULDER
+
 constexpr auto kGamepadFields = std::to_array<OptionField<GamepadOptions>>({
     // XInput's value for the left stick.
     {"dead_zone", &GamepadOptions::dead_zone, 0.24, 0.0, 0.9, "",
@@ -43,6 +45,10 @@ constexpr auto kGamepadFields = std::to_array<OptionField<GamepadOptions>>({
     {"max_force", &GamepadOptions::max_force, 5.0, 0.1, 1000.0, "N",
      "force of the heavy motor's maximum amplitude",
      "lower: every contact vibrates fully; higher: weak contacts are not felt"},
+    // The right face button, which the thumb reaches: SDL's order is A, B, X, Y, ...
+    {"stop_button", &GamepadOptions::stop_button, 1.0, 0.0, 14.0, "",
+     "SDL's number of the button that is the emergency stop; not 10, which closes the clutch",
+     "lower, higher: another button"},
 });
 static_assert(are_valid_fields(kGamepadFields));
 
@@ -51,6 +57,9 @@ constexpr auto kSpaceMouseFields = std::to_array<OptionField<SpaceMouseOptions>>
     {"full_deflection", &SpaceMouseOptions::full_deflection, 350.0, 1.0, 1e5, "counts",
      "counts of the cap's full deflection, at the daemon's sensitivity",
      "lower: full speed at a small deflection; higher: full speed is not reached"},
+    {"stop_button", &SpaceMouseOptions::stop_button, 1.0, 1.0, 255.0, "",
+     "the daemon's number of the button that is the emergency stop; 1 is the right one",
+     "lower, higher: another button"},
 });
 static_assert(are_valid_fields(kSpaceMouseFields));
 
@@ -132,7 +141,13 @@ OptionSection section_of(RateOptions& options) {
 
 GamepadOptions::GamepadOptions() { set_defaults(*this, kGamepadFields); }
 OptionSection section_of(GamepadOptions& options) {
-  return make_section("devices.gamepad", options, kGamepadFields);
+  OptionSection section = make_section("devices.gamepad", options, kGamepadFields);
+  section.check = [&options]() -> std::optional<Error> {
+    if (options.stop_button != kShoulderButton) return std::nullopt;
+    return Error{.message = "stop_button is the right shoulder button, which closes the clutch",
+                 .hint = "use another button: 1 is the right face button"};
+  };
+  return section;
 }
 
 SpaceMouseOptions::SpaceMouseOptions() { set_defaults(*this, kSpaceMouseFields); }

@@ -95,6 +95,7 @@ struct PluginDevice::Content {
   void* device = nullptr;
   std::string name;
   Clutch clutch;
+  bool is_stop_pressed = false;  ///< in the last call
   std::atomic<double> slowest{0.0};
   std::atomic<std::uint64_t> slow{0};
   std::atomic<std::uint64_t> faults{0};
@@ -126,6 +127,7 @@ std::optional<pcavr_device_sample> PluginDevice::Content::call(
   const std::chrono::duration<double> duration = std::chrono::steady_clock::now() - start;
   if (duration.count() > slowest) slowest = duration.count();
   if (duration.count() > options.slow_limit) ++slow;
+  is_stop_pressed = is_ok && sample.is_stop_pressed != 0;
   if (is_ok && (sample.is_present == 0 || is_valid(sample))) return sample;
   ++faults;
   return std::nullopt;
@@ -168,7 +170,7 @@ DeviceSample PluginDevice::exchange(double t, double dt, const DeviceFeedback& f
   const std::optional<pcavr_device_sample> sample = own.call(t, dt, feedback);
   if (!sample || sample->is_present == 0) {
     own.clutch.open();
-    return {};
+    return {.is_stop_pressed = own.is_stop_pressed};
   }
   const Eigen::Vector3d p_hand = own.q_base_operator * Eigen::Vector3d(sample->tip);
   if (sample->is_engaged == 0) own.clutch.open();
@@ -180,7 +182,8 @@ DeviceSample PluginDevice::exchange(double t, double dt, const DeviceFeedback& f
   return {.p_base_tip = is_engaged ? own.clutch.follow(p_hand, own.options.max_speed * dt) : p_hand,
           .q_base_tool = own.q_base_operator * Eigen::Quaterniond(sample->quaternion).normalized(),
           .is_engaged = is_engaged,
-          .is_present = true};
+          .is_present = true,
+          .is_stop_pressed = own.is_stop_pressed};
 }
 
 }  // namespace pcavr

@@ -20,6 +20,7 @@
 
 #include "devices/newest.hpp"
 #include "devices/rate_tip.hpp"
+#include "devices/stop_button.hpp"
 
 namespace pcavr {
 namespace {
@@ -76,7 +77,7 @@ bool has_ended(int socket) {
 
 struct SpaceMouseDevice::Content {
   Content(const SpaceMouseOptions& options, const RateOptions& rate)
-      : full_deflection(options.full_deflection), tip(rate) {}
+      : full_deflection(options.full_deflection), stop_button(options.stop_button), tip(rate) {}
   ~Content() {
     if (reader.joinable()) {
       eventfd_write(wake, 1);
@@ -93,8 +94,10 @@ struct SpaceMouseDevice::Content {
   Connection connection;  // closed after the thread has ended
   std::string name = "SpaceMouse";
   double full_deflection;  ///< [counts]
+  int stop_button;
   RateTip tip;
   Newest<RateCommand> newest;
+  StopButton stop;
   RateCommand command{.is_present = true};  ///< of the thread
   int wake = eventfd(0, EFD_CLOEXEC);       ///< ends the thread
   std::thread reader;
@@ -107,7 +110,11 @@ void SpaceMouseDevice::Content::process(const spnav_event& event) noexcept {
   if (event.type == SPNAV_EVENT_BUTTON && event.button.bnum == kLeftButton) {
     command.is_engaged = event.button.press != 0;
   }
+  if (event.type == SPNAV_EVENT_BUTTON && event.button.bnum == stop_button) {
+    stop.set(event.button.press != 0);
+  }
   if (event.type == SPNAV_EVENT_DEV) {
+    stop.set(false);
     command = {.is_present = event.dev.op == SPNAV_DEV_ADD};
   }
   newest.put(command);
@@ -123,6 +130,7 @@ void SpaceMouseDevice::Content::read() noexcept {
     spnav_event event;
     if (spnav_poll_event(&event) != 0) process(event);
   }
+  stop.set(false);
   newest.put({});
 }
 
@@ -135,6 +143,7 @@ Expected<std::unique_ptr<SpaceMouseDevice>> SpaceMouseDevice::open(const SpaceMo
                                                                    const RateOptions& rate) {
   PCAVR_REQUIRE(std::isfinite(options.full_deflection) && options.full_deflection > 0.0,
                 options.full_deflection);
+  PCAVR_REQUIRE(options.stop_button != kLeftButton, options.stop_button);
   auto content = std::make_unique<Content>(options, rate);
   if (content->connection.was_taken()) {
     return Error{.message = "the SpaceMouse is already open", .hint = "use the open device"};
@@ -162,7 +171,9 @@ std::string_view SpaceMouseDevice::name() const noexcept { return content_->name
 
 DeviceSample SpaceMouseDevice::exchange(double /*t*/, double dt,
                                         const DeviceFeedback& feedback) noexcept {
-  return content_->tip.step(content_->newest.get(), dt, feedback.p_base_tool);
+  DeviceSample sample = content_->tip.step(content_->newest.get(), dt, feedback.p_base_tool);
+  sample.is_stop_pressed = content_->stop.take();
+  return sample;
 }
 
 }  // namespace pcavr

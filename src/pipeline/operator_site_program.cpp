@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <functional>
-#include <future>
 #include <memory>
 #include <optional>
 #include <random>
@@ -16,11 +13,18 @@
 #include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
 #include "pcavr/link/link_clock.hpp"
+#include "pcavr/pipeline/black_box.hpp"
 #include "pcavr/pipeline/link_sites.hpp"
 
+#include "command_schedule.hpp"
+#include "connection_faults.hpp"
 #include "delayed_transport.hpp"
+#include "next_world.hpp"
+#include "robot_view.hpp"
+#include "safety_requests.hpp"
 #include "site_clock.hpp"
 #include "site_priority.hpp"
+#include "site_reporter.hpp"
 #include "site_steps.hpp"
 
 namespace pcavr {
@@ -46,11 +50,9 @@ static_assert(are_valid_fields(kOperatorSiteFields));
 constexpr double kHelloInterval = 0.1;       // [s] below the robot site's timeout
 constexpr double kFirstPingInterval = 0.01;  // [s] until the first command
 constexpr double kPingInterval = 0.1;        // [s]
+constexpr double kLinkInterval = 1.0;        // [s] between two statistics in the log
 constexpr std::size_t kMinRoundTrips = 10;
 constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
-constexpr double kRequestInterval =
-    0.02;  // [s] until a stop or a hold is seen in the robot's state
-constexpr double kPreparationMargin = 1.5;  // of the time that the last preparation took
 constexpr double kDelayVariations = 4.0;
 constexpr double kMaxEarly = 0.4;  // [s] that commands may arrive early: below max_lead
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
@@ -78,16 +80,19 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
         teleop_(teleop),
         scene_(scene),
         options_(options),
-        observer_(observer),
-        log_(runtime.log != nullptr ? *runtime.log : no_log_),
+        reporter_(observer, runtime.log),
+        log_(reporter_.log()),
         new_session_(runtime.new_session ? runtime.new_session : random_session),
-        prepares_at_once_(runtime.prepares_at_once),
+        next_world_(runtime.prepares_at_once),
+        schedule_(teleop.predictor.step),
         clock_(runtime.clock),
         cpu_before_(thread_cpu()),
         next_event_(clock_.now() + kIdleWait),
         network_(client, network),
         session_(new_session_()),
-        last_received_(clock_.now()) {}
+        last_received_(clock_.now()) {
+    log_.on_start(clock_.now());
+  }
 
   [[nodiscard]] double until_due() const override {
     // A simulated arrival is also an event.
@@ -103,7 +108,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     network_.transmit(clock_.now());
     // A recording may begin later: until then round trips keep the session alive.
     const double idle = clock_.now() + (site_ ? kFirstPingInterval : kIdleWait);
-    next_event_ = site_ ? std::min(local_time_of(next_cycle_), idle) : idle;
+    next_event_ = site_ ? std::min(next_local_time(), idle) : idle;
   }
 
   [[nodiscard]] bool is_finished() const override { return is_done_ || fault_; }
@@ -120,10 +125,12 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
  private:
   void act(double now) {
+    reporter_.check_log();
     check_link(now);
+    if (site_) log_link(now);
     if (!site_) person_.wait(link_at(now));
     request(now);
-    if (site_ && now < local_time_of(next_cycle_)) {
+    if (site_ && now < next_local_time()) {
       ping(now, kFirstPingInterval);
     } else if (site_) {
       cycle(now);
@@ -153,6 +160,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     message_.header = {++sequence_, session_, now};
     message_.content = std::forward<Content>(content);
     encode_link_message(message_, bytes_);
+    if (SiteReporter::is_logged(message_)) log_.on_sent(now, bytes_);
     network_.send(now, bytes_);
   }
 
@@ -161,13 +169,12 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     if (!message) {
       const std::optional<int> version = link_version_of(bytes);
       if (version && *version != kLinkVersion) {
-        fault_ = Error{.message = fmt::format("the robot's site uses pcavr-link {}, this one {}",
-                                              *version, kLinkVersion),
-                       .hint = "install the same version of pcavr at both sites"};
+        fault_ = other_link_version(*version);
       }
       ++report_.invalid_messages;
       return;
     }
+    if (SiteReporter::is_logged(*message)) log_.on_received(now, bytes);
     if (const auto* rejected = std::get_if<LinkReject>(&message->content)) {
       if (message->header.session == session_ || message->header.session == 0) {
         on_reject(*rejected);
@@ -192,54 +199,36 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   }
 
   void on_state(const LinkHeader& header, LinkState state, double now) {
-    if (header.sequence <= state_sequence_) return;  // overtaken
-    state_sequence_ = header.sequence;
-    state_ = std::move(state);
-    if (!shared_clock_.is_known()) return;
-    const std::optional<SentCommands::Sent> sent = sent_.find(state_->executed);
-    if (!sent) return;
-    const auto local = [this](double shared) {
-      return clock_.monotonic(shared_clock_.local_at(shared));
-    };
-    delays_ = DelayStamps{sent->device_clock,      clock_.monotonic(sent->sent),
-                          local(state_->received), local(state_->applied),
-                          local(state_->t),        local(header.clock),
-                          clock_.monotonic(now)};
-    report_.delays.add(*delays_);
+    if (!robot_.add_state(header, std::move(state), shared_clock_, clock_, now)) return;
+    report_.delays.add(*robot_.delays());
+    log_.on_delays(now, *robot_.delays());
+  }
+
+  void log_link(double now) {
+    if (now < next_link_) return;
+    next_link_ = now + kLinkInterval;
+    log_.on_link(now, {.clock_offset = shared_clock_.shared_at(now) - now,
+                       .clock_std = shared_clock_.std(),
+                       .round_trip = shared_clock_.min_delay(),
+                       .delay_variation = shared_clock_.delay_variation(),
+                       .lead = schedule_.lead()});
   }
 
   [[nodiscard]] OperatorLink link_at(double now) const {
     return {.now = clock_.monotonic(now),
             .is_connected = site_.has_value(),
             .silence = now - last_received_,
-            .lead = lead_,
+            .lead = schedule_.lead(),
             .round_trip = shared_clock_.is_known() ? shared_clock_.min_delay() : 0.0,
             .clock_std = shared_clock_.is_known() ? shared_clock_.std() : 0.0,
-            .robot = state_ ? &*state_ : nullptr,
-            .delays = delays_};
+            .robot = robot_.state(),
+            .delays = robot_.delays()};
   }
 
-  /// Stops and holds are repeated until the robot's state agrees. A release or a resume that was
-  /// not confirmed is not carried into another session: there it has to be wanted anew.
   void request(double now) {
-    const OperatorRequests wanted = person_.take_requests();
-    if (wanted.is_stopped) wanted_.is_stopped = wanted.is_stopped;
-    if (wanted.is_on_hold) wanted_.is_on_hold = wanted.is_on_hold;
-    if (wanted.is_stopped || wanted.is_on_hold) next_request_ = now;
-    if (!welcome_) drop_releases();
-    if (!welcome_ || now < next_request_) return;
-    next_request_ = now + kRequestInterval;
-    if (state_ && wanted_.is_stopped == state_->is_stopped) wanted_.is_stopped.reset();
-    if (state_ && wanted_.is_on_hold == state_->is_on_hold) wanted_.is_on_hold.reset();
-    if (wanted_.is_stopped) {
-      send(*wanted_.is_stopped ? LinkStop::emergency_stop : LinkStop::reset);
-    }
-    if (wanted_.is_on_hold) send(*wanted_.is_on_hold ? LinkStop::hold : LinkStop::resume);
-  }
-
-  void drop_releases() {
-    if (wanted_.is_stopped == false) wanted_.is_stopped.reset();
-    if (wanted_.is_on_hold == false) wanted_.is_on_hold.reset();
+    requests_.add(person_.take_requests(), now);
+    if (!welcome_) return requests_.drop_releases();
+    for (const LinkStop stop : requests_.due(robot_.state(), now)) send(stop);
   }
 
   void on_reject(const LinkReject& rejected) {
@@ -253,22 +242,14 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       is_busy_ = true;  // perhaps with this operator's last session, which ends soon
       return;
     }
-    const bool is_version = rejected.reason == LinkRejection::other_version;
-    fault_ = Error{.message = "the robot's site rejects this one: " + rejected.text,
-                   .hint = is_version ? "install the same version of pcavr at both sites" : ""};
+    fault_ = rejected_by_robot(rejected);
   }
 
   void on_welcome(LinkWelcome welcome, double now) {
     if (welcome_) return;
-    if (welcome.objects != scene_.objects) {
-      fault_ = Error{.message = "the robot's site has another scene: " + welcome.scene +
-                                ", with other objects than " + scene_.name,
-                     .hint = "give both sites the same scene"};
-      return;
-    }
-    if (person_.needs_follower() && !welcome.follows_commands) {
-      fault_ = Error{.message = "the robot's site plays a recording, which follows no commands",
-                     .hint = "start it with --plant, or give this site --trace"};
+    if (auto fault = unusable_robot(welcome, scene_.name, welcome.objects == scene_.objects,
+                                    person_.needs_follower())) {
+      fault_ = std::move(*fault);
       return;
     }
     welcome_ = std::move(welcome);
@@ -290,46 +271,31 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
   void check_connection(double now) {
     if (has_connected_) return;  // an interruption: waits for the robot's site
-    const LinkClient::State state = client_.state();
-    if (state == LinkClient::State::rejected) {
-      fault_ = Error{.message = "the robot's site does not accept this key",
-                     .hint = "put its .pub file into the folder --authorized of the robot's site"};
-    }
+    const OperatorTransport::State state = client_.state();
+    if (state == OperatorTransport::State::rejected) fault_ = key_not_accepted();
     if (now < options_.connection_timeout) return;
-    if (is_busy_) {
-      fault_ = Error{.message = "another operator is connected to the robot's site"};
-      return;
-    }
-    fault_ = state == LinkClient::State::no_handshake
-                 ? Error{.message =
-                             "the robot's site ended the handshake: its key is not "
-                             "--robot-key, or one of the two sites has no keys",
-                         .hint = "give the robot's .pub file with --robot-key, and --key"}
-                 : Error{.message = "no answer from the robot's site",
-                         .hint = "check address and port, and whether it runs"};
+    fault_ = not_connected(state, is_busy_);
   }
 
   /// The world as the scene describes it; the robot's site then sends what differs.
   /// It takes as long as a session lasts without messages, so it is made while round trips go on.
   void begin(double now) {
-    if (!preparing_.valid()) return prepare(now);
-    const bool is_ready = prepares_at_once_ ||
-                          preparing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    if (!is_ready) return;
-    preparation_time_ = std::max(preparation_time_, kPreparationMargin * (now - prepared_since_));
-    Expected<LiveOperatorSite> site = preparing_.get();
+    if (!next_world_.has_begun()) return prepare(now);
+    if (!next_world_.is_ready()) return;
+    Expected<LiveOperatorSite> site = next_world_.take(now);
     if (!site) {
       fault_ = site.error();
       return;
     }
     has_connected_ = true;
     site_.emplace(std::move(*site));
+    next_link_ = now;
     if (welcome_->follows_commands) place_objects();
     person_.begin(*site_);
     corrections_ = {};
     if (lost_at_) {
       report_.interruptions.back().duration = now - *lost_at_;
-      observer_.on_note(fmt::format("connected again after {:.2f} s", now - *lost_at_));
+      reporter_.note(now, fmt::format("connected again after {:.2f} s", now - *lost_at_));
       lost_at_.reset();
     }
   }
@@ -339,20 +305,16 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     if (early > kMaxEarly) return;  // the link is not steady yet: the robot would wait for long
     const double lead = 0.5 * shared_clock_.mean_delay() + early;
     report_.lead = lead;
-    prepared_since_ = now;
     // Time of the recorded motion: the scene's, or since the first session; without one, since this
     // session, because a robot's site that was started again has another clock.
-    if (!trace_zero_ || !person_.cycles()) {
-      trace_zero_ = welcome_->follows_commands
-                        ? shared_clock_.shared_at(now) - welcome_->start - person_.start()
-                        : 0.0;
+    if (!schedule_.has_begun() || !person_.cycles()) {
+      schedule_.set_zero(welcome_->follows_commands
+                             ? shared_clock_.shared_at(now) - welcome_->start - person_.start()
+                             : 0.0);
     }
-    const double scene_now =
-        shared_clock_.shared_at(now + preparation_time_) - welcome_->start + lead;
-    const double step = teleop_.predictor.step;
-    const double passed = (scene_now - *trace_zero_ - person_.start()) / step;
-    next_cycle_ = static_cast<std::size_t>(std::max(0.0, std::ceil(passed))) + 1;
-    lead_ = lead;
+    schedule_.begin(
+        shared_clock_.shared_at(now + next_world_.expected_duration()) - welcome_->start + lead,
+        person_.start(), lead);
     if (is_after_end()) {
       is_done_ = true;
       return;
@@ -360,20 +322,17 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     TeleopOptions options = teleop_;
     options.forward_delay = lead;
     options.backward_delay = std::max(0.5 * shared_clock_.mean_delay(), teleop_.backward_delay);
-    const double start = scene_time_of(next_cycle_ - 1);
-    const Eigen::Vector3d p_base_tip =
-        person_.p_base_start(next_cycle_, state_ ? &*state_ : nullptr);
-    const std::launch policy = prepares_at_once_ ? std::launch::deferred : std::launch::async;
-    preparing_ = std::async(policy, [this, options, start, p_base_tip] {
-      return LiveOperatorSite::create(world_, options, start, p_base_tip);
-    });
+    const std::size_t next = schedule_.next();
+    next_world_.begin(now, world_, std::move(options), schedule_.time_of(next - 1),
+                      person_.p_base_start(next, robot_.state()));
   }
 
   /// Where the robot's site sees them: they were moved before this session.
   void place_objects() {
-    if (!state_ || state_->objects.size() != site_->objects()) return;
-    for (std::size_t i = 0; i < state_->objects.size(); ++i) {
-      const LinkTrackedObject& object = state_->objects[i];
+    const LinkState* const state = robot_.state();
+    if (state == nullptr || state->objects.size() != site_->objects()) return;
+    for (std::size_t i = 0; i < state->objects.size(); ++i) {
+      const LinkTrackedObject& object = state->objects[i];
       if (!object.is_tracked || !world_.objects[i].is_movable) continue;
       site_->place(
           i, Pose(object.orientation.cast<double>().normalized(), object.position.cast<double>()));
@@ -382,18 +341,16 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
   [[nodiscard]] bool is_after_end() const {
     const std::optional<std::size_t> cycles = person_.cycles();
-    return cycles && next_cycle_ > *cycles;
+    return cycles && schedule_.next() > *cycles;
   }
-  [[nodiscard]] double scene_time_of(std::size_t cycle) const {
-    return *trace_zero_ + person_.start() + teleop_.predictor.step * static_cast<double>(cycle);
-  }
-  /// When the cycle's command is to be sent, on this site's clock.
-  [[nodiscard]] double local_time_of(std::size_t cycle) const {
-    return shared_clock_.local_at(welcome_->start + scene_time_of(cycle) - lead_);
+  /// When the next command is to be sent, on this site's clock.
+  [[nodiscard]] double next_local_time() const {
+    return shared_clock_.local_at(welcome_->start + schedule_.time_of(schedule_.next()) -
+                                  schedule_.lead());
   }
 
   void cycle(double now) {
-    const double behind = now - local_time_of(next_cycle_);
+    const double behind = now - next_local_time();
     if (behind > teleop_.predictor.step) ++report_.late_cycles;
     if (behind > kMaxOperatorBacklog * teleop_.predictor.step) {
       return lose(now, fmt::format("this site did not run for {:.2f} s", behind));
@@ -401,7 +358,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     for (const LinkCorrection& correction : corrections_.take()) {
       const double t = correction.t - welcome_->start;
       const bool is_valid = site_->apply(t, correction.bytes);
-      log_.on_applied(session_, correction, is_valid);
+      log_.on_applied(now, session_, correction, is_valid);
       if (!is_valid) {
         ++report_.invalid_messages;
         continue;
@@ -409,20 +366,20 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       ++report_.corrections;
       if (report_.t_corrected.size() < kMaxReportedTimes) report_.t_corrected.push_back(t);
     }
-    const OperatorCommand moved = person_.step(next_cycle_, *site_, link_at(now));
+    const OperatorCommand moved = person_.step(schedule_.next(), *site_, link_at(now));
     LinkCommand command;
-    command.t = welcome_->start + scene_time_of(next_cycle_);
+    command.t = welcome_->start + schedule_.time_of(schedule_.next());
     command.p_base_tip = moved.p_base_tip.cast<float>();
     command.q_base_tool = moved.q_base_tool.cast<float>();
     command.is_engaged = moved.is_engaged;
     command.acknowledged = corrections_.acknowledgement();
     site_->get_predictions(command.predictions);
-    sent_.add(command.t, clock_.now(), moved.device_clock);
+    robot_.add_command(command.t, clock_.now(), moved.device_clock);
     log_.on_commanded(session_, command);
     send(std::move(command));
     ++report_.commands;
     ping(now, kPingInterval);
-    ++next_cycle_;
+    schedule_.advance();
     if (is_after_end()) is_done_ = true;
   }
 
@@ -443,8 +400,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   /// The clutch opens: no command is sent until a new session begins from the robot's state.
   void lose(double now, const std::string& reason) {
     if (!lost_at_ && site_) {
-      observer_.on_warning(reason + ": the clutch is open, connecting again");
-      report_.interruptions.push_back({scene_time_of(next_cycle_), 0.0});
+      reporter_.warn(now, reason + ": the clutch is open, connecting again");
+      report_.interruptions.push_back({schedule_.time_of(schedule_.next()), 0.0});
       lost_at_ = now;
     }
     if (site_) {
@@ -452,13 +409,11 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       person_.end();
     }
     site_.reset();
-    preparing_ = {};
+    next_world_.cancel();
     welcome_.reset();
-    state_.reset();
-    state_sequence_ = newest_received_ = 0;
-    delays_.reset();
-    sent_.clear();
-    drop_releases();
+    robot_.begin();
+    newest_received_ = 0;
+    requests_.drop_releases();
     shared_clock_ = {};
     round_trips_ = 0;
     session_ = new_session_();
@@ -482,11 +437,11 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   const TeleopOptions& teleop_;
   const SiteScene& scene_;
   const OperatorSiteOptions& options_;
-  const Observer& observer_;
-  SiteLog no_log_;
+  SiteReporter reporter_;
   SiteLog& log_;
   std::function<std::uint32_t()> new_session_;
-  bool prepares_at_once_;
+  NextWorld next_world_;
+  CommandSchedule schedule_;
   SiteClock clock_;
   double cpu_before_;       ///< [s]
   double next_event_;       ///< [s]
@@ -499,23 +454,14 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   bool has_connected_ = false;
   bool is_busy_ = false;  ///< another operator's site was connected
   std::optional<LiveOperatorSite> site_;
-  std::future<Expected<LiveOperatorSite>> preparing_;  ///< of the next session
-  double prepared_since_ = 0.0;                        ///< [s]
-  double preparation_time_ = 0.1;                      ///< [s] that it is expected to take
   CorrectionReceiver corrections_;
-  std::optional<LinkState> state_;
-  std::uint32_t state_sequence_ = 0;   ///< its header's
+  RobotView robot_;
   std::uint32_t newest_received_ = 0;  ///< sequence number in this session
-  SentCommands sent_;
-  std::optional<DelayStamps> delays_;
-  OperatorRequests wanted_;  ///< and not yet confirmed
-  double next_request_ = 0.0;
-  std::optional<double> trace_zero_;
-  std::size_t next_cycle_ = 1;
-  double lead_ = 0.0;
+  SafetyRequests requests_;
   double last_received_;
   double next_hello_ = 0.0;
   double next_ping_ = 0.0;
+  double next_link_ = 0.0;
   std::optional<double> lost_at_;
   std::optional<Error> fault_;
   bool is_done_ = false;
@@ -532,11 +478,16 @@ OptionSection section_of(OperatorSiteOptions& options) {
   return make_section("operator_site", options, kOperatorSiteFields);
 }
 
-Expected<OperatorSiteReport> run_operator_site(
-    LinkClient& client, OperatorInterface& person, const TeleopInput& world,
-    const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
-    const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop) {
-  OperatorSiteLoop loop(client, person, world, teleop, scene, options, network, observer, {});
+Expected<OperatorSiteReport> run_operator_site(LinkClient& client, OperatorInterface& person,
+                                               const TeleopInput& world,
+                                               const TeleopOptions& teleop, const SiteScene& scene,
+                                               const OperatorSiteOptions& options,
+                                               const SimulatedNetwork& network,
+                                               const Observer& observer,
+                                               const std::atomic<bool>& stop, BlackBox* black_box) {
+  SiteRuntime runtime;
+  if (black_box != nullptr) runtime.log = &black_box->log();
+  OperatorSiteLoop loop(client, person, world, teleop, scene, options, network, observer, runtime);
   request_site_priority(observer);
   while (!stop && !loop.is_finished()) {
     client.wait(loop.until_due());

@@ -10,22 +10,9 @@
 #include "pcavr/link/site_transport.hpp"
 #include "pcavr/pipeline/link_sites.hpp"
 
+#include "site_log.hpp"
+
 namespace pcavr {
-
-/// Receives what the sites decide, from their own threads. By default nothing is done.
-class SiteLog {
- public:
-  virtual ~SiteLog() = default;
-
-  // The robot's site.
-  virtual void on_session(std::uint32_t /*session*/, const std::string& /*key*/) {}
-  virtual void on_executed(std::uint32_t /*session*/, const std::string& /*key*/,
-                           const LinkCommand&) {}
-  virtual void on_composed(std::uint32_t /*session*/, const LinkCorrection&) {}
-  // The operator's site.
-  virtual void on_commanded(std::uint32_t /*session*/, const LinkCommand&) {}
-  virtual void on_applied(std::uint32_t /*session*/, const LinkCorrection&, bool /*is_valid*/) {}
-};
 
 /// What a site's loop takes from its machine. The defaults are the real ones; with others the same
 /// loop runs in virtual time, and a run can be reproduced.

@@ -179,6 +179,7 @@ Eigen::Vector3d LiveCycle::drive_arm() noexcept {
 void LiveCycle::step(double t) noexcept {
   const HapticWorldState& state = world_.state();
   sample_ = device_->exchange(t, options_.cycle, feedback());
+  if (sample_.is_stop_pressed) emergency_stop();
   if (sample_.is_present) q_base_tool_ = sample_.q_base_tool;
   reset_if_requested();
   was_on_hold_ = is_on_hold_.load(std::memory_order_relaxed);

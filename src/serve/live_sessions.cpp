@@ -117,7 +117,7 @@ LiveSessions::LiveSessions(PageWorld& world, LiveWelcome welcome, Send send, dou
       welcome_(std::move(welcome)),
       send_(std::move(send)),
       tool_timeout_(tool_timeout),
-      tool_idle_time_(tool_idle_time) {
+      tool_(tool_timeout, tool_idle_time) {
   for (const HapticBodyState& body : world_.newest().world.bodies) {
     starts_.push_back(body.T_base_object.translation());
   }
@@ -129,7 +129,7 @@ LiveSessions::PageId LiveSessions::join() {
 }
 
 void LiveSessions::leave(PageId page) {
-  if (holder_ == page) release_tool();
+  if (tool_.leave(page)) release_device();
   pages_.erase(page);
 }
 
@@ -189,11 +189,8 @@ bool LiveSessions::on_hello(PageId id, const PageMessage& message, double now) {
 
 void LiveSessions::move_tool(PageId id, const LiveHeader& header, const LiveTool& tool,
                              double now) {
-  if (holder_ != id) return;
-  Page& page = pages_.at(id);
-  page.last_tool = now;
-  if (page.is_engaged || tool.is_engaged) page.last_engaged = now;
-  page.is_engaged = tool.is_engaged;
+  if (!tool_.is_held_by(id)) return;
+  tool_.use(tool.is_engaged, now);
   // The device counts the samples that it rejects (too early, too far away).
   (void)world_.page_device()->push({tool.p_base_tip.cast<double>(),
                                     tool.q_base_tool.cast<double>().normalized(), tool.is_engaged,
@@ -201,7 +198,7 @@ void LiveSessions::move_tool(PageId id, const LiveHeader& header, const LiveTool
 }
 
 void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
-  const bool has_control = !holder_ || holder_ == id;
+  const bool has_control = !tool_.holder() || tool_.is_held_by(id);
   switch (command) {
     case LiveCommand::hold:
       // Every page may stop the tool, for safety.
@@ -229,8 +226,13 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
     case LiveCommand::take_tool:
       return take_tool(id, now);
     case LiveCommand::release_tool:
-      if (holder_ == id) release_tool();
+      if (tool_.release(id)) release_device();
       return;
+    case LiveCommand::hand_over_tool:
+      if (const auto change = tool_.hand_over(id, now)) pass_on(*change, now);
+      return;
+    case LiveCommand::keep_tool:
+      return keep_tool(id, now);
     case LiveCommand::slower:
     case LiveCommand::faster:
       if (has_control) return change_time_scale(command == LiveCommand::faster);
@@ -285,46 +287,63 @@ void LiveSessions::take_tool(PageId id, double now) {
                 now);
     return;
   }
-  if (is_used_by_another(id, now)) {
-    send_notice(id, LiveLevel::warning, "another page has the tool", now);
-    return;
+  const std::optional<PageId> previous = tool_.holder();
+  switch (tool_.request(id, now)) {
+    case ToolAssignment::Answer::given:
+      if (previous != id) on_change({ToolAssignment::Change::Reason::idle, previous, id}, now);
+      return;
+    case ToolAssignment::Answer::asked:
+      send_notice(
+          id, LiveLevel::info,
+          fmt::format("asked for the tool: another page has it, and hands it over, or loses "
+                      "it after {} s with its clutch open",
+                      tool_.idle_time()),
+          now);
+      return;
+    case ToolAssignment::Answer::refused_before:
+      send_notice(id, LiveLevel::warning,
+                  fmt::format("another page has refused to hand over the tool: ask again in {} s",
+                              tool_.idle_time()),
+                  now);
+      return;
+    case ToolAssignment::Answer::already_asked:
+      return;
   }
-  if (holder_ == id) return;
-  if (holder_) {
-    const PageId previous = *holder_;
-    release_tool();
-    send_notice(previous, LiveLevel::info,
+}
+
+void LiveSessions::keep_tool(PageId id, double now) {
+  for (const PageId page : tool_.refuse(id, now)) {
+    send_notice(page, LiveLevel::warning, "the page that has the tool keeps it", now);
+  }
+}
+
+void LiveSessions::on_change(const ToolAssignment::Change& change, double now) {
+  using Reason = ToolAssignment::Change::Reason;
+  release_device();
+  if (change.from && change.reason == Reason::idle) {
+    send_notice(*change.from, LiveLevel::info,
                 fmt::format("not used for {} s, the tool went to another page that requested it",
-                            tool_idle_time_),
+                            tool_.idle_time()),
                 now);
   }
-  holder_ = id;
-  Page& page = pages_.at(id);
-  page.last_tool = now;
-  page.last_engaged = now;
-  page.is_engaged = false;
+  if (change.from && change.reason == Reason::silent) {
+    send_notice(
+        *change.from, LiveLevel::warning,
+        fmt::format("no tool motion received for {} s: the tool was released", tool_timeout_), now);
+  }
 }
 
-bool LiveSessions::is_used_by_another(PageId id, double now) const {
-  if (!holder_ || holder_ == id) return false;
-  const Page& holder = pages_.at(*holder_);
-  return holder.is_engaged || now - holder.last_engaged < tool_idle_time_;
+void LiveSessions::pass_on(const ToolAssignment::Change& change, double now) {
+  on_change(change, now);
+  if (change.to) send_notice(*change.to, LiveLevel::info, "this page now has the tool", now);
 }
 
-void LiveSessions::release_tool() {
-  holder_.reset();
+void LiveSessions::release_device() {
   if (RemoteDevice* device = world_.page_device()) device->release();
 }
 
 void LiveSessions::check_timeouts(double now) {
-  if (!holder_) return;
-  const PageId id = *holder_;
-  const Page& page = pages_.at(id);
-  if (!page.is_engaged || now - page.last_tool <= tool_timeout_) return;
-  release_tool();
-  send_notice(id, LiveLevel::warning,
-              fmt::format("no tool motion received for {} s: the tool was released", tool_timeout_),
-              now);
+  while (const auto change = tool_.update(now)) pass_on(*change, now);
 }
 
 void LiveSessions::write_state(PageId id, double now, double queue_age,
@@ -335,9 +354,11 @@ void LiveSessions::write_state(PageId id, double now, double queue_age,
   copy_link(snapshot, is_from_page, state_);
   state_.page_clock =
       is_from_page ? snapshot.page.sender_clock : std::numeric_limits<double>::quiet_NaN();
-  state_.has_tool = holder_ == id;
+  state_.has_tool = tool_.is_held_by(id);
   state_.tool_taken =
-      holder_ == id || is_used_by_another(id, now) || world_.page_device() == nullptr;
+      state_.has_tool || tool_.is_used_by_another(id, now) || world_.page_device() == nullptr;
+  state_.is_tool_wanted = state_.has_tool && tool_.is_asked_for();
+  state_.has_asked = tool_.has_asked(id);
   state_.tool_age =
       is_from_page ? static_cast<float>(snapshot.page.age + snapshot.page.delay) : 0.0F;
   state_.state_age = static_cast<float>(now - snapshot.published);

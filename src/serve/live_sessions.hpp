@@ -16,6 +16,8 @@
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/page_world.hpp"
 
+#include "tool_assignment.hpp"
+
 namespace pcavr {
 
 /// The connected pages: decodes and handles their messages, and gives the tool to one page at a
@@ -27,8 +29,7 @@ class LiveSessions {
 
   /// Keeps a reference to `world`, which must outlive it, as must what `send` refers to. A page
   /// that holds the clutch but sends nothing for `tool_timeout` [s] counts as disconnected
-  /// (watchdog). A page that has not held the clutch for `tool_idle_time` [s] keeps the tool only
-  /// until another one requests it.
+  /// (watchdog). `tool_idle_time` [s]: see ToolAssignment.
   LiveSessions(PageWorld& world, LiveWelcome welcome, Send send, double tool_timeout,
                double tool_idle_time);
 
@@ -37,7 +38,8 @@ class LiveSessions {
   void leave(PageId page);
   /// False: close the connection after the replies that were sent.
   [[nodiscard]] bool on_message(PageId page, std::span<const std::uint8_t> bytes, double now);
-  /// Watchdog, to be called at least ten times a second: releases the tool of an unresponsive page.
+  /// To be called at least ten times a second: releases the tool of an unresponsive page, and gives
+  /// one that is not used to the page that asks for it.
   void check_timeouts(double now);
 
   /// Whether the page has sent a valid hello: it gets states from then on.
@@ -50,9 +52,6 @@ class LiveSessions {
     bool has_sent_hello = false;
     std::uint32_t last_received = 0;  ///< sequence number
     std::uint32_t last_sent = 0;      ///< sequence number
-    double last_tool = 0.0;           ///< [s] when it last sent a tool sample
-    double last_engaged = 0.0;        ///< [s] when it last took the tool or held the clutch
-    bool is_engaged = false;
   };
 
   template <typename Content>
@@ -65,17 +64,19 @@ class LiveSessions {
   void reset(PageId page, double now);
   void change_time_scale(bool is_faster);
   void take_tool(PageId page, double now);
-  void release_tool();
-  /// Whether a page other than `id` has the tool and uses it.
-  [[nodiscard]] bool is_used_by_another(PageId id, double now) const;
+  void keep_tool(PageId page, double now);
+  /// After the tool has changed hands: no motion of the previous page remains.
+  void on_change(const ToolAssignment::Change& change, double now);
+  /// The same, to a page that has waited for it.
+  void pass_on(const ToolAssignment::Change& change, double now);
+  void release_device();
 
   PageWorld& world_;
   LiveWelcome welcome_;
   Send send_;
-  double tool_timeout_;    ///< [s]
-  double tool_idle_time_;  ///< [s]
+  double tool_timeout_;  ///< [s]
   std::map<PageId, Page> pages_;
-  std::optional<PageId> holder_;         ///< of the tool
+  ToolAssignment tool_;
   std::vector<Eigen::Vector3d> starts_;  ///< [m] of the bodies, before they were pushed
   PageId last_page_ = 0;
   LiveState state_;

@@ -89,6 +89,7 @@ Expected<void> sort_bodies(const std::vector<std::string>& objects, HapticWorldM
 }  // namespace
 
 struct OperatorPage::Content {
+  enum class Request { none, on, off };
   Content(HapticWorld haptic, SiteBodies& site_bodies, std::unique_ptr<Device> device,
           const LiveWorldOptions& live_options, const MotionLimits& limits,
           std::unique_ptr<LiveArm> arm)
@@ -124,12 +125,20 @@ struct OperatorPage::Content {
     shown.delays = link.delays;
   }
 
+  /// The device's emergency stop is also the robot's, until a page releases it.
+  void stop_robot() {
+    const bool is_pressed = cycle.sample().is_stop_pressed;
+    if (is_pressed && (!was_stop_pressed || is_releasing)) stop.store(Request::on);
+    was_stop_pressed = is_pressed;
+  }
+
   /// One cycle of the device, the tool and the bodies.
   void run(const OperatorLink& link) {
     follow_robot(link);
     publish_link(link);
     const double begin = LiveWorld::clock();
     cycle.step(begin);
+    stop_robot();
     const double end = LiveWorld::clock();
     cycle.publish(end - begin, 0, end);
   }
@@ -149,7 +158,7 @@ struct OperatorPage::Content {
   double last_wait = 0.0;     ///< [s]
   bool is_releasing = false;  ///< the emergency stop, until the robot's site agrees
   bool is_resuming = false;   ///< the same of a hold
-  enum class Request { none, on, off };
+  bool was_stop_pressed = false;
   std::atomic<Request> stop{Request::none};
   std::atomic<Request> hold{Request::none};
 };

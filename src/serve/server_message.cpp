@@ -31,6 +31,8 @@ enum StateFlag : std::uint32_t {
   kStopped = 32,
   kHasLink = 64,
   kCanUndoReset = 128,
+  kToolWanted = 1U << 16U,
+  kHasAsked = 1U << 17U,
 };
 
 void write_object(const LiveObject& object, ByteWriter& writer) {
@@ -68,6 +70,7 @@ std::uint32_t flags_of(const LiveState& state) {
          (state.touches_scan ? kTouchesScan : 0U) | (state.has_tool ? kHasTool : 0U) |
          (state.tool_taken ? kToolTaken : 0U) | (state.is_stopped ? kStopped : 0U) |
          (state.link ? kHasLink : 0U) | (state.can_undo_reset ? kCanUndoReset : 0U) |
+         (state.is_tool_wanted ? kToolWanted : 0U) | (state.has_asked ? kHasAsked : 0U) |
          static_cast<std::uint32_t>(std::lround(kPercents * state.time_scale)) << kTimeScaleShift;
 }
 
@@ -142,6 +145,8 @@ void read_flags(std::uint32_t flags, LiveState& state) {
   state.is_stopped = (flags & kStopped) != 0;
   if ((flags & kHasLink) != 0) state.link.emplace();
   state.can_undo_reset = (flags & kCanUndoReset) != 0;
+  state.is_tool_wanted = (flags & kToolWanted) != 0;
+  state.has_asked = (flags & kHasAsked) != 0;
   state.time_scale = (flags >> kTimeScaleShift & 0xffU) / kPercents;
 }
 

@@ -47,6 +47,22 @@ LinkPrediction link_prediction_of(const Prediction& prediction) {
 
 }  // namespace
 
+std::optional<SentCorrection> decode_correction(std::span<const std::uint8_t> bytes, double t) {
+  const std::optional<CorrectionMessage> message = decode(bytes, t);
+  if (!message) return std::nullopt;
+  SentCorrection correction;
+  correction.t = message->t;
+  correction.object = message->object;
+  correction.which = message->which;
+  correction.what = describe(*message);
+  correction.bytes = bytes.size();
+  return correction;
+}
+
+Pose predicted_pose(const LinkPrediction& prediction, const Pose& T_base_start) {
+  return pose_at(prediction_of(prediction).pose, T_base_start);
+}
+
 struct LiveRobotSite::Impl {
   Impl(const TeleopInput& world, const TeleopOptions& options, double start)
       : objects(world.objects.size()),

@@ -20,6 +20,11 @@ inline bool comes_to_be(Device& device, bool is_present, bool is_engaged) {
   });
 }
 
+inline bool comes_to_stop(Device& device, bool is_stop_pressed = true) {
+  return eventually(
+      [&] { return device.exchange(0.0, kCycle, kPushed).is_stop_pressed == is_stop_pressed; });
+}
+
 /// Whether the tip, and the tool with it, eventually moves at `v` [m/s] in base.
 inline bool comes_to_move_by(Device& device, const Eigen::Vector3d& v) {
   DeviceFeedback feedback = kPushed;

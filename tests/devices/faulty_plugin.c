@@ -39,6 +39,8 @@ static int exchange(void* device, double t, double dt, const pcavr_device_feedba
   if (is_bad && strcmp(chosen_fault, "turn") == 0)
     memset(sample->quaternion, 0, sizeof sample->quaternion);
   if (is_bad && strcmp(chosen_fault, "away") == 0) sample->is_present = 0;
+  /* A press of one cycle, at a bad time: its tip is rejected. */
+  sample->is_stop_pressed = strcmp(chosen_fault, "nan") == 0 && t > 0.1495 && t < 0.1505;
   if (is_bad && strcmp(chosen_fault, "code") == 0) return -1;
   return 0;
 }

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/options.hpp"
+
 #include "devices/comes_to.hpp"
 #include "devices/virtual_gamepad.hpp"
 
@@ -12,6 +14,7 @@ namespace {
 
 using test::comes_to_be;
 using test::comes_to_move_by;
+using test::comes_to_stop;
 using test::eventually;
 using test::kCycle;
 using test::kPushed;
@@ -45,6 +48,32 @@ TEST(GamepadDevice, IsEngagedByTheTriggerToo) {
   ASSERT_TRUE(comes_to_be(**device, true, false));
   pad.axis(SDL_CONTROLLER_AXIS_TRIGGERRIGHT, 32767);
   EXPECT_TRUE(comes_to_be(**device, true, true));
+}
+
+TEST(GamepadDevice, TheRightFaceButtonIsTheEmergencyStop) {
+  VirtualGamepad pad;
+  auto device = GamepadDevice::open();
+  ASSERT_TRUE(device) << device.error().to_string();
+  pad.button(SDL_CONTROLLER_BUTTON_A, true);
+  pad.button(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER, true);
+  ASSERT_TRUE(comes_to_be(**device, true, true));
+  EXPECT_FALSE((*device)->exchange(0.0, kCycle, kPushed).is_stop_pressed);
+  pad.button(SDL_CONTROLLER_BUTTON_B, true);
+  EXPECT_TRUE(comes_to_stop(**device));
+  pad.button(SDL_CONTROLLER_BUTTON_B, false);
+  EXPECT_TRUE(comes_to_stop(**device, false));
+}
+
+TEST(GamepadDevice, AnotherButtonCanBeTheEmergencyStop) {
+  VirtualGamepad pad;
+  GamepadOptions options;
+  options.stop_button = SDL_CONTROLLER_BUTTON_Y;
+  auto device = GamepadDevice::open(options);
+  ASSERT_TRUE(device) << device.error().to_string();
+  pad.button(SDL_CONTROLLER_BUTTON_Y, true);
+  EXPECT_TRUE(comes_to_stop(**device));
+  options.stop_button = SDL_CONTROLLER_BUTTON_RIGHTSHOULDER;
+  EXPECT_TRUE(section_of(options).check()) << "the clutch's";
 }
 
 TEST(GamepadDevice, VibratesByForceAndPulseWhileEngaged) {

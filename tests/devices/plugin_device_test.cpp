@@ -63,6 +63,14 @@ TEST(PluginDevice, ReportsWhyADeviceDoesNotOpen) {
   EXPECT_PRED2(is_line_with, error_text(faulty("answers"), "long"), std::string(255, 'x'));
 }
 
+TEST(PluginDevice, AnEmergencyStopCountsEvenIfTheTipIsRejected) {
+  auto device = PluginDevice::open(faulty("answers"), with_text("nan"));
+  ASSERT_TRUE(device) << device.error().to_string();
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_EQ((*device)->exchange(i * kCycle, kCycle, kFeedback).is_stop_pressed, i == 150) << i;
+  }
+}
+
 class InvalidSamples : public testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(PluginDevice, InvalidSamples,

@@ -12,6 +12,7 @@ namespace {
 
 using test::comes_to_be;
 using test::comes_to_move_by;
+using test::comes_to_stop;
 using test::FakeSpacenavd;
 
 TEST(SpaceMouseDevice, TheCapMovesTheTipWhileTheLeftButtonIsHeld) {
@@ -35,6 +36,48 @@ TEST(SpaceMouseDevice, TheCapMovesTheTipWhileTheLeftButtonIsHeld) {
   EXPECT_TRUE(comes_to_move_by(**device, {0.0, 0.0, 0.1})) << "bounded";
   daemon.button(0, false);
   EXPECT_TRUE(comes_to_be(**device, true, false));
+}
+
+TEST(SpaceMouseDevice, TheRightButtonIsTheEmergencyStop) {
+  FakeSpacenavd daemon;
+  auto device = SpaceMouseDevice::open();
+  ASSERT_TRUE(device) << device.error().to_string();
+  daemon.button(0, true);
+  ASSERT_TRUE(comes_to_be(**device, true, true));
+  EXPECT_FALSE((*device)->exchange(0.0, test::kCycle, test::kPushed).is_stop_pressed);
+  daemon.button(1, true);
+  ASSERT_TRUE(comes_to_stop(**device));
+  EXPECT_TRUE((*device)->exchange(0.0, test::kCycle, test::kPushed).is_stop_pressed) << "held";
+  daemon.unplug();
+  EXPECT_TRUE(comes_to_stop(**device, false));
+  daemon.plug_in();
+  ASSERT_TRUE(comes_to_be(**device, true, false));
+  // Pressed and released before the next exchange: the clutch shows that both have been read.
+  daemon.button(1, true);
+  daemon.button(1, false);
+  daemon.button(0, true);
+  DeviceSample sample;
+  bool is_stopped = false;
+  EXPECT_TRUE(test::eventually([&] {
+    sample = (*device)->exchange(0.0, test::kCycle, test::kPushed);
+    is_stopped = is_stopped || sample.is_stop_pressed;
+    return sample.is_engaged;
+  }));
+  EXPECT_TRUE(is_stopped);
+}
+
+TEST(SpaceMouseDevice, AnotherButtonCanBeTheEmergencyStop) {
+  FakeSpacenavd daemon;
+  SpaceMouseOptions options;
+  options.stop_button = 7;
+  auto device = SpaceMouseDevice::open(options);
+  ASSERT_TRUE(device) << device.error().to_string();
+  daemon.button(1, true);
+  daemon.button(0, true);
+  ASSERT_TRUE(comes_to_be(**device, true, true));
+  EXPECT_FALSE((*device)->exchange(0.0, test::kCycle, test::kPushed).is_stop_pressed);
+  daemon.button(7, true);
+  EXPECT_TRUE(comes_to_stop(**device));
 }
 
 TEST(SpaceMouseDevice, MovesInTheOperatorsFrame) {

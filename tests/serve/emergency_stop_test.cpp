@@ -1,12 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/serve/live_protocol.hpp"
+#include "pcavr/serve/operator_page.hpp"
 
 #include "serve/live_cycle_fixture.hpp"
 
@@ -56,6 +60,46 @@ TEST_F(EmergencyStop, AnEmergencyStopDisengagesTheToolUntilItsRelease) {
   run(10);
   sample_.is_engaged = true;
   EXPECT_TRUE(run(10).world.is_engaged);
+}
+
+TEST_F(EmergencyStop, TheDevicesButtonStopsUntilAPageReleasesIt) {
+  move(kInTheBox, 1500);
+  sample_.is_stop_pressed = true;
+  EXPECT_TRUE(run(1).is_stopped);
+  EXPECT_FALSE(cycle_.newest().world.is_engaged);
+  EXPECT_TRUE(run(100).world.force_base.isZero(1e-9));
+  cycle_.release_emergency_stop();
+  EXPECT_TRUE(run(1).is_stopped) << "the button is held";
+  sample_.is_stop_pressed = false;
+  EXPECT_TRUE(run(100).is_stopped);
+  cycle_.release_emergency_stop();
+  EXPECT_FALSE(run(1).is_stopped);
+}
+
+TEST(OperatorPageStop, TheDevicesButtonIsOneRequestToTheRobotsSite) {
+  DeviceSample sample{test::kToolStart, Eigen::Quaterniond::Identity(), false, true};
+  HapticWorldModel model = test::one_box_on_a_table();
+  const std::string box = model.world.bodies.front().model.name;
+  auto page =
+      OperatorPage::create(std::move(model), {box}, std::make_unique<test::ScriptedDevice>(sample),
+                           test::options_with_tool_start(), MotionLimits());
+  ASSERT_TRUE(page) << page.error().to_string();
+  OperatorLink link;
+  const auto requests = [&] {
+    link.now += 2.0 * kCycle;
+    (*page)->wait(link);
+    return (*page)->take_requests();
+  };
+  link.now = 1.0;
+  EXPECT_FALSE(requests().is_stopped);
+  sample.is_stop_pressed = true;
+  EXPECT_EQ(requests().is_stopped, true);
+  EXPECT_FALSE(requests().is_stopped) << "asked for once";
+  EXPECT_TRUE((*page)->newest().is_stopped);
+  sample.is_stop_pressed = false;
+  EXPECT_FALSE(requests().is_stopped);
+  sample.is_stop_pressed = true;
+  EXPECT_EQ(requests().is_stopped, true);
 }
 
 // So that a robot with these limits can follow it.

@@ -41,6 +41,8 @@ LiveState a_state(Random& random, std::size_t objects) {
   state.has_tool = random.below(2) == 1;
   state.tool_taken = random.below(2) == 1;
   state.can_undo_reset = random.below(2) == 1;
+  state.is_tool_wanted = random.below(2) == 1;
+  state.has_asked = random.below(2) == 1;
   if (random.below(5) > 0) state.touched_object = random.below(4);
   state.p_base_hip = vector(random);
   state.p_base_proxy = vector(random);
@@ -83,9 +85,10 @@ TEST(LiveProtocol, PageMessagesSurviveARoundTrip) {
     EXPECT_EQ(same.is_engaged, tool.is_engaged);
     EXPECT_EQ(same.device, tool.device);
   }
-  for (const auto command : {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset,
-                             LiveCommand::take_tool, LiveCommand::release_tool, LiveCommand::slower,
-                             LiveCommand::faster, LiveCommand::undo_reset}) {
+  for (const auto command :
+       {LiveCommand::hold, LiveCommand::resume, LiveCommand::reset, LiveCommand::take_tool,
+        LiveCommand::release_tool, LiveCommand::slower, LiveCommand::faster,
+        LiveCommand::undo_reset, LiveCommand::hand_over_tool, LiveCommand::keep_tool}) {
     const auto read = decode_page_message(encode(PageMessage{{9, 1.0}, command}));
     ASSERT_TRUE(read);
     EXPECT_EQ(std::get<LiveCommand>(read->content), command);
@@ -225,7 +228,7 @@ TEST(LiveProtocol, RejectsNumbersOutOfRange) {
   EXPECT_TRUE(is_rejected({.device = static_cast<LiveInputDevice>(4)}));
   EXPECT_TRUE(is_rejected({}, {0, 0.0}));
   EXPECT_TRUE(is_rejected({}, {1, std::numeric_limits<double>::infinity()}));
-  for (const std::uint32_t command : {0U, 11U, 0xffffffffU}) {
+  for (const std::uint32_t command : {0U, 13U, 0xffffffffU}) {
     EXPECT_FALSE(
         decode_page_message(encode(PageMessage{{1, 0.0}, static_cast<LiveCommand>(command)})));
   }

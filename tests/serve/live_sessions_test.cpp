@@ -150,6 +150,89 @@ TEST_F(LiveSessionsTest, AnIdleToolGoesToAPageThatRequestsIt) {
   EXPECT_EQ(last<LiveNotice>(first)->level, LiveLevel::info);
 }
 
+TEST_F(LiveSessionsTest, APageThatAsksIsHandedTheToolWhileItIsUsed) {
+  const PageId first = page(true);
+  const PageId second = page();
+  const PageId third = page();
+  send(first, engaged());
+  send(first, LiveCommand::hand_over_tool);
+  EXPECT_TRUE(state(first).has_tool) << "nobody asks";
+  send(second, LiveCommand::take_tool);
+  EXPECT_NE(last<LiveNotice>(second)->text.find("10 s with its clutch open"), std::string::npos);
+  send(third, LiveCommand::take_tool);
+  EXPECT_TRUE(state(first).is_tool_wanted);
+  EXPECT_FALSE(state(second).is_tool_wanted);
+  EXPECT_TRUE(state(second).has_asked);
+  send(second, LiveCommand::hand_over_tool);
+  EXPECT_TRUE(state(first).has_tool) << "only the page that has it";
+  send(first, LiveCommand::hand_over_tool);
+  EXPECT_TRUE(state(second).has_tool) << "in the order of asking";
+  EXPECT_TRUE(state(second).is_tool_wanted);
+  EXPECT_FALSE(state(second).has_asked);
+  EXPECT_EQ(last<LiveNotice>(second)->text, "this page now has the tool");
+  EXPECT_FALSE(state(first).has_tool);
+  EXPECT_TRUE(state(third).has_asked);
+}
+
+TEST_F(LiveSessionsTest, ARefusedPageIsToldAndMayAskAgainLater) {
+  const PageId first = page(true);
+  const PageId second = page();
+  send(first, engaged());
+  send(second, LiveCommand::take_tool);
+  send(first, LiveCommand::keep_tool);
+  EXPECT_NE(last<LiveNotice>(second)->text.find("keeps it"), std::string::npos);
+  EXPECT_FALSE(state(first).is_tool_wanted);
+  EXPECT_FALSE(state(second).has_asked);
+  send(second, LiveCommand::take_tool);
+  EXPECT_NE(last<LiveNotice>(second)->text.find("refused"), std::string::npos);
+  EXPECT_FALSE(state(first).is_tool_wanted);
+  clock_ += 10.1;
+  send(first, engaged());
+  send(second, LiveCommand::take_tool);
+  EXPECT_TRUE(state(first).is_tool_wanted);
+}
+
+TEST_F(LiveSessionsTest, TheToolFallsToTheAskerAfterTenSecondsWithTheClutchOpen) {
+  const PageId first = page(true);
+  const PageId second = page();
+  send(first, engaged());
+  send(second, LiveCommand::take_tool);
+  const auto wait_with_clutch = [&](bool is_engaged, double seconds) {
+    for (double t = 0.0; t < seconds; t += 0.1) {
+      clock_ += 0.1;
+      send(first, LiveTool{.is_engaged = is_engaged});
+      sessions_.check_timeouts(clock_);
+    }
+  };
+  wait_with_clutch(true, 20.0);
+  EXPECT_TRUE(state(first).has_tool) << "it is used";
+  wait_with_clutch(false, 9.5);
+  EXPECT_TRUE(state(first).has_tool);
+  wait_with_clutch(false, 1.0);
+  EXPECT_TRUE(state(second).has_tool);
+  EXPECT_EQ(last<LiveNotice>(second)->text, "this page now has the tool");
+  EXPECT_NE(last<LiveNotice>(first)->text.find("not used for 10 s"), std::string::npos);
+}
+
+TEST_F(LiveSessionsTest, AReleasedToolGoesToTheFirstAskerThatStillWantsIt) {
+  const PageId first = page(true);
+  const PageId second = page();
+  const PageId third = page();
+  const PageId fourth = page();
+  for (const PageId asker : {second, third, fourth}) send(asker, LiveCommand::take_tool);
+  send(second, LiveCommand::release_tool);  // withdrawn
+  EXPECT_FALSE(state(second).has_asked);
+  send(first, LiveCommand::release_tool);
+  sessions_.check_timeouts(clock_);
+  EXPECT_TRUE(state(third).has_tool);
+  sessions_.leave(third);
+  sessions_.check_timeouts(clock_);
+  EXPECT_TRUE(state(fourth).has_tool);
+  sessions_.leave(fourth);
+  sessions_.check_timeouts(clock_);
+  EXPECT_FALSE(state(first).tool_taken);
+}
+
 TEST_F(LiveSessionsTest, AToolInUseIsNotIdleHoweverLong) {
   const PageId first = page(true);
   const PageId second = page();

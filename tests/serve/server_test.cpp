@@ -135,6 +135,29 @@ TEST_F(ServerTest, AScriptedPagePushesTheBoxAndReceivesItsMotion) {
   EXPECT_FALSE(std::isnan(state->page_clock));
 }
 
+TEST_F(ServerTest, ThePageThatHasTheToolIsAskedForItAndHandsItOver) {
+  open();
+  PageClient first(port());
+  PageClient second(port());
+  ASSERT_TRUE(first.send_hello() && second.send_hello());
+  const auto comes_to = [](PageClient& page, auto condition) {
+    for (int i = 0; i < 300; ++i) {
+      const auto state = page.receive_next<LiveState>();
+      if (!state || condition(*state)) return state.has_value();
+    }
+    return false;
+  };
+  const auto has_tool = [](const LiveState& state) { return state.has_tool; };
+  ASSERT_TRUE(first.send_message(LiveCommand::take_tool));
+  ASSERT_TRUE(comes_to(first, has_tool));
+  ASSERT_TRUE(second.send_message(LiveCommand::take_tool));
+  EXPECT_TRUE(comes_to(second, [](const LiveState& state) { return state.has_asked; }));
+  EXPECT_TRUE(comes_to(first, [](const LiveState& state) { return state.is_tool_wanted; }));
+  ASSERT_TRUE(first.send_message(LiveCommand::hand_over_tool));
+  EXPECT_TRUE(comes_to(second, has_tool));
+  EXPECT_TRUE(comes_to(first, [](const LiveState& state) { return !state.has_tool; }));
+}
+
 TEST_F(ServerTest, MalformedAndHugeMessagesGetAnErrorAndCloseTheConnection) {
   open();
   for (const std::size_t length : {std::size_t{1}, std::size_t{24}, std::size_t{60'000}}) {

@@ -36,6 +36,8 @@ export const Command = {
   emergencyStop: 8,
   releaseStop: 9,
   undoReset: 10,
+  handOver: 11,
+  keep: 12,
 } as const;
 export type Command = (typeof Command)[keyof typeof Command];
 
@@ -110,6 +112,8 @@ export interface LiveState {
   hasTool: boolean; // this page
   isToolTaken: boolean; // by any page
   canUndoReset: boolean; // since the last reset no body was touched
+  isToolWanted: boolean; // this page has the tool, and another one asks for it
+  hasAsked: boolean; // this page has asked for the tool
   touchedObject: number; // -1: none
   hip: Vector; // haptic interface point: where the hand is
   proxy: Vector; // god-object: the tool's sphere, kept outside of all surfaces
@@ -201,6 +205,8 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
     hasTool: (flags & 8) !== 0,
     isToolTaken: (flags & 16) !== 0,
     canUndoReset: (flags & 128) !== 0,
+    isToolWanted: (flags & 0x10000) !== 0,
+    hasAsked: (flags & 0x20000) !== 0,
     touchedObject: view.getInt32(20, true),
     hip: readVector(view, 24),
     proxy: readVector(view, 36),

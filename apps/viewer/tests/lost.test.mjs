@@ -105,6 +105,34 @@ test('a server restarted with the same scene is announced', limit, async () => {
   await page.locator('#lost').waitFor({ state: 'hidden' });
 });
 
+test('a page asks for the tool, and the one that has it hands it over', limit, async () => {
+  const { page } = await stage.open();
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await loaded(page);
+  await page.click('#take');
+  await page.waitForFunction(() => window.__pcavr.state?.hasTool);
+  const world = new Live(stage.server.url);
+  await until(() => world.state, 'the first state');
+  world.command(4);
+  await page.locator('#tool-request').waitFor();
+  await screenshot(page, 'tool_request');
+  await page.click('#keep');
+  await until(() => world.notices.some(({ text }) => /keeps it/.test(text)), 'a notice');
+  world.close();
+  const other = new Live(stage.server.url);
+  await until(() => other.state, 'the first state');
+  other.command(4);
+  await page.click('#hand-over');
+  await until(() => other.state.hasTool, 'the tool handed over');
+  await page.click('#take', { trial: true });
+  assert.equal(await page.locator('#take').textContent(), 'Ask for the tool');
+  await page.click('#take');
+  await page.locator('#take', { hasText: 'Stop asking' }).waitFor();
+  other.command(11);
+  await page.locator('#tool-owner', { hasText: 'You are using the tool.' }).waitFor();
+  other.close();
+});
+
 test('an idle tool goes to the page that uses it', limit, async () => {
   const { page } = await stage.open();
   await page.setViewportSize({ width: 1280, height: 800 });

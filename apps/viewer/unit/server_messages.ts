@@ -40,7 +40,10 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
     16,
     flags.reduce(
       (bits, flag, i) => bits | (flag ? 1 << i : 0),
-      (Math.round(100 * state.timeScale) << 8) | (state.canUndoReset ? 128 : 0),
+      (Math.round(100 * state.timeScale) << 8) |
+        (state.canUndoReset ? 128 : 0) |
+        (state.isToolWanted ? 0x10000 : 0) |
+        (state.hasAsked ? 0x20000 : 0),
     ),
   );
   view.setInt32(headerBytes + 20, state.touchedObject, true);

@@ -53,6 +53,8 @@ const live: ButtonState = {
   isOnHold: false,
   isScanShown: true,
   canTake: false,
+  hasAsked: false,
+  isToolWanted: false,
   canUndoReset: false,
   timeScale: 1,
   isPassthrough: false,
@@ -73,15 +75,24 @@ test('in a replay the buttons of the world are those of the player', () => {
   const texts = (state: ButtonState) => panelButtons.map((b) => labelOf(b, state, false).text);
   assert.deepEqual(texts({ ...live, playback }), [
     ...['PAUSE', '-1 S', '+1 S', 'SCALE', 'RECENTRE', 'NO SCAN', 'TURN', 'SPEED 2'],
-    ...['', 'LEAVE', ''], // no time scale, nothing to place
+    ...['', 'LEAVE', '', ''], // no time scale, nothing to place, nobody asks
   ]);
-  assert.deepEqual(texts({ ...live, isPassthrough: true }).slice(-1), ['PLACE']);
+  assert.deepEqual(texts({ ...live, isPassthrough: true }).slice(-2), ['PLACE', '']);
 });
 
 test('after a reset the button undoes it, until a body is touched', () => {
   const text = (state: Partial<ButtonState>) => labelOf('reset', { ...live, ...state }, false).text;
   assert.equal(text({}), 'RESET');
   assert.equal(text({ canUndoReset: true }), 'UNDO');
+});
+
+test('the tool of another page is asked for, one that another page asks for is given or kept', () => {
+  const texts = (state: Partial<ButtonState>) =>
+    (['take', 'keep'] as const).map((b) => labelOf(b, { ...live, ...state }, false).text);
+  assert.deepEqual(texts({}), ['TAKE', '']);
+  assert.deepEqual(texts({ canTake: true }), ['ASK', '']);
+  assert.deepEqual(texts({ canTake: true, hasAsked: true }), ['ASKED', '']);
+  assert.deepEqual(texts({ isToolWanted: true }), ['GIVE', 'KEEP']);
 });
 
 test('a place on the bar is a time, clamped at its ends', () => {

@@ -15,6 +15,8 @@ struct DeviceSample {
   Eigen::Quaterniond q_base_tool = Eigen::Quaterniond::Identity();
   bool is_engaged = false;  ///< the clutch is closed
   bool is_present = false;  ///< false: unplugged, timed out, or at its end
+  /// Its emergency stop is held, or was pressed since the last exchange; also of an absent device.
+  bool is_stop_pressed = false;
 };
 
 /// Feedback to a device in one cycle.

@@ -31,11 +31,15 @@ typedef struct pcavr_device_feedback {
 /* The state of the device. Initialized to zeros except `size` and the quaternion, 0 0 0 1. */
 typedef struct pcavr_device_sample {
   uint32_t size;
-  uint32_t is_present; /* 0: unplugged; the other fields are ignored */
+  uint32_t is_present; /* 0: unplugged; tip and clutch are ignored */
   uint32_t is_engaged; /* the clutch is closed */
   uint32_t reserved;   /* 0 */
   double tip[3];       /* [m] */
   double quaternion[4];
+  /* Emergency stop: held, or pressed since the last cycle. Also counts with a tip that is rejected,
+   * and without is_present. Set it only if `size` is that of this header, or more. */
+  uint32_t is_stop_pressed;
+  uint32_t reserved2; /* 0 */
 } pcavr_device_sample;
 
 typedef struct pcavr_device_plugin {

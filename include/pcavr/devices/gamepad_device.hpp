@@ -16,12 +16,14 @@ struct GamepadOptions {
   GamepadOptions();
   double dead_zone;  ///< ratio of full deflection at which worn sticks rest
   double max_force;  ///< [N] force of the heavy motor's maximum amplitude
+  int stop_button;   ///< SDL_GameControllerButton of the emergency stop; not the right shoulder
 };
 [[nodiscard]] OptionSection section_of(GamepadOptions& options);
 
 /// The first available gamepad, through SDL2. The left stick moves the tip away and sideways, the
 /// right one up and down; the clutch is closed while the right shoulder button or trigger is held.
-/// The heavy motor vibrates in proportion to the force, the light one by the pulse.
+/// The heavy motor vibrates in proportion to the force, the light one by the pulse. The right face
+/// button (B, circle) is the emergency stop.
 ///
 /// A thread of its own polls it at 250 Hz. When unplugged it is absent until it, or another one, is
 /// connected.

@@ -15,12 +15,14 @@ struct OptionSection;  // core/options.hpp
 struct SpaceMouseOptions {
   SpaceMouseOptions();
   double full_deflection;  ///< [counts] of the cap, at the sensitivity that the daemon is set to
+  int stop_button;         ///< the daemon's number of the emergency stop's button; 0 is the clutch
 };
 [[nodiscard]] OptionSection section_of(SpaceMouseOptions& options);
 
 /// A 3Dconnexion SpaceMouse or the like, through the daemon spacenavd. The cap's deflection is
 /// the tip's velocity; the clutch is closed while the left button is held, so that bumping the cap
-/// moves nothing. Rotations are ignored, since the tool is a sphere.
+/// moves nothing. The right button is the emergency stop. Rotations are ignored, since the tool is
+/// a sphere.
 ///
 /// A thread of its own reads from the daemon. The device is absent while unplugged, and after the
 /// daemon has ended. libspnav has one connection per process: a second open fails.

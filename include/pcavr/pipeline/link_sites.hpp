@@ -23,6 +23,7 @@
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
+class BlackBox;        // pipeline/black_box.hpp
 
 /// The main loops of `pcavr robot-site` and `pcavr operator-site`. Each runs on the caller's thread
 /// until its end, a lasting fault, or `stop`.
@@ -43,7 +44,8 @@ struct SiteScene {
   std::string name;
   std::string version;  ///< of the program
   std::vector<std::string> objects;
-  double tool_radius = 0.01;  ///< [m]
+  double tool_radius = 0.01;              ///< [m]
+  std::vector<Pose> T_base_objects = {};  ///< where the scene has them
 };
 
 struct RobotSiteReport {
@@ -68,7 +70,8 @@ struct RobotSiteReport {
                                                        LiveRobotSite& site, const SiteScene& scene,
                                                        const RobotSiteOptions& options,
                                                        const Observer& observer,
-                                                       const std::atomic<bool>& stop);
+                                                       const std::atomic<bool>& stop,
+                                                       BlackBox* black_box = nullptr);
 
 struct OperatorSiteOptions {
   OperatorSiteOptions();
@@ -113,6 +116,7 @@ struct OperatorSiteReport {
 [[nodiscard]] Expected<OperatorSiteReport> run_operator_site(
     LinkClient& client, OperatorInterface& person, const TeleopInput& world,
     const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
-    const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop);
+    const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop,
+    BlackBox* black_box = nullptr);
 
 }  // namespace pcavr

@@ -59,7 +59,9 @@ enum class LiveCommand : std::uint32_t {
   faster,
   emergency_stop,  ///< the tool is disengaged and stays where it is
   release_stop,    ///< of the emergency stop: the world is then on hold
-  undo_reset       ///< until a body is touched
+  undo_reset,      ///< until a body is touched
+  hand_over_tool,  ///< to the first page that has asked for it
+  keep_tool        ///< refuses those that have asked for it
 };
 /// Time scales that pages choose from.
 inline constexpr double kTimeScales[] = {0.1, 0.25, 0.5, 1.0};
@@ -154,6 +156,8 @@ struct LiveState {
   bool has_tool = false;    ///< the receiving page has the tool
   bool tool_taken = false;  ///< some page or device has it
   bool can_undo_reset = false;
+  bool is_tool_wanted = false;  ///< the receiving page has the tool, and another one asks for it
+  bool has_asked = false;       ///< the receiving page has asked for the tool
   std::optional<std::size_t> touched_object;
   Eigen::Vector3f p_base_hip = Eigen::Vector3f::Zero();
   Eigen::Vector3f p_base_proxy = Eigen::Vector3f::Zero();

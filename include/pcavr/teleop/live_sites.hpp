@@ -29,6 +29,13 @@ struct LiveCorrection {
   std::vector<std::uint8_t> bytes;  ///< a CorrectionMessage with `sent.t` as its epoch
 };
 
+/// What a correction's bytes state, for a log; nothing if they are not valid. `t` [s]: the time
+/// that it corrects.
+[[nodiscard]] std::optional<SentCorrection> decode_correction(std::span<const std::uint8_t> bytes,
+                                                              double t);
+/// The whole pose of a predicted object; `T_base_start` gives height and tilt.
+[[nodiscard]] Pose predicted_pose(const LinkPrediction& prediction, const Pose& T_base_start);
+
 /// The robot's site: what it measures and what the operator's site predicts, to corrections.
 class LiveRobotSite {
  public:

@@ -188,7 +188,8 @@ class TwoSitesSoak final : private SiteLog {
   void on_commanded(std::uint32_t session, const LinkCommand& command) override {
     checker_.on_commanded(t_, session, command);
   }
-  void on_applied(std::uint32_t session, const LinkCorrection& correction, bool is_valid) override {
+  void on_applied(double, std::uint32_t session, const LinkCorrection& correction,
+                  bool is_valid) override {
     checker_.on_applied(t_, session, correction, is_valid);
   }
 

@@ -81,7 +81,7 @@ export class DesktopTool {
     if (state.isToolTaken) {
       this.disengage();
       this.isRefused = true;
-      this.app.notify({ level: 'warning', text: 'Another page controls the tool.' });
+      this.app.notify({ level: 'warning', text: 'Another page controls the tool: ask for it.' });
       return false;
     }
     this.app.session.command(Command.take);

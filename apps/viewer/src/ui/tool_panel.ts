@@ -3,10 +3,11 @@
 import { Vector3 } from 'three';
 import type { App } from '../app';
 import type { DesktopTool } from '../input/desktop_tool';
-import { Command } from '../protocol';
+import { Command, type LiveState } from '../protocol';
 import { CallToAction } from './call_to_action';
 import { byId, setPressed, setText } from './dom';
 import { moveTo, project } from './labels';
+import { ToolRequest } from './tool_request';
 
 /// The tool's buttons, and its drag handle (the ring).
 export class ToolPanel {
@@ -19,6 +20,7 @@ export class ToolPanel {
   private readonly speed = byId('time-scale', HTMLOutputElement);
   private readonly clutch = byId('clutch', HTMLButtonElement);
   private readonly callToAction = new CallToAction();
+  private readonly request: ToolRequest;
 
   constructor(
     private readonly app: App,
@@ -27,7 +29,11 @@ export class ToolPanel {
   ) {
     const { session } = app;
     this.section.hidden = false;
-    this.take.addEventListener('click', () => session.command(Command.take));
+    this.request = new ToolRequest(session, () => tool.disengage());
+    this.take.addEventListener('click', () => {
+      // A request stays until it is withdrawn.
+      session.command(session.latest()?.hasAsked ? Command.release : Command.take);
+    });
     this.release.addEventListener('click', () => {
       tool.disengage();
       session.command(Command.release);
@@ -63,17 +69,10 @@ export class ToolPanel {
   update(): void {
     const state = this.app.session.latest();
     const isTakenByOther = state !== null && state.isToolTaken && !state.hasTool;
-    setText(
-      this.owner,
-      !state
-        ? ''
-        : state.hasTool
-          ? 'You are using the tool.'
-          : isTakenByOther
-            ? 'Another page uses the tool.'
-            : 'The tool is free: drag its ring.',
-    );
-    this.take.disabled = !state || state.isToolTaken;
+    setText(this.owner, state ? ownerText(state) : '');
+    setText(this.take, takeText(state, isTakenByOther));
+    this.take.disabled = !state || state.hasTool;
+    this.request.update(state);
     this.release.disabled = !state?.hasTool;
     this.hold.disabled = !state;
     this.undo.hidden = !state?.canUndoReset || isTakenByOther;
@@ -107,4 +106,16 @@ export class ToolPanel {
     moveTo(this.handle, at.x, at.y);
     return at;
   }
+}
+
+function ownerText(state: LiveState): string {
+  if (state.hasTool) return 'You are using the tool.';
+  if (state.hasAsked) return 'Asked for the tool: waiting for the page that has it.';
+  if (state.isToolTaken) return 'Another page uses the tool.';
+  return 'The tool is free: drag its ring.';
+}
+
+function takeText(state: LiveState | null, isTakenByOther: boolean): string {
+  if (state?.hasAsked) return 'Stop asking';
+  return isTakenByOther ? 'Ask for the tool' : 'Use the tool';
 }

@@ -15,6 +15,7 @@ export const panelButtons = [
   'time',
   'leave',
   'place',
+  'keep',
 ] as const;
 export type PanelButton = (typeof panelButtons)[number];
 
@@ -23,6 +24,8 @@ export interface ButtonState {
   isOnHold: boolean;
   isScanShown: boolean;
   canTake: boolean; // another page has the tool
+  hasAsked: boolean; // for it
+  isToolWanted: boolean; // this page has the tool, and another one asks for it
   canUndoReset: boolean; // since the last reset no body was touched
   timeScale: number; // simulated over real time
   isPassthrough: boolean; // the real room is behind the scene
@@ -51,7 +54,11 @@ export function labelOf(button: PanelButton, state: ButtonState, isAsking: boole
       if (state.canUndoReset) return label('UNDO', true);
       return label(isAsking ? 'SURE?' : 'RESET', isAsking);
     case 'take':
-      return playback ? label(`+${playbackStep} S`) : label('TAKE', state.canTake);
+      if (playback) return label(`+${playbackStep} S`);
+      if (state.isToolWanted) return label('GIVE', true);
+      return state.hasAsked ? label('ASKED') : label(state.canTake ? 'ASK' : 'TAKE', state.canTake);
+    case 'keep':
+      return label(!playback && state.isToolWanted ? 'KEEP' : '', true);
     case 'swap':
       return label(playback ? `SPEED ${playback.speed}` : 'SWAP');
     case 'scan':

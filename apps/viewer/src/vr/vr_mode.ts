@@ -228,7 +228,10 @@ export class VrMode {
         break;
       case 'take':
         if (playback) playback.seek(playback.time + playbackStep);
-        else session.command(Command.take);
+        else this.takeOrGive(session.latest());
+        break;
+      case 'keep':
+        session.command(Command.keep);
         break;
       case 'swap':
         playback?.nextSpeed();
@@ -253,6 +256,16 @@ export class VrMode {
         break;
       case 'leave':
         void this.leave();
+    }
+  }
+
+  /// Asks for the tool or no longer asks; hands it over to who asks for it.
+  private takeOrGive(state: LiveState | null): void {
+    if (state?.isToolWanted) {
+      this.disengage('tool handed over');
+      this.app.session.command(Command.handOver);
+    } else {
+      this.app.session.command(state?.hasAsked ? Command.release : Command.take);
     }
   }
 
@@ -385,12 +398,14 @@ export class VrMode {
       force: state ? Math.hypot(...state.force) : 0,
       age: this.app.session.latencyStats().age,
       isOnHold: state?.isOnHold ?? false,
-      note: this.clutch.openReason,
+      note: state?.isToolWanted ? 'another page asks for the tool' : this.clutch.openReason,
       scale: this.person.scale,
       canUndoReset: state?.canUndoReset ?? false,
       timeScale: state?.timeScale ?? 1,
       isScanShown: this.app.view.layers.isShown('mesh'),
       canTake: state !== null && state.isToolTaken && !state.hasTool,
+      hasAsked: state?.hasAsked ?? false,
+      isToolWanted: state?.isToolWanted ?? false,
       isPassthrough: this.isPassthrough,
       isPlacing: this.placing.isActive,
       playback: this.app.playback,

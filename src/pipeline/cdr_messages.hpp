@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/stamp.hpp"
+#include "pcavr/geometry/pose.hpp"
+
+namespace pcavr::cdr {
+
+/// ROS 2 messages in CDR, little endian [OMG DDSI-RTPS 10.2, XCDR1], with the definitions of their
+/// types as bags state them (ros2msg).
+
+inline constexpr std::string_view kPoseStampedType = "geometry_msgs/msg/PoseStamped";
+inline constexpr std::string_view kWrenchStampedType = "geometry_msgs/msg/WrenchStamped";
+inline constexpr std::string_view kTfMessageType = "tf2_msgs/msg/TFMessage";
+[[nodiscard]] std::string pose_stamped_definition();
+[[nodiscard]] std::string wrench_stamped_definition();
+[[nodiscard]] std::string tf_message_definition();
+
+struct Transform {
+  std::string child_frame;
+  Pose T_base_child;
+};
+
+[[nodiscard]] std::vector<std::uint8_t> pose_stamped(Stamp stamp, const Pose& T_base_child);
+[[nodiscard]] std::vector<std::uint8_t> wrench_stamped(Stamp stamp, const Eigen::Vector3d& force,
+                                                       const Eigen::Vector3d& torque);
+[[nodiscard]] std::vector<std::uint8_t> tf_message(Stamp stamp,
+                                                   const std::vector<Transform>& transforms);
+
+}  // namespace pcavr::cdr

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/geometry/tracked_pose.hpp"
+#include "pcavr/link/link_message.hpp"
+#include "pcavr/pipeline/robot_interface.hpp"
+#include "pcavr/teleop/live_sites.hpp"
+
+#include "site_log.hpp"
+
+namespace pcavr {
+
+/// [s] on the shared clock.
+struct ExecutedCommand {
+  double t = 0.0;  ///< of execution, as the operator's site wanted it
+  double received = 0.0;
+  double applied = 0.0;  ///< when it became the setpoint
+};
+
+/// What the robot has measured, for the site's identification and for its states, and which command
+/// these measurements show.
+class RobotMeasurement {
+ public:
+  /// Takes what the robot has measured up to `now`; `start` [s]: time zero of the scene.
+  void advance(double now, double start, RobotInterface& robot, LiveRobotSite& site, SiteLog& log);
+  [[nodiscard]] const Eigen::Vector3d& force_base() const { return force_base_; }
+
+  void add(const ExecutedCommand& executed) { unsensed_.push_back(executed); }
+  /// At the end of a session.
+  void forget_commands() { unsensed_.clear(); }
+
+  /// Adds them to a state. Without `start` nothing was measured yet.
+  void describe(double now, std::optional<double> start, const LiveRobotSite& site,
+                LinkState& state);
+
+ private:
+  void sense(double t);
+
+  RobotSamples samples_;
+  RobotSamples::Tool tool_;
+  Eigen::Vector3d force_base_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque_base_ = Eigen::Vector3d::Zero();
+  std::vector<std::optional<TrackedPose>> tracked_;
+  std::deque<ExecutedCommand> unsensed_;  ///< later than the newest sample
+  ExecutedCommand sensed_;                ///< the newest of the others
+};
+
+}  // namespace pcavr
