@@ -8,9 +8,8 @@
 
 #include "pcavr/core/input_file.hpp"
 #include "pcavr/core/output.hpp"
-#include "pcavr/recording/time_series.hpp"
-
 #include "pcavr/recording/pairing.hpp"
+#include "pcavr/recording/time_series.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;

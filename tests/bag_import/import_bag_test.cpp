@@ -137,6 +137,31 @@ TEST_F(ImportBag, WithoutTfForcesAreTakenAsTheyAreWithAWarning) {
   EXPECT_TRUE(names_option);
 }
 
+TEST_F(ImportBag, DepthAloneIsImportedWithGreyFrames) {
+  BagImportOptions options = by_frame();
+  options.topics.color_topic = "none";
+  ASSERT_TRUE(import(bag_file(RosEncoder::Format::cdr), options));
+  const Expected<Recording> read = recording();
+  ASSERT_TRUE(read) << read.error().to_string();
+  FrameReader reader(*read);
+  const auto frame = reader.next();
+  ASSERT_TRUE(frame && *frame);
+  EXPECT_NEAR((*frame)->color(3, 3).r, 128, 2);
+  EXPECT_NEAR((*frame)->depth(3, 3), 1e-3 * BagTwin::depth(0, 3, 3), 1e-6);
+}
+
+TEST_F(ImportBag, TheTipIsPlacedInTheToolsFrame) {
+  BagImportOptions options = by_frame();
+  options.topics.tool_frame = "flange";
+  options.p_tool_tip = BagTwin::T_flange_tip().translation();
+  ASSERT_TRUE(import(bag_file(RosEncoder::Format::cdr), options));
+  const Expected<Recording> read = recording();
+  ASSERT_TRUE(read) << read.error().to_string();
+  for (const TimedPose& tip : read->tool.poses()) {
+    EXPECT_LT(translation_distance(tip.pose, BagTwin::T_base_tip(tip.stamp)), 1e-12);
+  }
+}
+
 TEST_F(ImportBag, BadOptionsAreOneLine) {
   const auto with = [&](auto change) {
     BagImportOptions options;
