@@ -93,7 +93,8 @@ const shortTick = new Intl.NumberFormat('en', {
 });
 
 function tickText(value: number): string {
-  return (Math.abs(value) < 1e5 ? plainTick : shortTick).format(value);
+  const text = (Math.abs(value) < 1e5 ? plainTick : shortTick).format(value);
+  return text.replace('-', '−');
 }
 
 function heightOf(plot: PlotData): number {
