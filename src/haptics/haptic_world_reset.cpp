@@ -50,6 +50,7 @@ void HapticWorld::Content::undo_reset(const Eigen::Vector3d& wanted_tip) noexcep
     body.is_blocked = false;
     body.is_saturated = false;
     body.tangential_deflection_base.setZero();
+    body.grip_count = 0;
     body.tool_force_base.setZero();
   }
   set_bodies(before_reset);

@@ -51,6 +51,26 @@ ObjectIdentification begin_object(const IdentifiableObject& object, const Parame
   return result;
 }
 
+/// A press under which the object slides or turns, as in an oblique hole, shows no contact law: the
+/// tip's path is not its penetration.
+void leave_out_moved_presses(std::vector<IdentifiedContact>& contacts, std::size_t index,
+                             const std::vector<TrackedPose>& tracked, const PathView& tip) {
+  constexpr double kMaxMotion = 0.001;  // [m] where the tip is; tracking has some tenths of that
+  if (tracked.empty()) return;
+  for (IdentifiedContact& contact : contacts) {
+    const ContactEpisode& episode = contact.episode;
+    const bool is_press = episode.kind == ContactKind::press && !episode.impact;
+    if (contact.object != index || !is_press || !contact.left_out.empty()) continue;
+    const Pose T_base_before = pose_at(tracked, episode.begin);
+    const Pose T_base_after = pose_at(tracked, episode.end);
+    const Eigen::Vector3d p_base = tip.at(episode.begin);
+    const Eigen::Vector3d p_base_after = T_base_after * (T_base_before.inverse() * p_base);
+    if ((p_base_after - p_base).norm() > kMaxMotion) {
+      contact.left_out = "the object moves under the press";
+    }
+  }
+}
+
 /// The std of a contact's `tool` where the tip has an error that all samples share.
 std::vector<double> tip_std_of(const IdentificationInput& input, const ContactEpisode& episode) {
   std::vector<double> stds;
@@ -141,14 +161,14 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const IdentifiableObject& object = input.objects[i];
     ObjectIdentification& found = result.objects.emplace_back(begin_object(object, input.known));
+    const std::vector<TrackedPose> tracked = on_clock(object.tracked, result.inputs.camera_shift());
+    if (object.is_movable) leave_out_moved_presses(result.contacts, i, tracked, tip);
     const bool has_contact_law = found.parameters.contact_stiffness.has_value();
     if (goal == IdentificationGoal::contact || !has_contact_law) {
       identify_contact_of(result.contacts, i, options, found);
       identify_surface_offset(result.contacts, i, object, input.tool_radius, tip, found);
     }
     if (goal == IdentificationGoal::friction && object.is_movable) {
-      const std::vector<TrackedPose> tracked =
-          on_clock(object.tracked, result.inputs.camera_shift());
       const BodyMotion motion{object.model, tracked};
       identify_friction_of(result.contacts, i, object.mass, motion, tip, input.tool_radius, options,
                            found);

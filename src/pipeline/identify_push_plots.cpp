@@ -138,15 +138,20 @@ Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
 }  // namespace
 
 ReportTable critical_band_table(const Identification& found, std::size_t object) {
-  ReportTable table{
-      .title = "Critical band below F_M",
-      .columns = {"band", "from (N)", "median time in it before the breakaway (ms)", "pushes"}};
+  ReportTable table{.title = "Critical band below F_M",
+                    .columns = {"band", "from (N)", "to (N)",
+                                "median time in it before the breakaway (ms)", "pushes"}};
   const LimitingFriction& limit = found.objects[object].limit;
   if (limit.pushes < 2) return table;
-  const std::pair<const char*, double> bands[] = {
-      {"paper C: F_M - STD", limit.mean - limit.std},
-      {"here: F_M less the larger of STD and 10 %", critical_from(limit)}};
-  for (const auto& [name, from] : bands) {
+  struct Band {
+    const char* name;
+    double from;
+    double to;
+  };
+  const Band bands[] = {
+      {"paper C: F_M ± STD", limit.mean - limit.std, limit.mean + limit.std},
+      {"here: F_M less the larger of STD and 10 %", critical_from(limit), limit.mean}};
+  for (const auto& [name, from, to] : bands) {
     std::vector<double> times;
     for (const IdentifiedContact& contact : found.contacts) {
       const bool counts = contact.object == object && contact.left_out.empty() &&
@@ -154,8 +159,8 @@ ReportTable critical_band_table(const Identification& found, std::size_t object)
       if (counts) times.push_back(time_above(contact.episode, from));
     }
     if (times.empty()) continue;
-    table.rows.push_back(
-        {name, readable(from), readable(1e3 * median_of(times)), std::to_string(times.size())});
+    table.rows.push_back({name, readable(from), readable(to), readable(1e3 * median_of(times)),
+                          std::to_string(times.size())});
   }
   table.note =
       "Why not paper C's band: the STD of repeated pushes is so small that the force crosses it "

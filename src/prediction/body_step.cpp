@@ -3,6 +3,7 @@
 #include "prediction/body_step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -38,15 +39,29 @@ constexpr double kStoppedSpeed = 0.3e-3;
 /// Of the maximum force, within rounding: as the law limits it.
 constexpr double kSaturatedShare = 0.999;
 
+/// Cosine between the normals of one face at the begin and at the end of a step.
+constexpr double kSameFace = 0.9;
+
 /// All forces but the support's friction on the body in one configuration.
 struct Load {
-  TipContact contact;
-  TipForce tip;
+  TipContacts contacts;
+  std::array<TipForce, BodyState::kMaxGrips> tips = {};  ///< of each contact
   Eigen::Vector3d wrench = Eigen::Vector3d::Zero();
   /// Decrease of the wrench as the body moves, in the axes x, y and gyration radius times yaw.
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
 
-  [[nodiscard]] double down() const { return -tip.force.z(); }
+  [[nodiscard]] Eigen::Vector3d tip_force() const {
+    Eigen::Vector3d sum = tips[0].force;
+    for (int i = 1; i < contacts.count; ++i) sum += tips[static_cast<std::size_t>(i)].force;
+    return sum;
+  }
+  [[nodiscard]] double down() const { return -tip_force().z(); }
+};
+
+/// A contact at the begin of the step.
+struct ContactBegin {
+  double depth = 0.0;                                    ///< [m]
+  Eigen::Vector3d deflection = Eigen::Vector3d::Zero();  ///< [m]
 };
 
 /// Displacement of the body since the step's begin.
@@ -72,7 +87,7 @@ class BodyStepper {
         relative_tolerance_(relative_tolerance),
         dt_(dt) {
     if ((tip.to - tip.from).norm() > tip.max_speed * dt) tip_.from = tip.to;
-    contact_ = contact_at(state.planar, tip_.from);
+    contacts_ = contacts_at(state.planar, tip_.from);
     // Weight of the step's end in the contact's mean depth: the midpoint rule, which is of second
     // order, for contacts that the step resolves; nearly implicit Euler for those that it does not,
     // so that they do not oscillate (numerical damping).
@@ -85,8 +100,7 @@ class BodyStepper {
     resolve_overlap();
     // By the force at the begin: over a step it hardly changes, and in every Newton iteration it
     // would cost as much as the rest.
-    friction_ = body_.friction_under(state_.tool_force_base, contact_.arm, contact_.height,
-                                     state_.planar.yaw);
+    friction_ = friction_at_begin();
     if (!body_.is_movable()) {
       finish(state_.planar, load_at_rest(1.0), 0.0);
     } else if (state_.planar.twist.isZero(0.0)) {
@@ -99,36 +113,82 @@ class BodyStepper {
 
   BodyState stop() noexcept {
     state_.planar.twist.setZero();
-    friction_ = body_.friction_under(state_.tool_force_base, contact_.arm, contact_.height,
-                                     state_.planar.yaw);
+    friction_ = friction_at_begin();
     const Load load = load_at_rest(1.0);
     finish(state_.planar, load, static_load_ratio(load));
     return state_;
   }
 
  private:
-  [[nodiscard]] TipContact contact_at(const PlanarState& planar,
-                                      const Eigen::Vector3d& tip) const noexcept {
+  [[nodiscard]] TipContacts contacts_at(const PlanarState& planar,
+                                        const Eigen::Vector3d& tip) const noexcept {
     if (!tip_.is_present) return {};
-    return find_tip_contact(body_, planar, tip, tip_.radius).value_or(TipContact{});
+    return find_tip_contacts(body_, planar, tip, tip_.radius);
+  }
+
+  [[nodiscard]] PlanarFriction friction_at_begin() const noexcept {
+    const TipContact& contact = contacts_.deepest();
+    return body_.friction_under(state_.tool_force_base, contact.arm, contact.height,
+                                state_.planar.yaw);
+  }
+
+  /// What the contact number `index` of `contacts` was at the begin: with one face at both ends,
+  /// the same; else that of the same normal.
+  [[nodiscard]] ContactBegin begin_of(const TipContacts& contacts,
+                                      std::size_t index) const noexcept {
+    if (contacts.count == 1 && contacts_.count == 1 && state_.grip_count == 0) {
+      return {contacts_.deepest().depth, state_.tangential_deflection_base};
+    }
+    const Eigen::Vector3d& normal = contacts.all[index].normal;
+    ContactBegin begin;
+    double max_cosine = kSameFace;
+    for (int i = 0; i < contacts_.count; ++i) {
+      const TipContact& contact = contacts_.all[static_cast<std::size_t>(i)];
+      if (!(contact.normal.dot(normal) > max_cosine)) continue;
+      max_cosine = contact.normal.dot(normal);
+      begin.depth = contact.depth;
+    }
+    if (state_.grip_count == 0) {
+      const bool is_deepest = contacts_.deepest().normal.dot(normal) > kSameFace;
+      if (is_deepest) begin.deflection = state_.tangential_deflection_base;
+      return begin;
+    }
+    max_cosine = kSameFace;
+    for (int i = 0; i < state_.grip_count; ++i) {
+      const TipGrip& grip = state_.grips[static_cast<std::size_t>(i)];
+      if (!(grip.normal_base.dot(normal) > max_cosine)) continue;
+      max_cosine = grip.normal_base.dot(normal);
+      begin.deflection = grip.tangential_deflection_base;
+    }
+    return begin;
+  }
+
+  void keep_grips(const Load& load) noexcept {
+    state_.tangential_deflection_base = load.tips[0].deflection;
+    state_.grip_count = load.contacts.count > 1 ? load.contacts.count : 0;
+    for (int i = 0; i < state_.grip_count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      state_.grips[k] = {load.contacts.all[k].normal, load.tips[k].deflection};
+    }
   }
 
   /// A pose or a tip that was set from outside may penetrate deeper than any force allows: then the
   /// body is moved to where a slow push would have brought it.
   void resolve_overlap() noexcept {
-    if (!body_.is_movable() || !(contact_.depth > 0.0)) return;
+    if (!body_.is_movable() || !(contacts_.deepest().depth > 0.0)) return;
     const double allowed = std::max(state_.penetration, body_.static_limit_depth());
-    if (!(contact_.depth > allowed + 1e-8)) return;
+    if (!(contacts_.deepest().depth > allowed + 1e-8)) return;
     for (int i = 0; i < 8; ++i) {  // more than one only where the surface is curved
-      if (std::abs(contact_.normal.z()) > kMaxNormalZ) break;
-      const double excess = contact_.depth - body_.sliding_depth();
-      const Eigen::Vector2d flat = contact_.normal.head<2>();
+      if (std::abs(contacts_.deepest().normal.z()) > kMaxNormalZ) break;
+      const double excess = contacts_.deepest().depth - body_.sliding_depth();
+      const Eigen::Vector2d flat = contacts_.deepest().normal.head<2>();
       if (excess < 1e-7) break;
       state_.planar.position -= excess / flat.squaredNorm() * flat;
-      contact_ = contact_at(state_.planar, tip_.from);
+      contacts_ = contacts_at(state_.planar, tip_.from);
     }
     state_.planar.twist.setZero();
     state_.tangential_deflection_base.setZero();
+    state_.grip_count = 0;
   }
 
   void add_sides(const Displacement& own, double share, Load& load) const noexcept {
@@ -158,14 +218,18 @@ class BodyStepper {
   [[nodiscard]] Load load_at_rest(double share) const noexcept {
     Load load;
     const Eigen::Vector3d displacement = share * (tip_.to - tip_.from);
-    load.contact = contact_at(state_.planar, tip_.from + displacement);
+    load.contacts = contacts_at(state_.planar, tip_.from + displacement);
     const double time = share * dt_;
-    const double rate = time > 0.0 ? (load.contact.depth - contact_.depth) / time : 0.0;
-    Eigen::Vector3d deflection = Eigen::Vector3d::Zero();
-    if (contact_.depth > 0.0) deflection = state_.tangential_deflection_base + displacement;
-    load.tip = tip_force(body_, tip_.radius, load.contact.normal, load.contact.depth, rate,
-                         deflection, (tip_.to - tip_.from) / dt_);
-    load.wrench = wrench_at(load.contact.arm, load.tip.force);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(load.contacts.count); ++i) {
+      const TipContact& contact = load.contacts.all[i];
+      const ContactBegin begin = begin_of(load.contacts, i);
+      const double rate = time > 0.0 ? (contact.depth - begin.depth) / time : 0.0;
+      Eigen::Vector3d deflection = Eigen::Vector3d::Zero();
+      if (begin.depth > 0.0) deflection = begin.deflection + displacement;
+      load.tips[i] = tip_force(body_, tip_.radius, contact.normal, contact.depth, rate, deflection,
+                               (tip_.to - tip_.from) / dt_);
+      load.wrench += wrench_at(contact.arm, load.tips[i].force);
+    }
     if (time > 0.0) add_sides({}, share, load);
     return load;
   }
@@ -210,8 +274,8 @@ class BodyStepper {
     if (1.0 - high < kMinShareOfStep) return false;
     if (high > 0.0) {
       const Load load = load_at_rest(high);
-      state_.tangential_deflection_base = load.tip.deflection;
-      contact_ = load.contact;
+      keep_grips(load);
+      contacts_ = load.contacts;
       tip_.from += high * (tip_.to - tip_.from);
       dt_ *= 1.0 - high;
     }
@@ -221,24 +285,28 @@ class BodyStepper {
 
   /// With the body's end at `planar`; `end_share` 1 for the load there, less for its mean over the
   /// step.
-  [[nodiscard]] Load load_at(const PlanarState& planar, const TipContact& contact,
+  [[nodiscard]] Load load_at(const PlanarState& planar, const TipContacts& contacts,
                              double end_share) const noexcept {
     Load load;
-    load.contact = contact;
+    load.contacts = contacts;
     const Displacement own{planar.position - state_.planar.position,
                            planar.yaw - state_.planar.yaw};
-    if (contact.depth > 0.0 || contact_.depth > 0.0) {
-      const double begin = std::max(contact_.depth, 0.0);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
+      const TipContact& contact = contacts.all[i];
+      const ContactBegin at_begin = begin_of(contacts, i);
+      if (!(contact.depth > 0.0 || at_begin.depth > 0.0)) continue;
+      const double begin = std::max(at_begin.depth, 0.0);
       const double end = end_share < 1.0 ? std::max(contact.depth, 0.0) : contact.depth;
       Eigen::Vector3d slip = tip_.to - tip_.from;
       slip.head<2>() -= own.at(contact.arm);
       Eigen::Vector3d deflection = end_share * slip;
-      if (contact_.depth > 0.0) deflection += state_.tangential_deflection_base;
-      load.tip = tip_force(body_, tip_.radius, contact.normal, begin + end_share * (end - begin),
-                           (contact.depth - contact_.depth) / dt_, deflection, slip / dt_);
-      load.wrench = wrench_at(contact.arm, load.tip.force);
-      load.stiffness =
-          body_stiffness(flat_stiffness(load.tip, contact.normal.head<2>()), contact.arm);
+      if (at_begin.depth > 0.0) deflection += at_begin.deflection;
+      load.tips[i] =
+          tip_force(body_, tip_.radius, contact.normal, begin + end_share * (end - begin),
+                    (contact.depth - at_begin.depth) / dt_, deflection, slip / dt_);
+      load.wrench += wrench_at(contact.arm, load.tips[i].force);
+      load.stiffness +=
+          body_stiffness(flat_stiffness(load.tips[i], contact.normal.head<2>()), contact.arm);
     }
     add_sides(own, 1.0, load);
     return load;
@@ -287,7 +355,7 @@ class BodyStepper {
     bool has_change = false;
     double rough_tolerance = 0.0;  // of the residual, where a rough solution suffices
     for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-      const Load load = load_at(guess, contact_at(guess, tip_.to), end_share_);
+      const Load load = load_at(guess, contacts_at(guess, tip_.to), end_share_);
       friction.sliding.force = friction_.sliding.force * body_.weight_share(load.down());
       const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
       const Eigen::Vector3d residual = scaled(guess) - scaled(step.state);
@@ -312,18 +380,17 @@ class BodyStepper {
       has_change = true;
       move(guess, -change);
     }
-    const TipContact contact = contact_at(best, tip_.to);
-    const Load load = load_at(best, contact, 1.0);
+    const Load load = load_at(best, contacts_at(best, tip_.to), 1.0);
     finish(best, load, best.twist.isZero(0.0) ? static_load_ratio(load) : 1.0);
   }
 
   /// `load_ratio`: see static_load_ratio.
   void finish(const PlanarState& planar, const Load& load, double load_ratio) noexcept {
     state_.planar = planar;
-    state_.penetration = load.contact.depth;
-    state_.tangential_deflection_base = load.tip.deflection;
-    state_.tool_force_base = load.tip.force;
-    state_.is_saturated = load.tip.force.norm() >= kSaturatedShare * body_.max_contact_force();
+    state_.penetration = load.contacts.deepest().depth;
+    keep_grips(load);
+    state_.tool_force_base = load.tip_force();
+    state_.is_saturated = load.tips[0].force.norm() >= kSaturatedShare * body_.max_contact_force();
     const bool is_critical = body_.is_movable() && load_ratio >= body_.critical_share();
     if (planar.twist.isZero(0.0)) {
       state_.planar.phase = is_critical ? FrictionPhase::critical : FrictionPhase::static_contact;
@@ -332,7 +399,7 @@ class BodyStepper {
                                   std::abs(planar.twist.z()) * body_.gyration_radius());
     if (speed >= (state_.phase == MotionPhase::sliding ? kStoppedSpeed : kSlidingSpeed)) {
       state_.phase = MotionPhase::sliding;
-    } else if (load.tip.force.isZero(0.0)) {
+    } else if (state_.tool_force_base.isZero(0.0)) {
       state_.phase = MotionPhase::free;
     } else {
       state_.phase = is_critical ? MotionPhase::critical : MotionPhase::static_contact;
@@ -346,7 +413,7 @@ class BodyStepper {
   const PlanarState* guess_;
   double relative_tolerance_;
   double dt_;
-  TipContact contact_;       ///< at the begin
+  TipContacts contacts_;     ///< at the begin
   PlanarFriction friction_;  ///< under the weight alone
   double end_share_ = 0.5;
   double residual_ = 0.0;  ///< see BodyStep

@@ -55,7 +55,7 @@ double angle_at(const std::array<Eigen::Vector3d, 3>& corner, std::size_t i) noe
 }  // namespace
 
 struct ClosestSurface::Candidate {
-  double distance2;
+  double distance2 = 0.0;
   const Triangle* triangle = nullptr;
   PointOnTriangle on = {Eigen::Vector3d::Zero(), 0};
 };
@@ -137,6 +137,75 @@ void ClosestSurface::search(std::uint32_t index, const Eigen::Vector3d& p,
     const double distance2 = (p - on.point).squaredNorm();
     if (distance2 < best.distance2) best = {distance2, &triangle, on};
   }
+}
+
+/// The triangles within reach of a point.
+struct ClosestSurface::Neighbours {
+  static constexpr std::size_t kMax = 32;  // more only of a surface finer than the reach
+  std::array<Candidate, kMax> all;
+  std::size_t count = 0;
+  bool is_complete = true;
+
+  /// Whether no triangle that meets at the candidate's point has a closer one.
+  [[nodiscard]] bool is_minimum(const Candidate& candidate) const noexcept {
+    constexpr double kSame2 = 1e-18;  // [m^2] of one point, computed twice
+    const Eigen::Vector3d& point = candidate.on.point;
+    return std::none_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
+                        [&](const Candidate& other) {
+                          if ((other.on.point - point).squaredNorm() <= kSame2) return false;
+                          const auto& triangle = *other.triangle;
+                          const Eigen::Vector3d on_other =
+                              closest_on(point, triangle.corner, triangle.normal[0]).point;
+                          return (on_other - point).squaredNorm() <= kSame2;
+                        });
+  }
+};
+
+void ClosestSurface::gather(std::uint32_t index, const Eigen::Vector3d& p, double reach,
+                            Neighbours& near) const noexcept {
+  const Node& node = nodes_[index];
+  if (node.box.squaredExteriorDistance(p) >= reach * reach) return;
+  if (node.count == 0) {
+    gather(node.first, p, reach, near);
+    gather(node.first + 1, p, reach, near);
+    return;
+  }
+  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+    const Triangle& triangle = triangles_[i];
+    const PointOnTriangle on = closest_on(p, triangle.corner, triangle.normal[0]);
+    const double distance2 = (p - on.point).squaredNorm();
+    if (distance2 >= reach * reach) continue;
+    near.is_complete = near.count < Neighbours::kMax;
+    if (!near.is_complete) return;
+    near.all[near.count++] = {distance2, &triangle, on};
+  }
+}
+
+std::size_t ClosestSurface::local_minima(const Eigen::Vector3d& p, double reach,
+                                         std::span<Result> found) const noexcept {
+  constexpr double kSameDirection = 0.866;  // cosine of 30 degrees
+  const std::optional<Result> first = closest(p, reach);
+  if (!first || found.empty()) return 0;
+  std::size_t count = 0;
+  found[count++] = *first;
+  Neighbours near;
+  if (first->distance > 0.0) gather(0, p, reach, near);
+  if (!near.is_complete) return count;
+  std::sort(near.all.begin(), near.all.begin() + static_cast<std::ptrdiff_t>(near.count),
+            [](const Candidate& a, const Candidate& b) { return a.distance2 < b.distance2; });
+  for (std::size_t i = 0; i < near.count && count < found.size(); ++i) {
+    const Candidate& candidate = near.all[i];
+    const Eigen::Vector3d away = p - candidate.on.point;
+    const double distance = std::sqrt(candidate.distance2);
+    if (!(away.dot(candidate.triangle->normal[candidate.on.feature]) > 0.0)) continue;
+    const Eigen::Vector3d normal = away / distance;
+    const bool is_known =
+        std::any_of(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count),
+                    [&](const Result& known) { return known.normal.dot(normal) > kSameDirection; });
+    if (is_known || !near.is_minimum(candidate)) continue;
+    found[count++] = {distance, candidate.on.point, normal};
+  }
+  return count;
 }
 
 std::optional<ClosestSurface::Result> ClosestSurface::closest(const Eigen::Vector3d& p,

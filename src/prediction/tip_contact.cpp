@@ -23,23 +23,52 @@ Eigen::Vector3d tangential_part(const Eigen::Vector3d& normal,
   return vector - normal.dot(vector) * normal;
 }
 
+Eigen::Vector3d in_body(const PlanarState& planar, const Eigen::Rotation2Dd& turn,
+                        const Eigen::Vector3d& p_base) noexcept {
+  Eigen::Vector3d p = p_base;
+  p.head<2>() = turn.inverse() * (p_base.head<2>() - planar.position);
+  return p;
+}
+
+TipContact contact_at(const UprightBody& body, const Eigen::Rotation2Dd& turn,
+                      const ClosestSurface::Result& closest, double radius) noexcept {
+  TipContact contact;
+  contact.depth = radius - closest.distance + closest.normal.dot(body.physics().surface_offset);
+  contact.normal = closest.normal;
+  contact.normal.head<2>() = turn * closest.normal.head<2>();
+  contact.arm = turn * closest.point.head<2>();
+  contact.height = closest.point.z();
+  return contact;
+}
+
 }  // namespace
 
 std::optional<TipContact> find_tip_contact(const UprightBody& body, const PlanarState& planar,
                                            const Eigen::Vector3d& p_base_tip,
                                            double radius) noexcept {
   const Eigen::Rotation2Dd turn(planar.yaw);
-  Eigen::Vector3d p = p_base_tip;
-  p.head<2>() = turn.inverse() * (p_base_tip.head<2>() - planar.position);
-  const auto closest = body.surface().closest(p, radius + kMaxClearance);
+  const auto closest =
+      body.surface().closest(in_body(planar, turn, p_base_tip), radius + kMaxClearance);
   if (!closest) return std::nullopt;
-  TipContact contact;
-  contact.depth = radius - closest->distance + closest->normal.dot(body.physics().surface_offset);
-  contact.normal = closest->normal;
-  contact.normal.head<2>() = turn * closest->normal.head<2>();
-  contact.arm = turn * closest->point.head<2>();
-  contact.height = closest->point.z();
-  return contact;
+  return contact_at(body, turn, *closest, radius);
+}
+
+TipContacts find_tip_contacts(const UprightBody& body, const PlanarState& planar,
+                              const Eigen::Vector3d& p_base_tip, double radius) noexcept {
+  TipContacts contacts;
+  const std::optional<TipContact> deepest = find_tip_contact(body, planar, p_base_tip, radius);
+  if (!deepest) return contacts;
+  contacts.all[0] = *deepest;
+  if (!(deepest->depth > 0.0)) return contacts;
+  const Eigen::Rotation2Dd turn(planar.yaw);
+  std::array<ClosestSurface::Result, BodyState::kMaxGrips> minima;
+  const std::size_t found =
+      body.surface().local_minima(in_body(planar, turn, p_base_tip), radius, minima);
+  for (std::size_t i = 1; i < found; ++i) {
+    const TipContact contact = contact_at(body, turn, minima[i], radius);
+    if (contact.depth > 0.0) contacts.all[static_cast<std::size_t>(contacts.count++)] = contact;
+  }
+  return contacts;
 }
 
 TipForce tip_force(const UprightBody& body, double radius, const Eigen::Vector3d& normal,

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include <Eigen/Core>
 
 #include "pcavr/friction/planar_slider.hpp"
+#include "pcavr/prediction/predicted_world.hpp"
 
 #include "prediction/upright_body.hpp"
 
@@ -37,6 +39,16 @@ struct TipContact {
                                                          const PlanarState& planar,
                                                          const Eigen::Vector3d& p_base_tip,
                                                          double radius) noexcept;
+
+/// The faces that the tip touches at once, the deepest first; alone, also where it touches none.
+struct TipContacts {
+  std::array<TipContact, BodyState::kMaxGrips> all = {};
+  int count = 1;
+  [[nodiscard]] const TipContact& deepest() const noexcept { return all[0]; }
+};
+[[nodiscard]] TipContacts find_tip_contacts(const UprightBody& body, const PlanarState& planar,
+                                            const Eigen::Vector3d& p_base_tip,
+                                            double radius) noexcept;
 
 /// Force of the tip on the body, and its derivatives.
 struct TipForce {

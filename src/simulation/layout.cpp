@@ -140,6 +140,25 @@ Expected<Body> make_slotted_block(const PlantBody& plant, Random& random) {
   return body;
 }
 
+/// A block with an oblique hole, and a tag on its +x side.
+Expected<Body> make_block_with_hole(const PlantBody& plant, Random& random) {
+  Body body{.name = plant.name, .surface = {}, .materials = {}, .decals = {}};
+  const Eigen::Vector3f tone = color_of_hue(random.uniform(), 0.45, 0.75);
+  body.materials.push_back(material_of(Texture::terrazzo, tone, 0.55F * tone, 0.03F, random));
+  const Eigen::Vector3d half = half_extents_of(plant);
+  add_block_with_hole(body.surface, half, hole_of(plant), 0);
+  const double size = std::min(0.06, 0.72 * 2.0 * std::min(half.y(), half.z()));
+  const auto added = add_decal(body, kFirstObjectTag, size, facing_x({half.x(), 0.0, 0.0}));
+  if (!added) return added.error();
+  return body;
+}
+
+Expected<Body> make_plant_body(const PlantBody& plant, int number, Random& random) {
+  if (!plant.prisms.empty()) return make_block_with_hole(plant, random);
+  if (plant.parts.size() > 1) return make_slotted_block(plant, random);
+  return make_box(plant.name, half_extents_of(plant), number, false, random);
+}
+
 /// One of many boxes that stand in a grid, for a case without a tool.
 Expected<void> add_grid_box(World& world, const SimulationCase& simulation, int number,
                             Random& random) {
@@ -199,9 +218,7 @@ Expected<void> add_plant_body(World& world, const PlantBody& plant, int number, 
   for (double along = -0.06; along <= kPushClearance; along += 0.02) {
     occupancy.occupy(start + along * push_direction, radius);
   }
-  auto body = plant.parts.size() == 1
-                  ? make_box(plant.name, box.half_extents, number, false, random)
-                  : make_slotted_block(plant, random);
+  auto body = make_plant_body(plant, number, random);
   if (!body) return body.error();
   world.bodies.push_back(std::move(body).value());
   world.boxes.push_back(box);

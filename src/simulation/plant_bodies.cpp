@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pcavr/core/check.hpp"
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/core/random.hpp"
 
@@ -199,6 +200,89 @@ PlantBody slotted_block(std::uint64_t seed, double tip_radius) {
   body.patches = uniform_patches(half.head<2>(), kPatchesAlong);
   body.T_base_object = sample_box_pose(0, half.z(), random);
   return body;
+}
+
+namespace {
+
+/// The four walls and the floor around a hole, without overlap.
+void build_block(const Eigen::Vector3d& half, const ObliqueHole& hole, PlantBody& body) {
+  const double begin_y = hole.mouth.y() - hole.half_extents.y();
+  const double end_y = hole.mouth.y() + hole.half_extents.y();
+  const double wall_z = 0.5 * (hole.floor + half.z());
+  const auto cuboid = [&](double low_y, double high_y, double z, double half_z) -> PlantCuboid {
+    return {.centre = {0.0, 0.5 * (low_y + high_y), z},
+            .half_extents = {half.x(), 0.5 * (high_y - low_y), half_z}};
+  };
+  const double floor_half = 0.5 * (hole.floor + half.z());
+  const double wall_half = 0.5 * (half.z() - hole.floor);
+  body.parts = {cuboid(-half.y(), half.y(), floor_half - half.z(), floor_half),
+                cuboid(-half.y(), begin_y, wall_z, wall_half),
+                cuboid(end_y, half.y(), wall_z, wall_half)};
+  const double w = hole.half_extents.x();
+  const double top = half.z();
+  body.prisms = {{.outline_xz = {{-half.x(), hole.floor},
+                                 {hole.bottom.x() - w, hole.floor},
+                                 {hole.mouth.x() - w, top},
+                                 {-half.x(), top}},
+                  .begin_y = begin_y,
+                  .end_y = end_y},
+                 {.outline_xz = {{hole.bottom.x() + w, hole.floor},
+                                 {half.x(), hole.floor},
+                                 {half.x(), top},
+                                 {hole.mouth.x() + w, top}},
+                  .begin_y = begin_y,
+                  .end_y = end_y}};
+}
+
+}  // namespace
+
+PlantBody block_with_hole(std::uint64_t seed, double tip_radius) {
+  Random random = Random(seed).fork(23);
+  PlantBody body;
+  body.name = "hole_block";
+  const Eigen::Vector3d half(random.uniform(0.07, 0.09), random.uniform(0.07, 0.1),
+                             random.uniform(0.04, 0.05));
+  const double angle = random.uniform(15.0, 25.0) * std::numbers::pi / 180.0;
+  ObliqueHole hole;
+  hole.floor = -half.z() + random.uniform(0.02, 0.03);
+  hole.half_extents = {(tip_radius + random.uniform(0.0003, 0.001)) / std::cos(angle),
+                       tip_radius + random.uniform(0.0003, 0.001)};
+  const double shift = std::tan(angle) * (half.z() - hole.floor);
+  const double aside = random.uniform(0.3, 0.5) * half.y();
+  hole.mouth = {-0.5 * shift, aside};
+  hole.bottom = {0.5 * shift, aside};
+  build_block(half, hole, body);
+  PlantParameters& p = body.parameters;
+  p = sample_parameters(random);
+  p.mass = random.uniform(2.0, 4.0);
+  const double coefficient = random.uniform(0.15, 0.35);
+  p.limiting_static_friction = coefficient * p.mass * kStandardGravity;
+  p.sliding_friction_coefficient = random.uniform(0.8, 0.96) * coefficient;
+  p.contact_stiffness =
+      stiffness_for(40.0, sample_log_uniform(0.0003, 0.0015, random), p.contact_exponent);
+  p.contact_damping = sample_log_uniform(0.5, 6.0, random) * p.contact_stiffness;
+  body.patches = uniform_patches(half.head<2>(), kPatchesAlong);
+  // The hole's missing material shifts the centre of mass by some tenths of a millimetre.
+  const double missing = hole.half_extents.prod() * (half.z() - hole.floor) / (2.0 * half.prod());
+  const Eigen::Vector2d centre(0.0, -missing / (1.0 - missing) * aside);
+  make_pressure_uneven(body.patches, 0.3, centre, random);
+  body.T_base_object = sample_box_pose(0, half.z(), random);
+  return body;
+}
+
+ObliqueHole hole_of(const PlantBody& block) {
+  PCAVR_REQUIRE(block.prisms.size() == 2);
+  const PlantPrism& left = block.prisms[0];
+  const PlantPrism& right = block.prisms[1];
+  const double y = 0.5 * (left.begin_y + left.end_y);
+  const auto middle_x = [&](std::size_t l, std::size_t r) {
+    return 0.5 * (left.outline_xz[l].x() + right.outline_xz[r].x());
+  };
+  return {.half_extents = {0.5 * (right.outline_xz[0].x() - left.outline_xz[1].x()),
+                           0.5 * (left.end_y - left.begin_y)},
+          .mouth = {middle_x(2, 3), y},
+          .bottom = {middle_x(1, 0), y},
+          .floor = left.outline_xz[0].y()};
 }
 
 Eigen::Vector3d half_extents_of(const PlantBody& body) {

@@ -7,6 +7,8 @@
 
 #include "pcavr/simulation/plant.hpp"
 
+#include "simulation/shapes.hpp"
+
 namespace pcavr::simulation {
 
 /// Boxes on the table with parameters from wide ranges: 0.8 to 6 kg, friction coefficient 0.2
@@ -26,6 +28,13 @@ namespace pcavr::simulation {
 
 /// A heavy block with a slot along its y, open above, a little wider than a tip of `tip_radius`.
 [[nodiscard]] PlantBody slotted_block(std::uint64_t seed, double tip_radius);
+
+/// A block with an oblique hole [paper B, fig. 7], beside its middle, so that a tip that is driven
+/// into it along z slides and turns the block.
+[[nodiscard]] PlantBody block_with_hole(std::uint64_t seed, double tip_radius);
+
+/// The hole of block_with_hole, from its parts.
+[[nodiscard]] ObliqueHole hole_of(const PlantBody& block);
 
 /// Half extents of the bounding box of all parts [m]; bodies here are centred on their origin.
 [[nodiscard]] Eigen::Vector3d half_extents_of(const PlantBody& body);

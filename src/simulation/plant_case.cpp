@@ -27,11 +27,11 @@ constexpr double kBreakawayDisplacement = 5e-5;  ///< above the presliding displ
 /// Of the tip in a soft body [m]: a large deformation, more than the tip's radius.
 constexpr double kSoftDepth = 0.015;
 
-/// Presses down on the centre of the top face, and retracts.
+/// Presses down on the top face, `at` from its centre [m], and retracts.
 void press(Program& program, std::size_t body, double radius, double speed, double depth,
-           double max_force) {
+           double max_force, const Eigen::Vector2d& at = Eigen::Vector2d::Zero()) {
   constexpr double kAbove = 0.006;  // to reach the speed
-  const Eigen::Vector3d top(0.0, 0.0, half_extents_of(program.body(body)).z() + radius);
+  const Eigen::Vector3d top(at.x(), at.y(), half_extents_of(program.body(body)).z() + radius);
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   program.add({.body = body, .target = top + kAbove * up, .speed = 0.1});
   program.wait(0.15);
@@ -250,6 +250,41 @@ void add_slot_moves(Program& program, const PlantBody& block, double radius) {
   program.lift();
 }
 
+/// Paper B's contact experiment, pushes for the friction, and twice along z down to the floor of
+/// the hole: the tip slides along the wall that lies below it, and pushes the block aside.
+void add_hole_moves(Program& program, const PlantBody& block, double radius, Random& random) {
+  constexpr double kMaxForce = 90.0;  // [N] of B's hole slotting
+  const ObliqueHole hole = hole_of(block);
+  const double top = half_extents_of(block).z() + radius;
+  const Eigen::Vector2d aside(0.0, -hole.mouth.y());
+  program.travel(0, {aside.x(), aside.y(), top + 0.01});
+  for (const double speed : {0.005, 0.015, 0.04}) {
+    press(program, 0, radius, speed, 0.002, 60.0, aside);
+  }
+  const PushContact contact = program.minus_y_face(0, aim_error(random));
+  travel_to_contact(program, 0, contact, radius);
+  for (int i = 0; i < 3; ++i) push_to_breakaway(program, 0, contact, 0.7, 0.05, 0.002);
+  slide_modulated(program, 0, contact, 0.06, 0.0025);
+  program.lift();
+  const double depth = half_extents_of(block).z() - hole.floor;
+  for (const double speed : {0.02, 0.05}) {
+    program.travel(0, {hole.mouth.x(), hole.mouth.y(), top + 0.004});
+    program.add({.target = {0.0, 0.0, -depth - 0.002},
+                 .is_offset = true,
+                 .speed = speed,
+                 .acceleration = 0.5,
+                 .dwell = 0.2});
+    program.add({.target = {0.0, 0.0, -0.02},
+                 .is_offset = true,
+                 .speed = 0.01,
+                 .acceleration = 0.5,
+                 .until_force = kMaxForce,
+                 .dwell = 0.3});
+    program.add({.target = {0.0, 0.0, depth + 0.02}, .is_offset = true, .speed = 0.05});
+  }
+  program.lift();
+}
+
 void add_paper_moves(Program& program, double radius, Random& random) {
   for (std::size_t body = 0; body < 2; ++body) {
     travel_above(program, body, radius);
@@ -268,6 +303,7 @@ std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_r
                                  const PushOptions& push) {
   if (task == ToolTask::none) return {};
   if (task == ToolTask::slot) return {slotted_block(seed, tip_radius)};
+  if (task == ToolTask::hole) return {block_with_hole(seed, tip_radius)};
   if (task == ToolTask::paper) return paper_boxes(seed);
   if (task == ToolTask::soft) return soft_boxes(seed, kSoftDepth);
   if (task == ToolTask::impact) return struck_boxes(seed, kImpactSpeed, kStrikerMass);
@@ -304,6 +340,9 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& 
       break;
     case ToolTask::slot:
       add_slot_moves(program, made.bodies[0], made.tool.radius);
+      break;
+    case ToolTask::hole:
+      add_hole_moves(program, made.bodies[0], made.tool.radius, random);
       break;
     case ToolTask::turn:
       add_turn_moves(program, made.tool.radius, random);

@@ -30,18 +30,55 @@ struct MassDistribution {
   double height = 0.0;             ///< of that centre above the lowest face [m]
 };
 
-MassDistribution mass_distribution(const std::vector<PlantCuboid>& parts) {
+/// Volume, first and second moments that a part adds.
+struct Moments {
+  double volume = 0.0;
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();
+  double square = 0.0;  ///< of the distance to the vertical axis
+};
+
+/// Of a prism along y: by the triangles of a fan.
+Moments moments_of(const PlantPrism& prism) {
+  Moments sum;
+  const double length = prism.end_y - prism.begin_y;
+  const double y = 0.5 * (prism.begin_y + prism.end_y);
+  const double y_square = y * y + length * length / 12.0;
+  const Eigen::Vector2d& a = prism.outline_xz.front();
+  for (std::size_t i = 1; i + 1 < prism.outline_xz.size(); ++i) {
+    const Eigen::Vector2d& b = prism.outline_xz[i];
+    const Eigen::Vector2d& c = prism.outline_xz[i + 1];
+    const Eigen::Vector2d ab = b - a;
+    const Eigen::Vector2d ac = c - a;
+    const double volume = 0.5 * length * (ab.x() * ac.y() - ab.y() * ac.x());
+    const Eigen::Vector2d middle = (a + b + c) / 3.0;
+    const double x_square = (a.x() * a.x() + b.x() * b.x() + c.x() * c.x() + a.x() * b.x() +
+                             b.x() * c.x() + c.x() * a.x()) /
+                            6.0;
+    sum.volume += volume;
+    sum.first += volume * Eigen::Vector3d(middle.x(), y, middle.y());
+    sum.square += volume * (x_square + y_square);
+  }
+  return sum;
+}
+
+MassDistribution mass_distribution(const PlantBody& body) {
   double volume = 0.0;
   double bottom = std::numeric_limits<double>::infinity();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double square = 0.0;
-  for (const PlantCuboid& part : parts) {
+  for (const PlantCuboid& part : body.parts) {
     const double v = 8.0 * part.half_extents.prod();
     volume += v;
     sum += v * part.centre;
     square +=
         v * (part.centre.head<2>().squaredNorm() + part.half_extents.head<2>().squaredNorm() / 3.0);
     bottom = std::min(bottom, part.centre.z() - part.half_extents.z());
+  }
+  for (const PlantPrism& prism : body.prisms) {
+    const Moments moments = moments_of(prism);
+    volume += moments.volume;
+    sum += moments.first;
+    square += moments.square;
   }
   const Eigen::Vector3d centre = sum / volume;
   return {square / volume - centre.head<2>().squaredNorm(), centre.z() - bottom};
@@ -56,7 +93,7 @@ BodyDynamics::BodyDynamics(const PlantBody& body, double tip_radius)
       height_(body.T_base_object.translation().z()),
       is_movable_(body.is_movable),
       centre_(body.T_base_object.translation().head<2>()) {
-  const MassDistribution distribution = mass_distribution(body.parts);
+  const MassDistribution distribution = mass_distribution(body);
   inertia_ = mass_ * distribution.inertia_over_mass;
   centre_height_ = distribution.height;
   yaw_ = yaw_of(body.T_base_object);

@@ -178,6 +178,35 @@ void add_slotted_block(Surface& surface, const Eigen::Vector3d& half_extents, do
   }
 }
 
+void add_block_with_hole(Surface& surface, const Eigen::Vector3d& half_extents,
+                         const ObliqueHole& hole, std::uint16_t material) {
+  const double h = half_extents.z();
+  PCAVR_REQUIRE(hole.floor > -h && hole.floor < h, hole.floor);
+  const auto ring = [&](const Eigen::Vector2d& middle, const Eigen::Vector2d& half, double z) {
+    std::array<Index, 4> corners{};
+    constexpr int kSigns[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners[i] = add_vertex(
+          surface, Pose(),
+          {middle.x() + kSigns[i][0] * half.x(), middle.y() + kSigns[i][1] * half.y(), z});
+    }
+    return corners;
+  };
+  const Eigen::Vector2d outer = half_extents.head<2>();
+  const auto bottom = ring(Eigen::Vector2d::Zero(), outer, -h);
+  const auto top = ring(Eigen::Vector2d::Zero(), outer, h);
+  const auto mouth = ring(hole.mouth, hole.half_extents, h);
+  const auto floor = ring(hole.bottom, hole.half_extents, hole.floor);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t j = (i + 1) % 4;
+    add_face(surface, {bottom[i], bottom[j], top[j], top[i]}, material);
+    add_face(surface, {top[i], top[j], mouth[j], mouth[i]}, material);
+    add_face(surface, {mouth[i], mouth[j], floor[j], floor[i]}, material);
+  }
+  add_face(surface, {floor.begin(), floor.end()}, material);
+  add_face(surface, {bottom.rbegin(), bottom.rend()}, material);
+}
+
 void add_mesh(Surface& surface, const TriangleMesh& mesh, std::uint16_t material) {
   const auto first = static_cast<Index>(surface.mesh.vertices.size());
   surface.mesh.vertices.insert(surface.mesh.vertices.end(), mesh.vertices.begin(),

@@ -43,6 +43,18 @@ void add_box(Surface& surface, const Eigen::Vector3d& half_extents, const Pose& 
 void add_slotted_block(Surface& surface, const Eigen::Vector3d& half_extents, double half_slot,
                        double floor, std::uint16_t material);
 
+/// A hole with an oblique axis in a block: the same rectangle at every height, moving along x.
+struct ObliqueHole {
+  Eigen::Vector2d half_extents;  ///< of the rectangle in x and y [m]
+  Eigen::Vector2d mouth;         ///< its middle at the top face, from the block's middle [m]
+  Eigen::Vector2d bottom;        ///< its middle at the floor: the same y [m]
+  double floor = 0.0;            ///< z of the floor, from the block's middle [m]
+};
+
+/// Adds a cuboid centred at the origin with such a hole in its top face.
+void add_block_with_hole(Surface& surface, const Eigen::Vector3d& half_extents,
+                         const ObliqueHole& hole, std::uint16_t material);
+
 /// Adds a mesh, each triangle flat.
 void add_mesh(Surface& surface, const TriangleMesh& mesh, std::uint16_t material);
 

@@ -229,6 +229,8 @@ const std::vector<SimulationCase>& simulation_cases() {
         with_tool("press", ToolTask::press,
                   "presses along z at seven speeds, on each of two boxes"),
         with_tool("slot", ToolTask::slot, "along both walls of the slot in a block"),
+        with_tool("hole", ToolTask::hole,
+                  "presses and pushes of a block, then along z into its oblique hole"),
         with_tool("turn", ToolTask::turn, "off-centre pushes, which turn two boxes"),
         paper,
         with_tool("soft", ToolTask::soft,

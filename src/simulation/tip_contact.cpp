@@ -38,6 +38,49 @@ ClosestPoint closest_point_on(const Eigen::AlignedBox3d& box, const Eigen::Vecto
   return best;
 }
 
+/// The closest point on a convex outline, counter-clockwise; its distance is negative inside.
+struct ClosestOnOutline {
+  Eigen::Vector2d point;
+  Eigen::Vector2d normal;
+  double distance;
+};
+
+ClosestOnOutline closest_point_on(const std::vector<Eigen::Vector2d>& outline,
+                                  const Eigen::Vector2d& p) {
+  ClosestOnOutline outside{p, Eigen::Vector2d::UnitY(), 1e9};
+  ClosestOnOutline inside{p, Eigen::Vector2d::UnitY(), -1e9};
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d& a = outline[i];
+    const Eigen::Vector2d edge = outline[(i + 1) % outline.size()] - a;
+    const Eigen::Vector2d outward = Eigen::Vector2d(edge.y(), -edge.x()).normalized();
+    const double depth = outward.dot(p - a);
+    if (depth > inside.distance) inside = {p - depth * outward, outward, depth};
+    const double share = std::clamp((p - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    const Eigen::Vector2d point = a + share * edge;
+    const double distance = (p - point).norm();
+    if (distance < outside.distance) {
+      outside = {point, (p - point) / std::max(distance, 1e-12), distance};
+    }
+  }
+  return inside.distance > 0.0 ? outside : inside;
+}
+
+ClosestPoint closest_point_on(const std::vector<Eigen::Vector2d>& outline_xz, double begin_y,
+                              double end_y, const Eigen::Vector3d& p) {
+  const ClosestOnOutline flat = closest_point_on(outline_xz, Eigen::Vector2d(p.x(), p.z()));
+  const Eigen::Vector3d normal(flat.normal.x(), 0.0, flat.normal.y());
+  const double beyond = std::max(begin_y - p.y(), p.y() - end_y);  // of the ends
+  const double side = p.y() > 0.5 * (begin_y + end_y) ? 1.0 : -1.0;
+  if (flat.distance <= 0.0 && (beyond > 0.0 || beyond > flat.distance)) {
+    const Eigen::Vector3d point(p.x(), side > 0.0 ? end_y : begin_y, p.z());
+    return {point, side * Eigen::Vector3d::UnitY(), beyond};
+  }
+  const Eigen::Vector3d point(flat.point.x(), std::clamp(p.y(), begin_y, end_y), flat.point.y());
+  if (beyond <= 0.0) return {point, normal, flat.distance};
+  const double distance = (p - point).norm();
+  return {point, (p - point) / std::max(distance, 1e-12), distance};
+}
+
 }  // namespace
 
 TipContact::TipContact(const PlantBody& body, double tip_radius)
@@ -54,6 +97,11 @@ TipContact::TipContact(const PlantBody& body, double tip_radius)
     bottom_body_ = std::min(bottom_body_, low.z());
     bounding_radius_ = std::max(bounding_radius_, low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm());
   }
+  for (const PlantPrism& prism : body.prisms) {
+    parts_.push_back({.box_body = Eigen::AlignedBox3d(Eigen::Vector3d(0.0, prism.begin_y, 0.0),
+                                                      Eigen::Vector3d(0.0, prism.end_y, 0.0)),
+                      .outline_xz = prism.outline_xz});
+  }
 }
 
 TipLoad TipContact::advance(const Tip& tip, const BodyMotion& body, double dt) {
@@ -69,7 +117,10 @@ TipLoad TipContact::advance(const Tip& tip, const BodyMotion& body, double dt) {
 void TipContact::add(Part& part, const Tip& tip, const BodyMotion& body, double dt,
                      TipLoad& load) const {
   const Eigen::Vector3d p_body = body.R_base_body.transpose() * (tip.p_base - body.p_base);
-  const ClosestPoint closest = closest_point_on(part.box_body, p_body);
+  const ClosestPoint closest = part.outline_xz.empty()
+                                   ? closest_point_on(part.box_body, p_body)
+                                   : closest_point_on(part.outline_xz, part.box_body.min().y(),
+                                                      part.box_body.max().y(), p_body);
   const double penetration = radius_ - closest.distance;
   if (penetration <= 0.0) {
     part.deflection.setZero();

@@ -48,6 +48,7 @@ class TipContact {
  private:
   struct Part {
     Eigen::AlignedBox3d box_body;
+    std::vector<Eigen::Vector2d> outline_xz = {};          ///< of a prism; empty for a cuboid
     Eigen::Vector3d deflection = Eigen::Vector3d::Zero();  ///< base axes [m]
   };
 

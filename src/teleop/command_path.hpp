@@ -12,10 +12,9 @@
 namespace pcavr {
 
 /// The operator's command of a recording: the tip's path, sampled every `step` [s] and smoothed
-/// over
-/// +-20 ms, up to +-80 ms where the motion is slow: the pose sensor's noise would be rendered as
-/// force. A live operator's command has no such noise and needs none of this. Computed in blocks of
-/// some seconds.
+/// over +-20 ms, up to +-80 ms where the motion is slow and +-320 ms where it is even: the pose
+/// sensor's noise would be rendered as force. A live operator's command has no such noise and needs
+/// none of this. Computed in blocks of some seconds.
 class CommandPath {
  public:
   /// Keeps a reference; `tip` must outlive it and have two samples or more.

@@ -48,6 +48,22 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
           std::span(contact.force).first(count), contact.tool_noise};
 }
 
+/// Whether the tip slides along an inclined face, as in an oblique hole: a press under which the
+/// object moves, or a push whose force is far from horizontal. Neither the tip's path nor the force
+/// along it is then that of the contact, or of the support's friction.
+bool is_oblique(const ContactRecord& record, const ContactEpisode& contact,
+                const ObjectLearner::ContactFacts& facts) {
+  constexpr double kMaxTangent = 0.3;  // 17 degrees: upright faces give less
+  if (contact.kind == ContactKind::press) return facts.has_moved || facts.has_slid;
+  double vertical = 0.0, horizontal = 0.0;
+  for (std::size_t i = 0; i < record.t_force.size(); ++i) {
+    if (record.t_force[i] < contact.begin || record.t_force[i] > contact.end) continue;
+    vertical += record.force_base[i].z() * record.force_base[i].z();
+    horizontal += record.force_base[i].head<2>().squaredNorm();
+  }
+  return vertical > kMaxTangent * kMaxTangent * horizontal;
+}
+
 }  // namespace
 
 ObjectLearner::ObjectLearner(const ObjectParameters& given, const LearningOptions& options,
@@ -66,6 +82,7 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, const Conta
   if (nearest == found.contacts.end() || nearest->t.empty() || nearest->impact) return false;
   if (force_ceiling_ && nearest->peak_force >= kSaturatedRatio * *force_ceiling_) return false;
   if (facts.has_moved && !facts.has_slid && !is_press(*nearest)) return false;
+  if (is_movable_ && is_oblique(record, *nearest, facts)) return false;
   const bool is_same =
       !contacts_.empty() && std::abs(contacts_.back().begin - nearest->begin) < kSameContact;
   if (!is_same) contacts_.emplace_back();

@@ -46,7 +46,8 @@ class ObjectLearner {
   /// Identifies from a contact that began at `begin` [s], again if it was processed before. A
   /// contact in which the object has not slid yet has no information on friction: a tool that stops
   /// looks like a breakaway. A push that moved the object although no slide was found in it has
-  /// none at all: a slow slide looks like a soft contact. True if a parameter has changed.
+  /// none at all: a slow slide looks like a soft contact; nor one along an inclined face. True if a
+  /// parameter has changed.
   bool learn(const ContactRecord& record, double begin, const ContactFacts& facts);
 
   /// [N] at which the sensor saturates: contacts that reach it are not used.

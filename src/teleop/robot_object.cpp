@@ -276,7 +276,7 @@ std::optional<RobotObject::ContactOffset> RobotObject::offset_by_contact(
   const double touch_std =
       std::hypot(options_.contact_std, std::min(relative_std, kMaxPenetrationStd) * penetration);
   const Touch tip = surface_.touch(estimate.T_base_object, sample.p_base_tip, tool_radius_);
-  if (!std::isfinite(tip.gap)) return std::nullopt;
+  if (!std::isfinite(tip.gap) || !is_pressed(tip)) return std::nullopt;
   const std::optional<Eigen::Vector3d> offset =
       surface_offset({.stiffness = stiffness, .exponent = exponent});
   const double error = (offset ? tip.normal_object.dot(*offset) : 0.0) - tip.gap - penetration;
@@ -286,20 +286,27 @@ std::optional<RobotObject::ContactOffset> RobotObject::offset_by_contact(
                        estimate.std * std::sqrt(1.0 - weight)};
 }
 
+bool RobotObject::is_pressed(const Touch& tip) const {
+  // On the floor of a hole the force along the push is that of a wall.
+  constexpr double kMinCosine = 0.5;  // 60 degrees: a push may go round a curved face
+  return tip.inward_base.dot(monitor.direction_base()) > kMinCosine;
+}
+
 void RobotObject::measure_surface(const TouchSample& sample, const PoseEstimate& estimate) {
   const double force = monitor.resting_force();
   if (!is_pushed() || force <= options_.min_force || measured_frame_ == frames_) return;
   measured_frame_ = frames_;
   const Touch tip = surface_.touch(estimate.T_base_object, sample.p_base_tip, tool_radius_);
-  if (!std::isfinite(tip.gap)) return;
+  if (!std::isfinite(tip.gap) || !is_pressed(tip)) return;
   const double std = std::hypot(estimate.std, options_.contact_std,
                                 options_.clock_std * std::max(monitor.tip_speed(), 0.0));
   measured_surface_.add(tip.normal_object, tip.gap, std, force);
 }
 
 std::optional<Eigen::Vector3d> RobotObject::surface_offset(const HuntCrossley& law) const {
-  const std::optional<Eigen::Vector3d> measured = measured_surface_.value(law);
-  return measured ? measured : learner.known().contact_surface_offset;
+  const std::optional<Eigen::Vector3d>& identified = learner.known().contact_surface_offset;
+  const std::optional<Eigen::Vector3d> measured = measured_surface_.value(law, identified);
+  return measured ? measured : identified;
 }
 
 void RobotObject::apply(const ContactOffset& face, PoseEstimate& estimate) {

@@ -119,6 +119,8 @@ class RobotObject {
   /// Empty without a push, or without a contact law that gives the penetration.
   [[nodiscard]] std::optional<ContactOffset> offset_by_contact(const TouchSample& sample,
                                                                const PoseEstimate& estimate) const;
+  /// Whether the force along the push is that on the face which the tip is nearest to.
+  [[nodiscard]] bool is_pressed(const Touch& tip) const;
   /// Where the tip meets the tracked body, once for each frame.
   void measure_surface(const TouchSample& sample, const PoseEstimate& estimate);
   /// As it was measured here, else as given.

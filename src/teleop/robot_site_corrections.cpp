@@ -25,6 +25,18 @@ constexpr double kRestStds = 2.0;
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
+/// That of the push; of the force itself where this has turned away from it, as in a hole, where
+/// the tip goes on from a wall to the floor.
+Eigen::Vector3d compared_direction(const Eigen::Vector3d& push_base,
+                                   const Eigen::Vector3d& force_base) {
+  constexpr double kMaxTangent = 1.73;  // 60 degrees: more than friction at the tip explains
+  constexpr double kMinForce = 5.0;     // [N] a smaller one's direction is that of noise
+  const double along = force_base.dot(push_base);
+  const double across = (force_base - along * push_base).norm();
+  const bool has_turned = across > kMinForce && across > kMaxTangent * std::abs(along);
+  return has_turned ? Eigen::Vector3d(force_base.normalized()) : push_base;
+}
+
 }  // namespace
 
 void RobotSite::acknowledge(RobotObject& object, const Prediction& prediction) {
@@ -41,9 +53,10 @@ void RobotSite::record_force(const TouchSample& sample, const Eigen::Vector3d& c
     const Eigen::Vector3d& rendered = log.at(sample.t, i).rendered_force_base;
     const double size = rendered.norm();
     if (!is_touched && size <= 0.0) continue;
-    const Eigen::Vector3d direction =
-        is_touched ? objects_[i].monitor.direction_base() : Eigen::Vector3d(rendered / size);
     const Eigen::Vector3d measured = clean_base - bias_base_;
+    const Eigen::Vector3d direction =
+        is_touched ? compared_direction(objects_[i].monitor.direction_base(), measured)
+                   : Eigen::Vector3d(rendered / size);
     const bool is_near = objects_[i].touch(sample.p_base_tip).gap < options_.inputs.max_touch_gap;
     forces_.push_back({sample.t, i, is_touched || is_near ? measured.dot(direction) : 0.0,
                        rendered.dot(direction)});

@@ -31,7 +31,10 @@ void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sampl
   const auto& known = object.acknowledged.limiting_static_friction;
   const double limit = std::max(options_.learning.static_limit_ratio * known->value,
                                 known->value + 3.0 * known->std.value_or(0.0));
-  const double friction = sample.force_base.head<2>().norm();
+  // A tip that presses down, as in an oblique hole, adds to the support's normal force.
+  const double weight = object.acknowledged.mass->value * options_.gravity();
+  const double load_share = 1.0 + std::max(0.0, -sample.force_base.z()) / weight;
+  const double friction = sample.force_base.head<2>().norm() / load_share;
   const bool is_beyond = rests && friction > limit + sensors_.enter_force;
   if (!is_beyond) {
     object.above_limit_since.reset();

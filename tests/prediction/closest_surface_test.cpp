@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/prediction/closest_surface.hpp"
 
+#include <array>
+
 #include <gtest/gtest.h>
 
 #include "pcavr/core/random.hpp"
@@ -41,6 +43,32 @@ TEST(ClosestSurface, IsExactForABox) {
     // The closest point lies at that distance back along the outward normal.
     ASSERT_NEAR((closest->point + expected * closest->normal - p).norm(), 0.0, 1e-12);
   }
+}
+
+TEST(ClosestSurface, HasOneLocalMinimumOutsideABoxAndThreeInACorner) {
+  std::array<ClosestSurface::Result, 4> found;
+  const ClosestSurface convex = box();
+  Random random(8);
+  for (int i = 0; i < 5000; ++i) {
+    const Eigen::Vector3d p(random.uniform(-0.7, 0.7), random.uniform(-0.4, 0.4),
+                            random.uniform(-0.3, 0.3));
+    const double distance = distance_to_box(p);
+    if (distance <= 0.0) continue;
+    ASSERT_EQ(convex.local_minima(p, distance + 0.2, found), 1U) << p.transpose();
+    ASSERT_NEAR(found[0].distance, distance, 1e-14);
+  }
+  // A floor and two walls, as in the corner of a hole.
+  TriangleMesh mesh;
+  test::add_box(mesh, {-1.0, -1.0, -0.5}, {1.0, 1.0, 0.0});
+  test::add_box(mesh, {0.25, -1.0, 0.0}, {1.0, 1.0, 0.5});
+  test::add_box(mesh, {-1.0, 0.5, 0.0}, {0.25, 1.0, 0.5});
+  const ClosestSurface corner(mesh, Pose());
+  ASSERT_EQ(corner.local_minima({0.125, 0.25, 0.0625}, 0.375, found), 3U);
+  EXPECT_TRUE(found[0].normal.isApprox(Eigen::Vector3d::UnitZ()));
+  EXPECT_TRUE(found[1].normal.isApprox(-Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(found[2].normal.isApprox(-Eigen::Vector3d::UnitY()));
+  EXPECT_EQ(found[2].distance, 0.25);
+  EXPECT_EQ(corner.local_minima({0.125, 0.25, 0.0625}, 0.2, found), 2U);
 }
 
 TEST(ClosestSurface, HasAnOutwardNormalEvenOnTheSurface) {

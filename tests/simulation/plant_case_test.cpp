@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/core/gravity.hpp"
+
+#include "simulation/plant_bodies.hpp"
 
 namespace pcavr {
 namespace {
@@ -204,6 +207,40 @@ TEST(PlantCase, TheSlotPressesOnBothWallsWithoutSliding) {
     EXPECT_GT(other, 5.0) << seed;
     EXPECT_LT((run.bodies[0].back().p_base - run.bodies[0].front().p_base).norm(), 1e-3) << seed;
   }
+}
+
+/// Paper B's slotting: driven along z alone, into the hole the block slides aside and turns.
+TEST(PlantCase, TheObliqueHoleSlidesAndTurnsTheBlockUnderATipThatMovesAlongZ) {
+  const PlantCase plant = make_plant_case(ToolTask::hole, 1);
+  const PlantRun run = run_of(plant);
+  const PlantBody& block = plant.bodies[0];
+  const double top = 2.0 * simulation::half_extents_of(block).z();
+  double max_force = 0.0, max_wall = 0.0;
+  std::optional<std::size_t> first, last;  // steps with the tip's centre below the top face
+  for (std::size_t i = 0; i < run.force_base.size(); ++i) {
+    const Eigen::Vector2d offset = run.p_base_tip[i].head<2>() - run.bodies[0][i].p_base;
+    if (run.p_base_tip[i].z() > top || offset.norm() > 0.06) continue;
+    if (!first) first = i;
+    last = i;
+    max_force = std::max(max_force, run.force_base[i].norm());
+    max_wall = std::max(max_wall, run.force_base[i].head<2>().norm());
+  }
+  ASSERT_TRUE(first);
+  EXPECT_GT(max_force, 85.0);
+  EXPECT_LT(max_force, 100.0);
+  EXPECT_GT(max_wall, 2.0);
+  double slid = 0.0, turned = 0.0, sideways = 0.0;
+  for (std::size_t i = *first; i <= *last; ++i) {
+    const PlantBodyState& now = run.bodies[0][i];
+    slid = std::max(slid, (now.p_base - run.bodies[0][*first].p_base).norm());
+    turned = std::max(turned, std::abs(now.yaw - run.bodies[0][*first].yaw));
+  }
+  for (std::size_t i = *first; i + 1 < *first + 1500; ++i) {
+    sideways = std::max(sideways, (run.p_base_tip[i] - run.p_base_tip[*first]).head<2>().norm());
+  }
+  EXPECT_GT(slid, 0.005);
+  EXPECT_GT(turned, 0.01);
+  EXPECT_LT(sideways, 0.001);  // the arm gives way a little
 }
 
 TEST(PlantCase, TurnsRotateTheBoxes) {

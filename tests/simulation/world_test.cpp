@@ -60,6 +60,16 @@ TEST(Shapes, AreClosedAndHaveTheVolumeOfTheirFormula) {
   add_slotted_block(slotted, {0.05, 0.1, 0.04}, 0.012, -0.02, 0);
   EXPECT_TRUE(is_closed(slotted.mesh));
   EXPECT_NEAR(signed_volume(slotted.mesh), 0.1 * 0.2 * 0.08 - 0.024 * 0.2 * 0.06, 1e-7);
+  Surface holed;
+  add_block_with_hole(holed, {0.08, 0.09, 0.04},
+                      {.half_extents = {0.012, 0.011},
+                       .mouth = {-0.01, 0.03},
+                       .bottom = {0.01, 0.03},
+                       .floor = -0.02},
+                      0);
+  EXPECT_TRUE(is_closed(holed.mesh));
+  // By Cavalieri's principle the hole has the volume of an upright one.
+  EXPECT_NEAR(signed_volume(holed.mesh), 0.16 * 0.18 * 0.08 - 0.024 * 0.022 * 0.06, 1e-7);
 }
 
 TEST(Shapes, ShadingNormalsFollowTheSurface) {

@@ -42,10 +42,18 @@ TEST(SurfaceOffset, IsEmptyForFewFramesForNoiseAndForAWrongPose) {
   EXPECT_FALSE(after_frames(10, 4e-3).value(kLaw));
 }
 
-TEST(SurfaceOffset, BeginsAnewOnAnotherFace) {
+TEST(SurfaceOffset, BeginsAnewOnTheOppositeFace) {
   SurfaceOffset offset = after_frames(10, 1e-3);
   offset.add(-Eigen::Vector3d::UnitX(), 0.0, kStd, kForce);
   EXPECT_FALSE(offset.value(kLaw));
+}
+
+TEST(SurfaceOffset, OfAWallLeavesThatOfTheFloor) {
+  SurfaceOffset offset = after_frames(10, 1e-3);
+  const Eigen::Vector3d floor(1e-4, 0.0, -2e-4);
+  EXPECT_TRUE(offset.value(kLaw, floor)->isApprox(Eigen::Vector3d(1.5e-3, 0.0, -2e-4)));
+  for (int i = 0; i < 10; ++i) offset.add(Eigen::Vector3d::UnitY(), -1.5e-3, kStd, kForce);
+  EXPECT_TRUE(offset.value(kLaw, floor)->isApprox(Eigen::Vector3d(1.5e-3, -1e-3, -2e-4)));
 }
 
 ObjectParameters complete_parameters() {
@@ -86,6 +94,23 @@ TEST(ObjectLearner, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
     ObjectLearner learner(ObjectParameters{});
     learner.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = has_moved});
     EXPECT_EQ(learner.known().contact_stiffness.has_value(), !has_moved);
+  }
+}
+
+/// Down an inclined wall, as in an oblique hole: the tip's path is not its penetration.
+TEST(ObjectLearner, LearnsNoLawFromAnInclinedFace) {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force, tip;
+  for (int i = 0; i < 1000; ++i) {
+    t.push_back(0.002 * i);
+    force.emplace_back(std::clamp(10.0 * (t.back() - 0.3), 0.0, 4.0), 0.0, 0.0);
+    tip.emplace_back(0.005 * t.back(), 0.0, 0.0);
+  }
+  for (const double slope : {0.0, 0.8}) {
+    for (Eigen::Vector3d& one : force) one.z() = -slope * one.x();
+    ObjectLearner learner(ObjectParameters{});
+    learner.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = false});
+    EXPECT_EQ(learner.known().contact_stiffness.has_value(), slope == 0.0);
   }
 }
 

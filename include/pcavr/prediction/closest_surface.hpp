@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,6 +35,13 @@ class ClosestSurface {
   [[nodiscard]] std::optional<Result> closest(const Eigen::Vector3d& p,
                                               double reach) const noexcept;
 
+  /// All points of the surface closer than `reach` [m] than which none in their neighbourhood is
+  /// closer, as a sphere in a corner touches two walls: the closest first; of two in directions
+  /// less than 30 degrees apart the closer one. `p` outside. Returns how many were written: where
+  /// the surface is too fine within reach, the closest alone.
+  [[nodiscard]] std::size_t local_minima(const Eigen::Vector3d& p, double reach,
+                                         std::span<Result> found) const noexcept;
+
   [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return nodes_.front().box; }
 
  private:
@@ -50,6 +58,9 @@ class ClosestSurface {
   struct Candidate;
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
   void search(std::uint32_t node, const Eigen::Vector3d& p, Candidate& best) const noexcept;
+  struct Neighbours;
+  void gather(std::uint32_t node, const Eigen::Vector3d& p, double reach,
+              Neighbours& near) const noexcept;
 
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;

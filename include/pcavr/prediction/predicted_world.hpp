@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -64,14 +65,23 @@ struct WorldModel {
   WorldOptions options = {};
 };
 
+/// Where the tip holds on to one of several faces that it touches at once, base axes.
+struct TipGrip {
+  Eigen::Vector3d normal_base = Eigen::Vector3d::Zero();                 ///< out of the body
+  Eigen::Vector3d tangential_deflection_base = Eigen::Vector3d::Zero();  ///< as BodyState's [m]
+};
+
 /// The state of one body at one instant. A plain value: history is kept as copies of it.
 struct BodyState {
   PlanarState planar;  ///< of the centre of mass in base; yaw is relative to the initial pose
   /// Tangential deflection of the surface by the tip before it slips [m], base axes (bristle
-  /// model).
+  /// model): of the deepest contact.
   Eigen::Vector3d tangential_deflection_base = Eigen::Vector3d::Zero();
   Eigen::Vector3d tool_force_base = Eigen::Vector3d::Zero();  ///< of the tip on the body [N]
   double penetration = 0.0;  ///< of the tip, > 0 in contact; negative: clearance up to 50 mm [m]
+  static constexpr int kMaxGrips = 3;  ///< as in a hole's corner: two walls and the floor
+  std::array<TipGrip, kMaxGrips> grips = {};
+  int grip_count = 0;  ///< 0 where the tip touches one face at most
   MotionPhase phase = MotionPhase::free;
   /// The tip pushes with more than the static friction limit, or would, but the scan or an
   /// immovable body is in the way.

@@ -26,6 +26,13 @@ struct PlantCuboid {
   Eigen::Vector3d half_extents;                      ///< [m]
 };
 
+/// A prism along its body's y over a convex outline: a wall that is not upright.
+struct PlantPrism {
+  std::vector<Eigen::Vector2d> outline_xz;  ///< in the body's x and z, counter-clockwise [m]
+  double begin_y = 0.0;                     ///< [m]
+  double end_y = 0.0;                       ///< [m], > begin_y
+};
+
 /// Friction and contact parameters: those of `truth/parameters.yaml`, and those of the plant's
 /// LuGre model only.
 struct PlantParameters {
@@ -50,13 +57,14 @@ struct PlantPatch {
 /// An upright body on a horizontal table: it moves in the plane and turns about the vertical.
 struct PlantBody {
   std::string name;
-  std::vector<PlantCuboid> parts;  ///< collision shape: their union
+  std::vector<PlantCuboid> parts;  ///< collision shape: the union of these and of the prisms
   Pose T_base_object;              ///< initial pose; rotated about z only
   bool is_movable = true;
   PlantParameters parameters;
   /// Below the body's lowest face. Their centre of pressure is below the centre of mass, because
   /// the body stands in equilibrium.
   std::vector<PlantPatch> patches;
+  std::vector<PlantPrism> prisms = {};  ///< within the bounding box of `parts`
 };
 
 /// A uniform grid of `per_side` by `per_side` patches on a rectangle about the body's origin.

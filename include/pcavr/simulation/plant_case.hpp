@@ -16,6 +16,8 @@ enum class ToolTask {
   probe,   ///< for identification: presses, ten pushes to breakaway, a modulated slide
   press,   ///< along z at seven speeds [paper B]
   slot,    ///< into the slot of a block, along one wall and back along the other [paper B]
+  hole,    ///< presses, pushes, then along z into an oblique hole, which slides and turns the block
+           ///< [paper B]
   turn,    ///< off-centre pushes, so that the boxes turn
   paper,   ///< paper C's two boxes: a short probe of each, then the operator's push
   soft,    ///< along z at five speeds, 15 mm into something soft [paper B's ball]

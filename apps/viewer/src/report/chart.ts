@@ -81,8 +81,20 @@ function drawAxes(plot: PlotData): Plot.Markish[] {
     Plot.gridX({ strokeOpacity: 0.15, tickSpacing }),
     Plot.gridY({ strokeOpacity: 0.15, tickSpacing }),
     Plot.axisX({ ...axis, label: plot.x_label }),
-    Plot.axisY({ ...axis, label: plot.y_label, labelOffset: 56 }),
+    // Longer numbers would run into the label.
+    Plot.axisY({ ...axis, label: plot.y_label, labelOffset: 56, tickFormat: tickText }),
   ];
+}
+
+const plainTick = new Intl.NumberFormat('en', { maximumSignificantDigits: 6 });
+const shortTick = new Intl.NumberFormat('en', {
+  notation: 'compact',
+  maximumSignificantDigits: 4,
+});
+
+function tickText(value: number): string {
+  const text = (Math.abs(value) < 1e5 ? plainTick : shortTick).format(value);
+  return text.replace('-', '−');
 }
 
 function heightOf(plot: PlotData): number {
