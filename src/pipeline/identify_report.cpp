@@ -78,7 +78,7 @@ ReportTable faces_table(const ObjectIdentification& object) {
                           !fit.is_valid ? "-"
                           : has_damping ? text_with_std(fit.damping)
                                         : "not identified",
-                          fit.is_valid ? text_with_std(fit.exponent) : "-"});
+                          fit.is_valid ? fixed(fit.exponent.value, 2) + ", given" : "-"});
   }
   return table;
 }

@@ -39,7 +39,7 @@ export function drawChart(plot: PlotData, view: View): Plot.Plot & SVGSVGElement
         insetRight: -1, // a band of a single frame is visible
         clip: true,
       }),
-      ...drawAxes(plot),
+      ...drawAxes(plot, view),
       ...plot.series.map(drawSeries),
       ...drawMarks(plot, view),
       ...drawPins(plot, view),
@@ -69,7 +69,7 @@ export function drawStrip(strip: Series, xLabel: string, title: string): SVGSVGE
   }) as Plot.Plot & SVGSVGElement;
 }
 
-function drawAxes(plot: PlotData): Plot.Markish[] {
+function drawAxes(plot: PlotData, view: View): Plot.Markish[] {
   const axis = {
     tickSize: 0,
     labelAnchor: 'center' as const,
@@ -82,7 +82,7 @@ function drawAxes(plot: PlotData): Plot.Markish[] {
     Plot.gridY({ strokeOpacity: 0.15, tickSpacing }),
     Plot.axisX({ ...axis, label: plot.x_label }),
     // Longer numbers would run into the label.
-    Plot.axisY({ ...axis, label: plot.y_label, labelOffset: 56, tickFormat: tickText }),
+    Plot.axisY({ ...axis, label: plot.y_label, labelOffset: 56, tickFormat: tickFormat(view.y) }),
   ];
 }
 
@@ -92,9 +92,11 @@ const shortTick = new Intl.NumberFormat('en', {
   maximumSignificantDigits: 4,
 });
 
-function tickText(value: number): string {
-  const text = (Math.abs(value) < 1e5 ? plainTick : shortTick).format(value);
-  return text.replace('-', '−');
+/// All ticks of an axis alike.
+function tickFormat(range: readonly number[]): (value: number) => string {
+  const isLong = range.some((end) => Math.abs(end) >= 1e5);
+  const format = isLong ? shortTick : plainTick;
+  return (value) => format.format(value).replace('-', '−');
 }
 
 function heightOf(plot: PlotData): number {
