@@ -115,7 +115,7 @@ std::string chunk_file(std::uint64_t size, const std::string& compression) {
     for (int i = 0; i < count; ++i) text += static_cast<char>((value >> (8 * i)) & 0xFFU);
     return text;
   };
-  const std::string chunk = number(0, 16) + number(size, 8) + number(0, 4) +
+  const std::string chunk = number(0, 8) + number(0, 8) + number(size, 8) + number(0, 4) +
                             number(compression.size(), 4) + compression + number(3, 8) + "abc";
   return "\x89MCAP0\r\n\x06" + number(chunk.size(), 8) + chunk;
 }
