@@ -67,7 +67,7 @@ class Writer {
   }
   void pose(const Pose& pose) {
     vector(pose.translation());
-    const Eigen::Quaterniond q = pose.rotation();
+    const Eigen::Quaterniond& q = pose.rotation();
     for (const double value : {q.x(), q.y(), q.z(), q.w()}) f64(value);
   }
   [[nodiscard]] std::vector<std::uint8_t> take() { return std::move(bytes_); }

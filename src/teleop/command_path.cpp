@@ -182,7 +182,8 @@ void CommandPath::compute_block(std::size_t block) {
   const double widest = half_width_ * kSteadyWindows[std::size(kSteadyWindows) - 1];
   const std::size_t margin = kReach + static_cast<std::size_t>(widest / (2.0 * step_));
   std::vector<double> at(kBlock / 2 + 1 + 2 * margin);
-  const double first = static_cast<double>(block * (kBlock / 2)) - static_cast<double>(margin);
+  const std::size_t half_blocks = block * (kBlock / 2);
+  const double first = static_cast<double>(half_blocks) - static_cast<double>(margin);
   for (std::size_t k = 0; k < at.size(); ++k) {
     at[k] = start_ + 2.0 * step_ * (first + static_cast<double>(k));
   }
