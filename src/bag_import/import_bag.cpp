@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <set>
 #include <utility>
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
-#include "pcavr/recording/manifest_parser.hpp"
+#include "pcavr/recording/manifest_template.hpp"
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "bag_import/bag_streams.hpp"
@@ -33,33 +32,6 @@ bool may_place_camera(const BagSelection& selection) {
 
 bool is_rectified(const SurveyedTopic& topic) {
   return topic.topic.name.find("rect") != std::string::npos;
-}
-
-/// The manifest's markers, objects, tool and robot.
-Expected<Manifest> read_manifest_template(const fs::path& file) {
-  if (file.empty()) return Manifest{};
-  const Expected<std::string> text = read_file(file);
-  if (!text) return text.error();
-  Expected<Manifest> manifest = parse_manifest(*text, file.string(), file.parent_path());
-  if (manifest) manifest->camera.reset();
-  return manifest;
-}
-
-Expected<void> copy_manifest_files(const Manifest& manifest, const fs::path& from,
-                                   const fs::path& target) {
-  std::set<fs::path> files;
-  for (const ObjectEntry& object : manifest.objects) {
-    if (!object.mesh.empty()) files.insert(object.mesh);
-  }
-  if (manifest.robot) files.insert(manifest.robot->urdf);
-  for (const fs::path& file : files) {
-    const Expected<std::string> bytes = read_file(from / file);
-    if (!bytes) return bytes.error();
-    std::error_code code;
-    fs::create_directories((target / file).parent_path(), code);
-    if (auto written = write_file(target / file, *bytes); !written) return written.error();
-  }
-  return {};
 }
 
 /// As manifests require it of objects, because files are named after them.

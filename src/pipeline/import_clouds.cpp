@@ -17,7 +17,7 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/image_codec.hpp"
-#include "pcavr/recording/manifest_parser.hpp"
+#include "pcavr/recording/manifest_template.hpp"
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "cloud_camera.hpp"
@@ -58,34 +58,6 @@ Expected<EncodedCloud> encode_cloud(const fs::path& file, const CloudCamera& cam
   return encoded;
 }
 
-/// The manifest that the recording takes over, without a camera; empty where none is given.
-Expected<Manifest> read_template(const fs::path& file) {
-  if (file.empty()) return Manifest{};
-  const Expected<std::string> text = read_file(file);
-  if (!text) return text.error();
-  Expected<Manifest> manifest = parse_manifest(*text, file.string(), file.parent_path());
-  if (manifest) manifest->camera.reset();
-  return manifest;
-}
-
-/// Copies the files that a manifest names.
-Expected<void> copy_named_files(const Manifest& manifest, const fs::path& from,
-                                const fs::path& target) {
-  std::vector<fs::path> files;
-  for (const ObjectEntry& object : manifest.objects) {
-    if (!object.mesh.empty()) files.push_back(object.mesh);
-  }
-  if (manifest.robot) files.push_back(manifest.robot->urdf);
-  for (const fs::path& file : files) {
-    const Expected<std::string> bytes = read_file(from / file);
-    if (!bytes) return bytes.error();
-    std::error_code code;
-    fs::create_directories((target / file).parent_path(), code);
-    if (auto written = write_file(target / file, *bytes); !written) return written.error();
-  }
-  return {};
-}
-
 std::vector<std::size_t> selected_clouds(std::size_t count, const CloudImportOptions& options) {
   std::vector<std::size_t> selected;
   for (std::size_t i = options.first; i < count; i += options.stride) selected.push_back(i);
@@ -105,7 +77,8 @@ class CloudImport {
     if (auto done = place_clouds(); !done) return done.error();
     if (auto done = write_poses(); !done) return done.error();
     if (auto done = writer_->finish(); !done) return done.error();
-    if (auto done = copy_named_files(manifest_, options_.manifest.parent_path(), target_); !done) {
+    if (auto done = copy_manifest_files(manifest_, options_.manifest.parent_path(), target_);
+        !done) {
       return done.error();
     }
     return report_;
@@ -129,7 +102,7 @@ class CloudImport {
       T_world_cloud_ = *std::move(poses);
     }
     for (const std::size_t i : selected) clouds_.push_back(list_.clouds[i]);
-    Expected<Manifest> manifest = read_template(options_.manifest);
+    Expected<Manifest> manifest = read_manifest_template(options_.manifest);
     if (!manifest) return manifest.error();
     manifest_ = *std::move(manifest);
     Expected<CloudCamera> camera = choose_cloud_camera(clouds_, options_);
