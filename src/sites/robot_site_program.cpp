@@ -12,8 +12,8 @@
 
 #include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
-#include "pcavr/pipeline/black_box.hpp"
-#include "pcavr/pipeline/link_sites.hpp"
+#include "pcavr/sites/black_box.hpp"
+#include "pcavr/sites/link_sites.hpp"
 
 #include "operator_session.hpp"
 #include "robot_measurement.hpp"

@@ -13,8 +13,8 @@
 #include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
 #include "pcavr/link/link_clock.hpp"
-#include "pcavr/pipeline/black_box.hpp"
-#include "pcavr/pipeline/link_sites.hpp"
+#include "pcavr/sites/black_box.hpp"
+#include "pcavr/sites/link_sites.hpp"
 
 #include "command_schedule.hpp"
 #include "connection_faults.hpp"

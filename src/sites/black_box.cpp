@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/pipeline/black_box.hpp"
+#include "pcavr/sites/black_box.hpp"
 
 #include <algorithm>
 #include <array>
