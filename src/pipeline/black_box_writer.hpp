@@ -15,9 +15,9 @@
 
 #include "pcavr/link/link_message.hpp"
 #include "pcavr/pipeline/black_box.hpp"
+#include "pcavr/rosbag/cdr_messages.hpp"
 #include "pcavr/rosbag/mcap_writer.hpp"
 
-#include "cdr_messages.hpp"
 #include "site_log.hpp"
 
 namespace pcavr {

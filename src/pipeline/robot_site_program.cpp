@@ -121,6 +121,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       send_state(now);
     }
     for (const std::string& notice : server_.take_notices()) warn(notice, now);
+    for (const std::string& notice : robot_.take_notices()) warn(notice, now);
     reporter_.check_log();
   }
 
