@@ -10,6 +10,7 @@
 #include "pcavr/rosbag/cdr_messages.hpp"
 
 #include "ros2/ros2_peer.hpp"
+#include "support/forked.hpp"
 
 namespace pcavr {
 namespace {
@@ -37,7 +38,8 @@ TEST(DdsTransport, PassesTheBytesOfAnotherProcessUnchanged) {
   const DdsOptions options = loopback_options();
   const Ros2Topic topic{"/tool", kPose, {.depth = 10}};
   const auto sent = cdr::pose_stamped({1'700'000'000'123'456'789}, Pose(), "base_link");
-  const Ros2Peer peer([&] {
+  const ForkedProcess peer([&] {
+    ForkedProcess::report_ready();
     auto transport = open_dds({}, {topic}, options);
     while (transport && (*transport)->publish(0, sent)) std::this_thread::sleep_for(10ms);
   });
@@ -58,7 +60,8 @@ TEST(DdsTransport, NamesAPeerWithAnotherTypeOrQualityOfService) {
   const DdsOptions options = loopback_options();
   const Ros2Topic tool{"/tool", kPose, {}};
   const Ros2Topic wrench{"/wrench", kWrench, {.is_reliable = true}};
-  const Ros2Peer peer([&] {
+  const ForkedProcess peer([&] {
+    ForkedProcess::report_ready();
     auto transport = open_dds({}, {{"/tool", kWrench, {}}, {"/wrench", kWrench, {}}}, options);
     while (transport) std::this_thread::sleep_for(100ms);
   });
@@ -83,7 +86,8 @@ TEST(DdsTransport, DropsAMessageBeyondTheLimit) {
   DdsOptions options = loopback_options();
   const Ros2Topic topic{"/tool", kPose, {.depth = 10}};
   const std::vector<std::uint8_t> small(1000, 7);
-  const Ros2Peer peer([&] {
+  const ForkedProcess peer([&] {
+    ForkedProcess::report_ready();
     auto transport = open_dds({}, {topic}, options);
     const std::vector<std::uint8_t> large(200'000, 9);
     while (transport) {
