@@ -100,7 +100,7 @@ Ros2Intake::Ros2Intake(const Ros2Setup& setup, std::vector<std::size_t> objects,
 void Ros2Intake::on_message(std::size_t topic, std::span<const std::uint8_t> message, double now) {
   const Ros2Subscription& subscription = subscriptions_.at(topic);
   if (subscription.role == Role::image || subscription.role == Role::camera_info) {
-    if (pictures_) pictures_(subscription.role == Role::image, message);
+    if (pictures_) pictures_(topic, subscription.role == Role::image, message, now);
     return;
   }
   const BagTopic type{.name = subscription.topic.name,

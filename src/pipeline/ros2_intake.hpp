@@ -83,12 +83,19 @@ class Ros2Intake {
   Ros2Intake(const Ros2Setup& setup, std::vector<std::size_t> objects, RecordQueue& samples,
              Ros2Notices& notices);
 
-  /// Images and camera infos are passed on: message, and local time of its stamp [s].
-  using PictureSink = std::function<void(bool is_image, std::span<const std::uint8_t> message)>;
+  /// Takes images and camera infos of a topic, as they are.
+  using PictureSink = std::function<void(std::size_t topic, bool is_image,
+                                         std::span<const std::uint8_t> message, double now)>;
   void set_picture_sink(PictureSink sink) { pictures_ = std::move(sink); }
 
   /// A message of subscriptions_of()[topic] that arrived at `now` [s].
   void on_message(std::size_t topic, std::span<const std::uint8_t> message, double now);
+
+  [[nodiscard]] const Ros2Topic& topic(std::size_t index) const {
+    return subscriptions_[index].topic;
+  }
+  /// Of a topic, for the user. Any thread.
+  void note(std::size_t topic, const std::string& text, double now);
 
   struct Tool {
     Pose T_base_tool;
@@ -111,7 +118,6 @@ class Ros2Intake {
   /// False for a stamp that is not newer than the last one of this topic, or too near to it.
   [[nodiscard]] bool advances(std::size_t topic, double t);
   void push(const Ros2Sample& sample);
-  void note(std::size_t topic, const std::string& text, double now);
 
   const Ros2Setup& setup_;
   std::vector<Ros2Subscription> subscriptions_;

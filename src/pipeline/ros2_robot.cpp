@@ -13,6 +13,7 @@
 
 #include "pcavr/rosbag/cdr_messages.hpp"
 
+#include "ros2_camera.hpp"
 #include "ros2_intake.hpp"
 #include "site_clock.hpp"
 
@@ -20,6 +21,7 @@ namespace pcavr {
 namespace {
 
 constexpr std::size_t kSampleQueue = 1U << 18U;    // [bytes]: some 2000 samples
+constexpr std::size_t kPictureQueue = 1U << 15U;   // [bytes]
 constexpr std::size_t kNoticeQueue = 1U << 14U;    // [bytes]
 constexpr std::size_t kSetpointQueue = 1U << 13U;  // [bytes]: 100 cycles
 constexpr std::size_t kMaxSamplesPerCycle = 100;   // a flood of messages must not delay the site
@@ -52,6 +54,7 @@ class Ros2Robot final : public RobotInterface {
   Ros2Robot(const Ros2Setup& setup, std::vector<std::size_t> objects, std::size_t scene_objects)
       : setup_(setup),
         samples_(kSampleQueue),
+        pictures_(kPictureQueue),
         notices_(kNoticeQueue),
         setpoints_(kSetpointQueue),
         notes_(notices_),
@@ -64,10 +67,21 @@ class Ros2Robot final : public RobotInterface {
   ~Ros2Robot() override {
     is_stopped_ = true;
     if (reader_.joinable()) reader_.join();
+    camera_.reset();
     if (publisher_.joinable()) publisher_.join();
   }
 
-  [[nodiscard]] std::optional<Error> start(const Ros2Opener& open) {
+  [[nodiscard]] std::optional<Error> start(const Ros2Opener& open, const TeleopInput& world) {
+    if (setup_.camera) {
+      Expected<std::unique_ptr<Ros2CameraTracker>> camera =
+          make_ros2_camera(*setup_.camera, world, intake_, pictures_);
+      if (!camera) return camera.error();
+      camera_ = std::move(*camera);
+      intake_.set_picture_sink([this](std::size_t topic, bool is_image,
+                                      std::span<const std::uint8_t> message, double now) {
+        camera_->on_message(topic, is_image, message, now);
+      });
+    }
     std::vector<Ros2Topic> subscribed;
     for (const Ros2Subscription& one : subscriptions_of(setup_)) subscribed.push_back(one.topic);
     std::vector<Ros2Topic> published;
@@ -97,7 +111,7 @@ class Ros2Robot final : public RobotInterface {
     if (!scene_offset_) scene_offset_ = t - boot_clock();
     Ros2Sample sample;
     for (std::size_t i = 0; i < kMaxSamplesPerCycle; ++i) {
-      if (!pop_record(samples_, buffer_, sample)) return;
+      if (!pop_record(samples_, buffer_, sample) && !pop_record(pictures_, buffer_, sample)) return;
       // No sample is of the future: the offset of its clock is known to the fastest message only.
       sample.t = std::min(sample.t + *scene_offset_, t);
       if (sample.t >= -kStartTolerance) append(sample, samples);
@@ -228,10 +242,12 @@ class Ros2Robot final : public RobotInterface {
 
   const Ros2Setup setup_;
   RecordQueue samples_;    ///< from the reading thread to the site's
+  RecordQueue pictures_;   ///< from the camera's thread to the site's
   RecordQueue notices_;    ///< the same; notes_ has a lock for its writers
   RecordQueue setpoints_;  ///< from the site's thread to the publishing one
   Ros2Notices notes_;
   Ros2Intake intake_;
+  std::unique_ptr<Ros2CameraTracker> camera_;
   std::unique_ptr<Ros2Transport> transport_;
   double next_look_ = 0.0;  ///< [s]
   Pose T_base_start_;
@@ -274,7 +290,7 @@ Expected<std::unique_ptr<RobotInterface>> make_ros2_robot(const Ros2Setup& setup
   Expected<std::vector<std::size_t>> objects = find_objects(setup, world);
   if (!objects) return objects.error();
   auto robot = std::make_unique<Ros2Robot>(setup, std::move(*objects), world.objects.size());
-  if (const std::optional<Error> error = robot->start(open)) return *error;
+  if (const std::optional<Error> error = robot->start(open, world)) return *error;
   return std::unique_ptr<RobotInterface>(std::move(robot));
 }
 

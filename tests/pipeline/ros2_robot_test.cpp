@@ -4,7 +4,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <deque>
+#include <fstream>
 #include <limits>
 #include <mutex>
 #include <numbers>
@@ -16,6 +18,9 @@
 
 #include "pipeline/ros2_intake.hpp"
 #include "pipeline/site_clock.hpp"
+#include "marker/tag_rendering.hpp"
+#include "support/ros_encoder.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace pcavr {
 namespace {
@@ -288,6 +293,75 @@ TEST_F(Ros2RobotTest, MeasuresAndPublishesSetpointsNearTheTool) {
   published = network_.count();
   std::this_thread::sleep_for(50ms);
   EXPECT_EQ(network_.count(), published);
+}
+
+Bytes bytes_of_text(const std::string& text) { return {text.begin(), text.end()}; }
+
+// Tags of the table and of the box in one image: the box's pose in the base frame.
+TEST_F(Ros2RobotTest, FindsObjectsByTheirTagsInImages) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "tags.yaml") << R"(
+format: pcavr-recording/1
+markers:
+  - {family: tag36h11, id: 0, size: 0.12, role: base, pose: {t: [0, 0, 0], q: [0, 0, 0, 1]}}
+  - {family: tag36h11, id: 5, size: 0.08, role: object, object: box, pose: {t: [0, 0, 0.05], q: [0, 0, 0, 1]}}
+objects:
+  - {name: box}
+)";
+  setup_.camera = Ros2Camera{{"/image", "sensor_msgs/msg/Image", {}},
+                             {"/camera_info", "sensor_msgs/msg/CameraInfo", {}},
+                             "",
+                             folder.path() / "tags.yaml"};
+  constexpr std::size_t kImage = 4, kInfo = 5;
+  const CameraModel camera = test::a_camera();
+  const Pose T_camera_base = test::facing({-0.1, 0, 0.7}, 0.5, 0.3, 0.2);
+  const Pose T_base_box = Pose::from_translation({0.2, 0.05, 0.0});
+  const Pose T_box_marker = Pose::from_translation({0, 0, 0.05});
+  const GrayImage image = test::render_tags(
+      {{{"tag36h11", 0}, 0.12, T_camera_base},
+       {{"tag36h11", 5}, 0.08, T_camera_base * T_base_box * T_box_marker}},
+      camera);
+  const std::string pixels(image.pixels().begin(), image.pixels().end());
+  const auto width = static_cast<std::uint32_t>(camera.width);
+  const auto height = static_cast<std::uint32_t>(camera.height);
+  network_.send(kTool, tool_at(kStart, local_now()));
+  auto robot = connect();
+  ASSERT_TRUE(robot) << robot.error().to_string();
+  const auto encoder = [] { return RosEncoder(RosEncoder::Format::cdr); };
+  const auto send_image = [&] {
+    network_.send(kImage, bytes_of_text(encoder()
+                                            .image(peer_stamp(local_now()), "camera", width, height,
+                                                   "mono8", pixels)
+                                            .bytes()));
+  };
+  (*robot)->advance(local_now() - start_, samples_);
+  send_image();
+  run(**robot, 30ms, kStart.translation());
+  EXPECT_NE(notices_.find("/image: no camera info yet"), std::string::npos) << notices_;
+  network_.send(kInfo, bytes_of_text(encoder()
+                                         .camera_info(peer_stamp(local_now()), "camera", width,
+                                                      height, camera.fx, camera.cx, camera.cy)
+                                         .bytes()));
+  run(**robot, 10ms, kStart.translation());
+  send_image();
+  for (int i = 0; i < 50 && samples_.tracked.empty(); ++i) {
+    run(**robot, 100ms, kStart.translation());
+  }
+  ASSERT_EQ(samples_.tracked.size(), 1U) << notices_;
+  EXPECT_EQ(samples_.tracked[0].object, 0U);
+  const TrackedPose& found = samples_.tracked[0].pose;
+  // The marker tests' tolerance at this distance: 1 mm.
+  EXPECT_LT((found.T_base_object.translation() - T_base_box.translation()).norm(), 0.002);
+  EXPECT_GT(found.position_std, 1e-6);
+  EXPECT_LT(found.position_std, 0.01);
+  EXPECT_LT(std::abs(found.t - (local_now() - start_)), 5.0);
+}
+
+TEST_F(Ros2RobotTest, NeedsTagsOfTheScene) {
+  const TemporaryFolder folder;
+  setup_.camera = Ros2Camera{};
+  setup_.camera->tags = folder.path() / "none.yaml";
+  EXPECT_NE(connect().error().to_string().find("none.yaml"), std::string::npos);
 }
 
 }  // namespace
