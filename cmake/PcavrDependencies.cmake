@@ -48,6 +48,7 @@ pcavr_find(Boost libboost-dev 1.74)
 pcavr_find(OpenSSL libssl-dev 3.0)
 pcavr_find_library(zmq zmq.hpp cppzmq-dev)
 pcavr_find(Threads libc6-dev)
+pcavr_find(CycloneDDS cyclonedds-dev 0.10)
 
 if(PCAVR_BUILD_APPS)
   pcavr_find(CLI11 libcli11-dev)

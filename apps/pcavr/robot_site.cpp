@@ -12,6 +12,7 @@
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
+#include "pcavr/ros2/ros2_robot.hpp"
 #include "pcavr/simulation/simulate.hpp"
 
 #include "commands.hpp"
@@ -25,6 +26,7 @@ struct RobotSiteArguments {
   SiteArguments site;
   std::string authorized;
   std::string plant;  ///< a case of pcavr simulate
+  std::string ros2;   ///< a setup of ROS 2 topics
   std::uint64_t seed = 1;
   bool without_corrections = false;
   bool as_json = false;
@@ -100,16 +102,14 @@ void announce(const LinkServer& server, const RobotInterface& robot,
 
 /// The robot, and the world that it and the site know. The input must not move: the robot refers
 /// to it.
-struct SimulatedOrRecorded {
+struct RobotSource {
   std::unique_ptr<TeleopInput> input;
   std::unique_ptr<RobotInterface> robot;
 };
 
-Expected<SimulatedOrRecorded> read_recorded(const RobotSiteArguments& arguments,
-                                            const SceneManifest& scene,
-                                            const ReplayOptions& options,
-                                            const Configuration& configuration,
-                                            const Observer& observer) {
+Expected<RobotSource> read_recorded(const RobotSiteArguments& arguments, const SceneManifest& scene,
+                                    const ReplayOptions& options,
+                                    const Configuration& configuration, const Observer& observer) {
   const Expected<Recording> recording =
       read_with_warnings(arguments.site.recording, false, configuration, observer);
   if (!recording) return recording.error();
@@ -119,31 +119,49 @@ Expected<SimulatedOrRecorded> read_recorded(const RobotSiteArguments& arguments,
     return Error{.message = "the recording has no motion of the tool",
                  .file = arguments.site.recording};
   }
-  SimulatedOrRecorded source{std::make_unique<TeleopInput>(std::move(*input)), {}};
+  RobotSource source{std::make_unique<TeleopInput>(std::move(*input)), {}};
   source.robot = make_recorded_robot(*source.input, options.teleop.pose.tracking_latency);
   return source;
 }
 
-Expected<SimulatedOrRecorded> read_robot(const RobotSiteArguments& arguments,
-                                         const SceneManifest& scene, const ReplayOptions& options,
-                                         const Configuration& configuration,
-                                         const Observer& observer) {
+/// A robot behind topics of ROS 2.
+Expected<RobotSource> connect_ros2(const RobotSiteArguments& arguments, const SceneManifest& scene,
+                                   const ReplayOptions& options, const Observer& observer) {
+  const Expected<Ros2Setup> setup = read_ros2_setup(arguments.ros2);
+  if (!setup) return setup.error();
+  Expected<TeleopInput> input = read_teleop_world(scene, options, observer);
+  if (!input) return input.error();
+  RobotSource source{std::make_unique<TeleopInput>(std::move(*input)), {}};
+  Expected<std::unique_ptr<RobotInterface>> robot = make_ros2_robot(*setup, *source.input);
+  if (!robot) {
+    Error error = robot.error();
+    if (error.file.empty()) error.file = arguments.ros2;
+    return error;
+  }
+  source.robot = std::move(*robot);
+  return source;
+}
+
+Expected<RobotSource> read_robot(const RobotSiteArguments& arguments, const SceneManifest& scene,
+                                 const ReplayOptions& options, const Configuration& configuration,
+                                 const Observer& observer) {
   if (!arguments.site.recording.empty()) {
     return read_recorded(arguments, scene, options, configuration, observer);
   }
+  if (!arguments.ros2.empty()) return connect_ros2(arguments, scene, options, observer);
   const std::vector<SimulationCase>& cases = simulation_cases();
   const auto chosen = std::find_if(cases.begin(), cases.end(), [&](const SimulationCase& one) {
     return one.name == arguments.plant && one.task != ToolTask::none;
   });
   if (chosen == cases.end()) {
     return Error{.message = arguments.plant.empty()
-                                ? "a robot is missing: --plant or --recording"
+                                ? "a robot is missing: --ros2, --plant or --recording"
                                 : arguments.plant + " is not a case with a tool",
                  .hint = "give --plant push, or another case of pcavr simulate with a tool"};
   }
   Expected<TeleopInput> input = read_teleop_world(scene, options, observer);
   if (!input) return input.error();
-  SimulatedOrRecorded source{std::make_unique<TeleopInput>(std::move(*input)), {}};
+  RobotSource source{std::make_unique<TeleopInput>(std::move(*input)), {}};
   Expected<std::unique_ptr<RobotInterface>> robot = make_plant_robot(
       chosen->task, arguments.seed, *source.input, options.teleop.pose.tracking_latency);
   if (!robot) return robot.error();
@@ -160,7 +178,7 @@ Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
   if (arguments.without_corrections) options->teleop.with_corrections = false;
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.site.scene);
   if (!scene) return scene.error();
-  const Expected<SimulatedOrRecorded> source =
+  const Expected<RobotSource> source =
       read_robot(arguments, *scene, *options, configuration, observer);
   if (!source) return source.error();
   const TeleopInput& input = *source->input;
@@ -195,11 +213,17 @@ void add_robot_site(CLI::App& app, Configuration& configuration, Action& action)
   CLI::Option* recording =
       command->add_option("--recording", arguments->site.recording,
                           "Play this recording in real time in place of a robot");
+  CLI::Option* ros2 =
+      command
+          ->add_option("--ros2", arguments->ros2,
+                       "Connect to a robot by the ROS 2 topics that this YAML file names")
+          ->excludes(recording);
   command
       ->add_option("--plant", arguments->plant,
                    "Simulate a robot in real time that follows the commands: the case of pcavr "
                    "simulate that the scene was made from")
-      ->excludes(recording);
+      ->excludes(recording)
+      ->excludes(ros2);
   add_seed(*command, arguments->seed, "Seed of the plant, as given to pcavr simulate")
       ->capture_default_str();
   command->add_option("--tracked", arguments->site.tracked,

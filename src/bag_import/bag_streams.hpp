@@ -11,8 +11,7 @@
 
 #include "pcavr/bag_import/bag_selection.hpp"
 #include "pcavr/bag_import/import_bag.hpp"
-
-#include "bag_import/transform_tree.hpp"
+#include "pcavr/rosbag/transform_tree.hpp"
 
 namespace pcavr {
 

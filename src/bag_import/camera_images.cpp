@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "bag_import/camera_images.hpp"
+#include "pcavr/bag_import/camera_images.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -110,17 +110,21 @@ Expected<ConvertedImage> convert_compressed_depth(const RosCompressedImage& mess
   return ConvertedImage{{std::string(png), ".png"}, header->width, header->height};
 }
 
-Expected<ConvertedImage> convert_raw_color(const RosImage& message) {
+Expected<ColorImage> load_raw_color(const RosImage& message) {
   const std::string& name = message.encoding;
   const bool is_bgr = name.starts_with("bgr");
   const std::size_t size = name == "mono8" ? 1 : name.ends_with("a8") ? 4 : 3;
   if (name != "mono8" && name != "rgb8" && name != "rgba8" && !is_bgr) {
     return Error{.message = "colour image of encoding '" + name + "'"};
   }
-  const auto image = load_rows<Rgb8>(message, size, [&](const std::uint8_t* p) {
+  return load_rows<Rgb8>(message, size, [&](const std::uint8_t* p) {
     if (size == 1) return Rgb8{p[0], p[0], p[0]};
     return is_bgr ? Rgb8{p[2], p[1], p[0]} : Rgb8{p[0], p[1], p[2]};
   });
+}
+
+Expected<ConvertedImage> convert_raw_color(const RosImage& message) {
+  const auto image = load_raw_color(message);
   if (!image) return image.error();
   Expected<std::string> jpeg = encode_color(*image);
   if (!jpeg) return jpeg.error();
@@ -173,6 +177,21 @@ Expected<ConvertedImage> convert_color(const RosMessage& message) {
     return convert_compressed_color(*image);
   }
   return Error{.message = "is no image"};
+}
+
+Expected<ColorImage> decode_color(const RosMessage& message) {
+  if (const auto* image = std::get_if<RosImage>(&message)) return load_raw_color(*image);
+  const Expected<ConvertedImage> file = convert_color(message);
+  if (!file) return file.error();
+  constexpr int kMaxSide = 1 << 14;  // [px]: of one that states more, a few bytes would take gigabytes
+  if (file->width > kMaxSide || file->height > kMaxSide) {
+    return Error{.message = "compressed image of more than 16384 pixels a side"};
+  }
+  ImageDecoder decoder;
+  Expected<ColorImage> image = decoder.color(
+      file->file.bytes, {.file = {}, .width = file->width, .height = file->height});
+  if (!image) return Error{.message = image.error().message};
+  return image;
 }
 
 Expected<CameraModel> camera_of(const RosCameraInfo& info, bool is_rectified) {

@@ -10,7 +10,7 @@
 #include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/pairing.hpp"
 
-#include "bag_import/camera_images.hpp"
+#include "pcavr/bag_import/camera_images.hpp"
 #include "bag_import/decoded_header.hpp"
 
 namespace pcavr {

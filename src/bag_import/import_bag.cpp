@@ -12,7 +12,7 @@
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "bag_import/bag_streams.hpp"
-#include "bag_import/camera_images.hpp"
+#include "pcavr/bag_import/camera_images.hpp"
 #include "bag_import/frame_import.hpp"
 #include "bag_import/series_import.hpp"
 

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "pcavr/core/options.hpp"
+#include "pcavr/core/record_queue.hpp"
 
 #include "black_box_writer.hpp"
-#include "record_queue.hpp"
 #include "site_log.hpp"
 
 namespace pcavr {

@@ -14,10 +14,10 @@
 #include <nlohmann/json.hpp>
 
 #include "pcavr/link/link_message.hpp"
+#include "pcavr/rosbag/cdr_messages.hpp"
 #include "pcavr/rosbag/mcap_writer.hpp"
 #include "pcavr/sites/black_box.hpp"
 
-#include "cdr_messages.hpp"
 #include "site_log.hpp"
 
 namespace pcavr {

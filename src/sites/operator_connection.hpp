@@ -12,9 +12,9 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/link/link_clock.hpp"
 #include "pcavr/link/link_message.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 #include "delayed_transport.hpp"
-#include "site_clock.hpp"
 #include "site_log.hpp"
 
 namespace pcavr {

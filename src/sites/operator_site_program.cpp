@@ -12,6 +12,7 @@
 #include "pcavr/link/correction_channel.hpp"
 #include "pcavr/sites/black_box.hpp"
 #include "pcavr/sites/link_sites.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 #include "command_schedule.hpp"
 #include "connection_faults.hpp"
@@ -19,7 +20,6 @@
 #include "operator_connection.hpp"
 #include "robot_view.hpp"
 #include "safety_requests.hpp"
-#include "site_clock.hpp"
 #include "site_priority.hpp"
 #include "site_reporter.hpp"
 #include "site_steps.hpp"

@@ -14,11 +14,11 @@
 #include "pcavr/link/correction_channel.hpp"
 #include "pcavr/sites/black_box.hpp"
 #include "pcavr/sites/link_sites.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 #include "operator_session.hpp"
 #include "robot_measurement.hpp"
 #include "robot_safety.hpp"
-#include "site_clock.hpp"
 #include "site_priority.hpp"
 #include "site_reporter.hpp"
 #include "site_steps.hpp"
@@ -121,6 +121,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       send_state(now);
     }
     for (const std::string& notice : server_.take_notices()) warn(notice, now);
+    for (const std::string& notice : robot_.take_notices()) warn(notice, now);
     reporter_.check_log();
   }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "bag_import/camera_images.hpp"
+#include "pcavr/bag_import/camera_images.hpp"
 
 #include <bit>
 #include <cstdint>

@@ -17,8 +17,13 @@
 
 #include "pcavr/link/link_message.hpp"
 #include "pcavr/link/link_transport.hpp"
+#include "pcavr/ros2/ros2_transport.hpp"
+#include "pcavr/rosbag/cdr_messages.hpp"
+#include "pcavr/rosbag/ros_messages.hpp"
 
+#include "ros2/ros2_peer.hpp"
 #include "support/command.hpp"
+#include "support/forked.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace {
@@ -165,6 +170,66 @@ TEST_F(TwoSites, CorrectTheOperatorsWorldOverADelayedLink) {
   EXPECT_EQ(at_robot["invalid_messages"], 0);
   EXPECT_GT(at_operator["lead_s"].get<double>(), 0.2);
   EXPECT_NEAR(at_operator["round_trip_s"].get<double>(), 0.4, 0.05);
+}
+
+// A robot on ROS 2 topics, here one that reaches each setpoint at once, moves as the operator does.
+TEST_F(TwoSites, MoveARobotOnRos2Topics) {
+  const pcavr::DdsOptions dds = pcavr::loopback_options();
+  const pcavr::Ros2Topic pose{"/tool_pose", "geometry_msgs/msg/PoseStamped", {.depth = 10}};
+  const pcavr::Ros2Topic command{"/target", pose.type, {.is_reliable = true, .depth = 1}};
+  const pcavr::Ros2Topic wrench{"/wrench", "geometry_msgs/msg/WrenchStamped", {.depth = 10}};
+  const ForkedProcess peer([&] {
+    auto topics = pcavr::open_dds({command}, {pose, wrench}, dds);
+    ForkedProcess::report_ready();
+    pcavr::Pose T_base_tool = pcavr::Pose::from_translation({0.2, 0.0, 0.1});
+    std::ofstream received(folder() / "setpoints.txt");
+    const pcavr::BagTopic type{command.name, command.type, "cdr", {}, {}};
+    while (topics) {
+      (*topics)->wait(milliseconds(2), [&](std::size_t, std::span<const std::uint8_t> bytes) {
+        const auto message = pcavr::decode_ros_message(type, bytes);
+        if (!message) return;
+        T_base_tool = pcavr::Pose::from_translation(std::get<pcavr::RosPose>(*message).position);
+        received << T_base_tool.translation().transpose() << std::endl;
+      });
+      timespec now{};
+      ::clock_gettime(CLOCK_REALTIME, &now);
+      const pcavr::Stamp stamp{now.tv_sec * 1'000'000'000 + now.tv_nsec};
+      (void)(*topics)->publish(0, pcavr::cdr::pose_stamped(stamp, T_base_tool, "base_link"));
+      (void)(*topics)->publish(1, pcavr::cdr::wrench_stamped(stamp, {0, 0, 0}, {0, 0, 0}, "tool0"));
+    }
+  });
+  std::ofstream(folder() / "ros2.yaml") << "format: pcavr-ros2/1\ndomain: " << dds.domain << R"(
+network: {interface: 127.0.0.1, peers: [127.0.0.1], multicast: false}
+tool: {topic: /tool_pose, frame: tool0}
+wrench: {topic: /wrench}
+command: {topic: /target}
+)";
+  std::vector<std::string> arguments = robot_arguments();
+  arguments[2] = "--ros2";
+  arguments[3] = path("ros2.yaml");
+  RunningCommand robot(arguments, folder(), "robot_ros2");
+  const int port = port_of(robot);
+  ASSERT_GT(port, 0) << robot.errors();
+  const CommandOutcome outcome = run_pcavr(operator_arguments(port, "alice"));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  robot.signal(SIGINT);
+  EXPECT_EQ(robot.wait(), 0) << robot.errors();
+  EXPECT_GT(result_of(robot)["commands"].get<int>(), 1000) << robot.output();
+  std::ifstream setpoints(folder() / "setpoints.txt");
+  std::vector<Eigen::Vector3d> path_base;
+  for (double x = 0, y = 0, z = 0; setpoints >> x >> y >> z;) path_base.emplace_back(x, y, z);
+  ASSERT_GT(path_base.size(), 1000U) << robot.errors();
+  const auto recording = pcavr::read_file(folder() / "recording/tool.csv");
+  ASSERT_TRUE(recording);
+  const std::size_t last_row = recording->rfind('\n', recording->size() - 2) + 1;
+  double t = 0, x = 0, y = 0, z = 0;
+  ASSERT_EQ(std::sscanf(recording->c_str() + last_row, "%lf,%lf,%lf,%lf", &t, &x, &y, &z), 4);
+  EXPECT_LT((path_base.back() - Eigen::Vector3d(x, y, z)).norm(), 0.005);
+  EXPECT_LT((path_base.front() - Eigen::Vector3d(0.2, 0.0, 0.1)).norm(), 1e-6);
+  // Within the site's limit of speed, whatever the operator's hand did before the session.
+  for (std::size_t i = 1; i < path_base.size(); ++i) {
+    ASSERT_LT((path_base[i] - path_base[i - 1]).norm(), 0.02) << i;
+  }
 }
 
 TEST_F(TwoSites, WithWrongKeysAreOneErrorLineEach) {

@@ -20,9 +20,9 @@
 #include <unistd.h>
 
 #include "pcavr/core/random.hpp"
+#include "pcavr/core/record_queue.hpp"
 #include "pcavr/rosbag/bag_reader.hpp"
 
-#include "sites/record_queue.hpp"
 #include "sites/site_log.hpp"
 #include "support/temporary_folder.hpp"
 

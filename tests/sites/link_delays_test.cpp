@@ -9,8 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/sites/link_sites.hpp"
-
-#include "sites/site_clock.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 namespace pcavr {
 namespace {

@@ -58,6 +58,8 @@ class RobotInterface {
                            const Eigen::Quaterniond& q_base_tool) = 0;
   /// Appends what it has measured up to `t` [s] since the last call; each series ascends.
   virtual void advance(double t, RobotSamples& samples) = 0;
+  /// What was noticed of the robot since the last call, a line each.
+  [[nodiscard]] virtual std::vector<std::string> take_notices() { return {}; }
   /// [s] when it ends; nothing: it does not.
   [[nodiscard]] virtual std::optional<double> end() const { return std::nullopt; }
 };

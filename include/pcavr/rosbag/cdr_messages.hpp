@@ -29,10 +29,13 @@ struct Transform {
   Pose T_base_child;
 };
 
-[[nodiscard]] std::vector<std::uint8_t> pose_stamped(Stamp stamp, const Pose& T_base_child);
+[[nodiscard]] std::vector<std::uint8_t> pose_stamped(Stamp stamp, const Pose& T_base_child,
+                                                     std::string_view frame = "base");
 [[nodiscard]] std::vector<std::uint8_t> wrench_stamped(Stamp stamp, const Eigen::Vector3d& force,
-                                                       const Eigen::Vector3d& torque);
+                                                       const Eigen::Vector3d& torque,
+                                                       std::string_view frame = "base");
 [[nodiscard]] std::vector<std::uint8_t> tf_message(Stamp stamp,
-                                                   const std::vector<Transform>& transforms);
+                                                   const std::vector<Transform>& transforms,
+                                                   std::string_view frame = "base");
 
 }  // namespace pcavr::cdr

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "cdr_messages.hpp"
+#include "pcavr/rosbag/cdr_messages.hpp"
 
 #include <bit>
 #include <cstddef>
@@ -10,7 +10,6 @@
 namespace pcavr::cdr {
 namespace {
 
-constexpr std::string_view kFrame = "base";
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
 constexpr std::size_t kEncapsulationBytes = 4;  // alignment counts from after it
 
@@ -55,12 +54,12 @@ class Writer {
     bytes_.insert(bytes_.end(), text.begin(), text.end());
     bytes_.push_back(0);
   }
-  void header(Stamp stamp) {
+  void header(Stamp stamp, std::string_view frame) {
     std::int64_t seconds = stamp.nanoseconds / kNanoseconds;
     if (seconds * kNanoseconds > stamp.nanoseconds) --seconds;
     u32(static_cast<std::uint32_t>(seconds));
     u32(static_cast<std::uint32_t>(stamp.nanoseconds - seconds * kNanoseconds));
-    text(kFrame);
+    text(frame);
   }
   void vector(const Eigen::Vector3d& v) {
     for (const double value : {v.x(), v.y(), v.z()}) f64(value);
@@ -100,27 +99,29 @@ std::string tf_message_definition() {
                     {kTransformStamped, kHeader, kTime, kTransform, kVector, kQuaternion});
 }
 
-std::vector<std::uint8_t> pose_stamped(Stamp stamp, const Pose& T_base_child) {
+std::vector<std::uint8_t> pose_stamped(Stamp stamp, const Pose& T_base_child,
+                                       std::string_view frame) {
   Writer writer;
-  writer.header(stamp);
+  writer.header(stamp, frame);
   writer.pose(T_base_child);
   return writer.take();
 }
 
 std::vector<std::uint8_t> wrench_stamped(Stamp stamp, const Eigen::Vector3d& force,
-                                         const Eigen::Vector3d& torque) {
+                                         const Eigen::Vector3d& torque, std::string_view frame) {
   Writer writer;
-  writer.header(stamp);
+  writer.header(stamp, frame);
   writer.vector(force);
   writer.vector(torque);
   return writer.take();
 }
 
-std::vector<std::uint8_t> tf_message(Stamp stamp, const std::vector<Transform>& transforms) {
+std::vector<std::uint8_t> tf_message(Stamp stamp, const std::vector<Transform>& transforms,
+                                     std::string_view frame) {
   Writer writer;
   writer.u32(static_cast<std::uint32_t>(transforms.size()));
   for (const Transform& transform : transforms) {
-    writer.header(stamp);
+    writer.header(stamp, frame);
     writer.text(transform.child_frame);
     writer.pose(transform.T_base_child);
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "bag_import/transform_tree.hpp"
+#include "pcavr/rosbag/transform_tree.hpp"
 
 #include <gtest/gtest.h>
 

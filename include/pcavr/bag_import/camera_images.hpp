@@ -4,6 +4,7 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/image.hpp"
 #include "pcavr/recording/recording_writer.hpp"
 #include "pcavr/rosbag/ros_messages.hpp"
 
@@ -22,6 +23,9 @@ struct ConvertedImage {
 /// rgb8, bgr8, rgba8, bgra8 and mono8 as JPEG; compressed JPEG and PNG unchanged. Errors have no
 /// file.
 [[nodiscard]] Expected<ConvertedImage> convert_color(const RosMessage& message);
+
+/// The pixels of the same. Safe for untrusted bytes.
+[[nodiscard]] Expected<ColorImage> decode_color(const RosMessage& message);
 
 /// Whether depth is in metres, as floating-point numbers, by encoding or format.
 [[nodiscard]] bool is_metric_depth(const std::string& image_format);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "bag_import/transform_tree.hpp"
+#include "pcavr/rosbag/transform_tree.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -12,6 +12,7 @@ namespace {
 /// Below what a joint's encoder resolves; republished numbers are the same to rounding.
 constexpr double kFixedTolerance = 1e-7;  // [m], [rad]
 constexpr Duration kMaxTransformGap = std::chrono::milliseconds(500);
+constexpr std::size_t kMaxLiveFrames = 1000;  // of a live source, which may send any names
 
 bool is_same_pose(const Pose& a, const Pose& b) {
   return translation_distance(a, b) < kFixedTolerance &&
@@ -22,6 +23,7 @@ bool is_same_pose(const Pose& a, const Pose& b) {
 
 void TransformTree::add(const std::string& parent, const std::string& child, Stamp stamp,
                         const Pose& T_parent_child) {
+  if (history_ && edges_.size() >= kMaxLiveFrames && !edges_.contains(child)) return;
   const auto [entry, is_new] = edges_.try_emplace(child);
   Edge& edge = entry->second;
   if (is_new) edge.parent = parent;
@@ -31,6 +33,7 @@ void TransformTree::add(const std::string& parent, const std::string& child, Sta
     }
     return;
   }
+  if (history_) return add_live(edge, stamp, T_parent_child);
   std::vector<TimedPose>& samples = edge.samples;
   if (!samples.empty()) {
     edge.is_fixed = edge.is_fixed && is_same_pose(samples.front().pose, T_parent_child);
@@ -44,6 +47,26 @@ void TransformTree::add(const std::string& parent, const std::string& child, Sta
                        is_same_pose(samples[n - 1].pose, T_parent_child);
   if (is_rest) samples.pop_back();
   samples.push_back({stamp, T_parent_child});
+}
+
+void TransformTree::add_live(Edge& edge, Stamp stamp, const Pose& T_parent_child) const {
+  const std::vector<TimedPose>& kept = edge.T_parent_child.poses();
+  if (!kept.empty() && stamp <= kept.back().stamp) {
+    if (kept.back().stamp - stamp < *history_) return;
+    edge.T_parent_child = Trajectory();  // the sender's clock was set back
+  }
+  if (kept.empty()) return edge.T_parent_child.append(stamp, T_parent_child);
+  edge.is_fixed = edge.is_fixed && is_same_pose(kept.front().pose, T_parent_child);
+  if (edge.is_fixed) {  // how long it has been so does not matter
+    edge.T_parent_child = Trajectory({{stamp, kept.front().pose}});
+    return;
+  }
+  edge.T_parent_child.append(stamp, T_parent_child);
+  if (stamp - kept.front().stamp < 2 * *history_) return;
+  const auto first = std::find_if(kept.begin(), kept.end(), [&](const TimedPose& sample) {
+    return stamp - sample.stamp <= *history_;
+  });
+  edge.T_parent_child = Trajectory({first, kept.end()});
 }
 
 void TransformTree::finish() {
@@ -91,9 +114,13 @@ std::optional<Pose> TransformTree::lookup(const std::vector<Link>& links, Stamp 
   Pose T_base_frame;
   for (const Link& link : links) {
     const Edge& edge = edges_.at(link.child);
-    const std::optional<Pose> T_parent_child =
-        edge.is_fixed ? edge.T_parent_child.poses().front().pose
-                      : edge.T_parent_child.at(stamp, kMaxTransformGap);
+    const std::vector<TimedPose>& samples = edge.T_parent_child.poses();
+    const bool is_newest = history_ && stamp > samples.back().stamp &&
+                           stamp - samples.back().stamp < kMaxTransformGap;
+    const std::optional<Pose> T_parent_child = edge.is_fixed ? samples.front().pose
+                                               : is_newest
+                                                   ? samples.back().pose
+                                                   : edge.T_parent_child.at(stamp, kMaxTransformGap);
     if (!T_parent_child) return std::nullopt;
     T_base_frame = T_base_frame * (link.is_upward ? T_parent_child->inverse() : *T_parent_child);
   }

@@ -19,6 +19,12 @@ namespace pcavr {
 /// fixed links stamp them in the future); others are interpolated between their samples.
 class TransformTree {
  public:
+  /// All samples are kept.
+  TransformTree() = default;
+  /// Of a live source: each sample is in force at once, in ascending order of stamps, and finish()
+  /// is not needed. Keeps at least `history` of each link, and a bounded number of frames.
+  explicit TransformTree(Duration history) : history_(history) {}
+
   /// Adds a sample, in any order of stamps. A child's second parent is ignored.
   void add(const std::string& parent, const std::string& child, Stamp stamp,
            const Pose& T_parent_child);
@@ -34,7 +40,8 @@ class TransformTree {
   /// The links from `base` to `frame`; nullopt where they are not connected.
   [[nodiscard]] std::optional<std::vector<Link>> chain(const std::string& base,
                                                        const std::string& frame) const;
-  /// T_base_frame; nullopt where a link has no samples within 0.5 s around the stamp.
+  /// T_base_frame; nullopt where a link has no samples within 0.5 s around the stamp. Of a live
+  /// source a stamp up to 0.5 s after the newest sample has that.
   [[nodiscard]] std::optional<Pose> lookup(const std::vector<Link>& links, Stamp stamp) const;
   /// The stamps of the chain's links that change, ascending; empty where all are fixed.
   [[nodiscard]] std::vector<Stamp> stamps(const std::vector<Link>& links) const;
@@ -51,7 +58,9 @@ class TransformTree {
 
   /// From the frame to the root.
   [[nodiscard]] std::vector<std::string> ancestors(const std::string& frame) const;
+  void add_live(Edge& edge, Stamp stamp, const Pose& T_parent_child) const;
 
+  std::optional<Duration> history_ = {};
   std::map<std::string, Edge> edges_;  ///< by child
   std::vector<std::string> reparented_;
 };

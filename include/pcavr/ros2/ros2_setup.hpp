@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/ros2/ros2_transport.hpp"
+
+namespace pcavr {
+
+/// A camera's topics; the tags in its images are those of `tags`.
+struct Ros2Camera {
+  Ros2Topic image;  ///< sensor_msgs/msg/Image or CompressedImage
+  Ros2Topic info;   ///< sensor_msgs/msg/CameraInfo
+  std::string frame = {};          ///< the camera's (z forward); empty: the image's frame_id
+  std::filesystem::path tags = {};  ///< manifest whose markers are on the objects
+};
+
+/// The pose of an object of the scene, tracked by another program.
+struct Ros2Object {
+  std::string name;
+  Ros2Topic topic;             ///< geometry_msgs/msg/PoseStamped
+  double position_std = 0.001;  ///< [m]
+};
+
+/// What `pcavr robot-site --ros2 FILE` subscribes and publishes; docs/ros2.md describes the file.
+struct Ros2Setup {
+  DdsOptions dds;
+  std::string base_frame = "base_link";
+  double start_timeout = 10.0;    ///< [s] for the tool's first pose
+  double silence_timeout = 0.25;  ///< [s] without the tool's pose: nothing is commanded
+  Ros2Topic tool;                 ///< geometry_msgs/msg/PoseStamped
+  std::string tool_frame = {};    ///< of the axes of `tool`'s orientation; empty: none has that name
+  std::optional<Ros2Topic> wrench = {};  ///< geometry_msgs/msg/WrenchStamped
+  std::string wrench_frame = {};         ///< in place of the messages' frame_id, if not empty
+  bool is_wrench_on_tool = false;        ///< the wrench acts on the tool; false: the tool exerts it
+  std::optional<Ros2Topic> transforms = {};         ///< tf2_msgs/msg/TFMessage
+  std::optional<Ros2Topic> static_transforms = {};  ///< the same
+  std::vector<Ros2Object> objects = {};
+  std::optional<Ros2Camera> camera = {};
+  std::optional<Ros2Topic> command = {};  ///< geometry_msgs/msg/PoseStamped; nothing: only watches
+  double command_rate = 500.0;            ///< [Hz]
+  double max_command_distance = 0.05;     ///< [m] from the measured tip: a farther one is withheld
+};
+
+/// Reads a setup. An Error for unknown keys, values out of range and names that are not topics.
+[[nodiscard]] Expected<Ros2Setup> parse_ros2_setup(const std::string& text,
+                                                   const std::filesystem::path& file);
+[[nodiscard]] Expected<Ros2Setup> read_ros2_setup(const std::filesystem::path& file);
+
+}  // namespace pcavr

@@ -1,0 +1,297 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/ros2/ros2_robot.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "pcavr/rosbag/cdr_messages.hpp"
+#include "pcavr/sites/site_clock.hpp"
+
+#include "ros2_camera.hpp"
+#include "ros2_intake.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr std::size_t kSampleQueue = 1U << 18U;    // [bytes]: some 2000 samples
+constexpr std::size_t kPictureQueue = 1U << 15U;   // [bytes]
+constexpr std::size_t kNoticeQueue = 1U << 14U;    // [bytes]
+constexpr std::size_t kSetpointQueue = 1U << 13U;  // [bytes]: 100 cycles
+constexpr std::size_t kMaxSamplesPerCycle = 100;   // a flood of messages must not delay the site
+constexpr std::chrono::milliseconds kWait{50};     // of the reading thread, until it looks about
+constexpr double kMaxSetpointAge = 0.02;  // [s]: an older one is of a site that stands still
+constexpr double kStartTolerance = 1e-6;  // [s]
+
+double boot_clock() { return read_clock(CLOCK_BOOTTIME); }
+
+struct Setpoint {
+  double t = 0.0;  ///< CLOCK_BOOTTIME [s]
+  std::array<double, 3> p_base_tip{};
+};
+
+template <typename Record>
+std::span<const std::uint8_t> record_bytes(const Record& record) {
+  return {reinterpret_cast<const std::uint8_t*>(&record), sizeof(record)};
+}
+
+/// False if there is none.
+template <typename Record>
+bool pop_record(RecordQueue& queue, std::vector<std::uint8_t>& buffer, Record& record) {
+  if (!queue.pop(buffer) || buffer.size() != sizeof(record)) return false;
+  std::memcpy(&record, buffer.data(), sizeof(record));
+  return true;
+}
+
+class Ros2Robot final : public RobotInterface {
+ public:
+  Ros2Robot(const Ros2Setup& setup, std::vector<std::size_t> objects, std::size_t scene_objects)
+      : setup_(setup),
+        samples_(kSampleQueue),
+        pictures_(kPictureQueue),
+        notices_(kNoticeQueue),
+        setpoints_(kSetpointQueue),
+        notes_(notices_),
+        intake_(setup_, std::move(objects), samples_, notes_),
+        last_tracked_(scene_objects) {
+    buffer_.reserve(sizeof(Ros2Sample));
+  }
+  Ros2Robot(const Ros2Robot&) = delete;
+  Ros2Robot& operator=(const Ros2Robot&) = delete;
+  ~Ros2Robot() override {
+    is_stopped_ = true;
+    if (reader_.joinable()) reader_.join();
+    camera_.reset();
+    if (publisher_.joinable()) publisher_.join();
+  }
+
+  [[nodiscard]] std::optional<Error> start(const Ros2Opener& open, const TeleopInput& world) {
+    if (setup_.camera) {
+      Expected<std::unique_ptr<Ros2CameraTracker>> camera =
+          make_ros2_camera(*setup_.camera, world, intake_, pictures_);
+      if (!camera) return camera.error();
+      camera_ = std::move(*camera);
+      intake_.set_picture_sink(
+          [this](std::size_t topic, bool is_image, std::span<const std::uint8_t> message,
+                 double now) { camera_->on_message(topic, is_image, message, now); });
+    }
+    std::vector<Ros2Topic> subscribed;
+    for (const Ros2Subscription& one : subscriptions_of(setup_)) subscribed.push_back(one.topic);
+    std::vector<Ros2Topic> published;
+    if (setup_.command) published.push_back(*setup_.command);
+    Expected<std::unique_ptr<Ros2Transport>> transport = open(subscribed, published, setup_.dds);
+    if (!transport) return transport.error();
+    transport_ = std::move(*transport);
+    if (std::optional<Error> error = wait_for_tool()) return error;
+    reader_ = std::thread([this] { read(); });
+    if (setup_.command) publisher_ = std::thread([this] { publish(); });
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::string name() const override { return "ROS 2"; }
+  [[nodiscard]] bool follows_commands() const override { return setup_.command.has_value(); }
+  [[nodiscard]] Eigen::Vector3d p_base_start() const override {
+    return T_base_start_.translation();
+  }
+
+  void set_command(const Eigen::Vector3d& p_base_tip, const Eigen::Quaterniond&) override {
+    if (!setup_.command) return;
+    const Setpoint setpoint{boot_clock(), {p_base_tip.x(), p_base_tip.y(), p_base_tip.z()}};
+    setpoints_.push(record_bytes(setpoint), {});
+  }
+
+  void advance(double t, RobotSamples& samples) override {
+    if (!scene_offset_) scene_offset_ = t - boot_clock();
+    Ros2Sample sample;
+    for (std::size_t i = 0; i < kMaxSamplesPerCycle; ++i) {
+      if (!pop_record(samples_, buffer_, sample) && !pop_record(pictures_, buffer_, sample)) return;
+      // No sample is of the future: the offset of its clock is known to the fastest message only.
+      sample.t = std::min(sample.t + *scene_offset_, t);
+      if (sample.t >= -kStartTolerance) append(sample, samples);
+    }
+  }
+
+  [[nodiscard]] std::vector<std::string> take_notices() override {
+    std::vector<std::string> lines;
+    while (notices_.pop(buffer_)) lines.emplace_back(buffer_.begin(), buffer_.end());
+    return lines;
+  }
+
+ private:
+  [[nodiscard]] std::optional<Error> wait_for_tool() {
+    const double end = boot_clock() + setup_.start_timeout;
+    std::string seen;
+    while (!intake_.tool() && boot_clock() < end) {
+      receive();
+      while (notices_.pop(buffer_)) seen += "; " + std::string(buffer_.begin(), buffer_.end());
+    }
+    if (!intake_.tool()) {
+      return Error{
+          .message = fmt::format("no {} on {} within {:g} s in domain {}{}", setup_.tool.type,
+                                 setup_.tool.name, setup_.start_timeout, setup_.dds.domain, seen),
+          .hint = "check topic, domain, network and the publisher's quality of service"};
+    }
+    T_base_start_ = intake_.tool()->T_base_tool;
+    measured_ = {T_base_start_.translation(), intake_.tool()->arrival};
+    return std::nullopt;
+  }
+
+  void receive() {
+    transport_->wait(kWait, [&](std::size_t topic, std::span<const std::uint8_t> message) {
+      intake_.on_message(topic, message, boot_clock());
+    });
+    const double now = boot_clock();
+    if (now < next_look_) return;
+    next_look_ = now + 1e-3 * static_cast<double>(kWait.count());
+    for (const std::string& line : transport_->take_notices()) notes_.add(line, now);
+  }
+
+  void read() {
+    while (!is_stopped_) {
+      receive();
+      const double silence = boot_clock() - intake_.tool()->arrival;
+      if (silence > setup_.silence_timeout) {
+        notes_.add(setup_.tool.name + ": no message any more; nothing is commanded meanwhile",
+                   boot_clock());
+      }
+      const std::lock_guard lock(mutex_);
+      measured_ = {intake_.tool()->T_base_tool.translation(), intake_.tool()->arrival};
+    }
+  }
+
+  void publish() {
+    std::vector<std::uint8_t> buffer;
+    const auto period = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(1.0 / setup_.command_rate));
+    auto next = std::chrono::steady_clock::now();
+    while (!is_stopped_) {
+      next = std::max(next + period, std::chrono::steady_clock::now());
+      std::this_thread::sleep_until(next);
+      std::optional<Setpoint> newest;
+      for (Setpoint setpoint; pop_record(setpoints_, buffer, setpoint);) newest = setpoint;
+      if (newest && is_allowed(*newest)) publish(*newest);
+    }
+  }
+
+  [[nodiscard]] bool is_allowed(const Setpoint& setpoint) {
+    const double now = boot_clock();
+    if (now - setpoint.t > kMaxSetpointAge) return false;
+    Measured measured;
+    {
+      const std::lock_guard lock(mutex_);
+      measured = measured_;
+    }
+    if (now - measured.arrival > setup_.silence_timeout) return false;
+    const Eigen::Vector3d p(setpoint.p_base_tip[0], setpoint.p_base_tip[1], setpoint.p_base_tip[2]);
+    if ((p - measured.p_base_tip).norm() <= setup_.max_command_distance) return true;
+    notes_.add(fmt::format("{}: the setpoint is more than {:g} m from the measured tip: withheld",
+                           setup_.command->name, setup_.max_command_distance),
+               now);
+    return false;
+  }
+
+  void publish(const Setpoint& setpoint) {
+    const auto& [x, y, z] = setpoint.p_base_tip;
+    const Pose T_base_tool(T_base_start_.rotation(), {x, y, z});
+    const Stamp stamp = Stamp::from_seconds(read_clock(CLOCK_REALTIME));
+    if (transport_->publish(0, cdr::pose_stamped(stamp, T_base_tool, setup_.base_frame))) return;
+    notes_.add(setup_.command->name + ": could not be published", boot_clock());
+  }
+
+  void append(const Ros2Sample& sample, RobotSamples& samples) {
+    const std::array<double, 7>& v = sample.values;
+    const Eigen::Vector3d first(v[0], v[1], v[2]);
+    switch (sample.kind) {
+      case Ros2Sample::Kind::tool:
+        if (ascends(last_tool_, sample.t)) {
+          samples.tool.push_back({sample.t, first, Eigen::Quaterniond(v[6], v[3], v[4], v[5])});
+        }
+        break;
+      case Ros2Sample::Kind::wrench:
+        if (ascends(last_wrench_, sample.t)) {
+          samples.wrench.push_back({sample.t, first, Eigen::Vector3d(v[3], v[4], v[5])});
+        }
+        break;
+      case Ros2Sample::Kind::tracked:
+        if (sample.object < last_tracked_.size() &&
+            ascends(last_tracked_[sample.object], sample.t)) {
+          const Pose T_base_object(Eigen::Quaterniond(v[6], v[3], v[4], v[5]), first);
+          samples.tracked.push_back(
+              {sample.object, {sample.t, T_base_object, sample.std[0], sample.std[1]}});
+        }
+        break;
+    }
+  }
+
+  static bool ascends(std::optional<double>& last, double t) {
+    if (last && t <= *last) return false;
+    last = t;
+    return true;
+  }
+
+  struct Measured {
+    Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();
+    double arrival = 0.0;  ///< [s]
+  };
+
+  const Ros2Setup setup_;
+  RecordQueue samples_;    ///< from the reading thread to the site's
+  RecordQueue pictures_;   ///< from the camera's thread to the site's
+  RecordQueue notices_;    ///< the same; notes_ has a lock for its writers
+  RecordQueue setpoints_;  ///< from the site's thread to the publishing one
+  Ros2Notices notes_;
+  Ros2Intake intake_;
+  std::unique_ptr<Ros2CameraTracker> camera_;
+  std::unique_ptr<Ros2Transport> transport_;
+  double next_look_ = 0.0;  ///< [s]
+  Pose T_base_start_;
+  std::mutex mutex_;
+  Measured measured_;
+
+  // Of the site's thread.
+  std::optional<double> scene_offset_;  ///< [s] scene's time less CLOCK_BOOTTIME
+  std::vector<std::uint8_t> buffer_;
+  std::optional<double> last_tool_;  ///< [s]
+  std::optional<double> last_wrench_;
+  std::vector<std::optional<double>> last_tracked_;  ///< by object
+
+  std::atomic<bool> is_stopped_ = false;
+  std::thread reader_;
+  std::thread publisher_;
+};
+
+/// By Ros2Setup::objects, the index in the world.
+Expected<std::vector<std::size_t>> find_objects(const Ros2Setup& setup, const TeleopInput& world) {
+  std::vector<std::size_t> found;
+  for (const Ros2Object& object : setup.objects) {
+    const auto at = std::find_if(world.objects.begin(), world.objects.end(),
+                                 [&](const TeleopObject& one) { return one.name == object.name; });
+    if (at == world.objects.end()) {
+      return Error{.message = object.name + " is not an object of the scene",
+                   .place = "objects",
+                   .hint = "give it the name that the scene has"};
+    }
+    found.push_back(static_cast<std::size_t>(at - world.objects.begin()));
+  }
+  return found;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<RobotInterface>> make_ros2_robot(const Ros2Setup& setup,
+                                                          const TeleopInput& world,
+                                                          const Ros2Opener& open) {
+  Expected<std::vector<std::size_t>> objects = find_objects(setup, world);
+  if (!objects) return objects.error();
+  auto robot = std::make_unique<Ros2Robot>(setup, std::move(*objects), world.objects.size());
+  if (const std::optional<Error> error = robot->start(open, world)) return *error;
+  return std::unique_ptr<RobotInterface>(std::move(robot));
+}
+
+}  // namespace pcavr

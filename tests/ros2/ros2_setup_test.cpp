@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/ros2/ros2_setup.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace pcavr {
+namespace {
+
+TEST(Ros2Setup, ReadsTopicsQualityOfServiceAndFrames) {
+  const auto setup = parse_ros2_setup(R"(
+format: pcavr-ros2/1
+domain: 7
+network: {interface: lo, peers: [127.0.0.1, 10.0.0.2], multicast: false}
+base_frame: /base
+tool: {topic: /tool_pose, frame: tool0, reliability: reliable, depth: 3}
+wrench: {topic: /ft, frame: ft_link, acts_on: tool}
+transforms: {topic: /tf}
+objects:
+  box: {topic: /box_pose, position_std: 0.002}
+camera:
+  image: {topic: /camera/image_raw/compressed, compressed: true}
+  info: {topic: /camera/camera_info}
+  tags: tags.yaml
+command: {topic: /target, rate: 250, max_distance: 0.1}
+)",
+                                      "folder/ros2.yaml");
+  ASSERT_TRUE(setup) << setup.error().to_string();
+  EXPECT_EQ(setup->dds.domain, 7U);
+  EXPECT_EQ(setup->dds.peers.size(), 2U);
+  EXPECT_EQ(setup->dds.multicast, false);
+  EXPECT_EQ(setup->base_frame, "base");
+  EXPECT_EQ(setup->tool.name, "/tool_pose");
+  EXPECT_TRUE(setup->tool.qos.is_reliable);
+  EXPECT_EQ(setup->tool.qos.depth, 3);
+  EXPECT_FALSE(setup->wrench->qos.is_reliable);
+  EXPECT_TRUE(setup->is_wrench_on_tool);
+  EXPECT_TRUE(setup->static_transforms->qos.is_transient_local);
+  EXPECT_EQ(setup->objects.at(0).name, "box");
+  EXPECT_EQ(setup->camera->image.type, "sensor_msgs/msg/CompressedImage");
+  EXPECT_EQ(setup->camera->tags, "folder/tags.yaml");
+  EXPECT_EQ(setup->command_rate, 250.0);
+}
+
+TEST(Ros2Setup, SaysWhatIsWrongAndWhere) {
+  const auto error_of = [](const std::string& lines) {
+    const auto setup = parse_ros2_setup("format: pcavr-ros2/1\n" + lines, "ros2.yaml");
+    return setup ? std::string() : setup.error().to_string();
+  };
+  EXPECT_EQ(error_of("tool: {topic: /tool}\n"), "");
+  EXPECT_NE(error_of("domain: 1\n").find("tool"), std::string::npos);
+  for (const char* name : {"tool", "/a b", "/", "//a", "/a/", "\"/a;b\""}) {
+    EXPECT_NE(error_of("tool: {topic: " + std::string(name) + "}\n").find("ros2.yaml:2"),
+              std::string::npos)
+        << name;
+  }
+  EXPECT_NE(error_of("tool: {topic: /t, depth: 0}\n").find("1 to 1000"), std::string::npos);
+  EXPECT_NE(error_of("tool: {topic: /t}\ndomain: 233\n").find("0 to 232"), std::string::npos);
+  EXPECT_NE(error_of("tool: {topic: /t, reliability: maybe}\n").find("best_effort"),
+            std::string::npos);
+  EXPECT_NE(error_of("tool: {topic: /t}\ncommand: {topic: /c, speed: 1}\n").find("speed"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace pcavr
