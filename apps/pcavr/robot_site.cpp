@@ -113,15 +113,15 @@ Expected<RobotSource> read_recorded(const RobotSiteArguments& arguments, const S
   const Expected<Recording> recording =
       read_with_warnings(arguments.site.recording, false, configuration, observer);
   if (!recording) return recording.error();
-  Expected<TeleopInput> input = read_teleop_input(*recording, scene, options, observer);
-  if (!input) return input.error();
-  if (input->t_tool.size() < 2) {
+  Expected<TeleopInput> recorded = read_teleop_input(*recording, scene, options, observer);
+  if (!recorded) return recorded.error();
+  if (recorded->t_tool.size() < 2) {
     return Error{.message = "the recording has no motion of the tool",
                  .file = arguments.site.recording};
   }
-  RobotSource source{std::make_unique<TeleopInput>(std::move(*input)), {}};
-  source.robot = make_recorded_robot(*source.input, options.teleop.pose.tracking_latency);
-  return source;
+  auto input = std::make_unique<TeleopInput>(std::move(*recorded));
+  auto robot = make_recorded_robot(*input, options.teleop.pose.tracking_latency);
+  return RobotSource{std::move(input), std::move(robot)};
 }
 
 /// A robot behind topics of ROS 2.
@@ -129,26 +129,22 @@ Expected<RobotSource> connect_ros2(const RobotSiteArguments& arguments, const Sc
                                    const ReplayOptions& options, const Observer& observer) {
   const Expected<Ros2Setup> setup = read_ros2_setup(arguments.ros2);
   if (!setup) return setup.error();
-  Expected<TeleopInput> input = read_teleop_world(scene, options, observer);
-  if (!input) return input.error();
-  RobotSource source{std::make_unique<TeleopInput>(std::move(*input)), {}};
-  Expected<std::unique_ptr<RobotInterface>> robot = make_ros2_robot(*setup, *source.input);
+  Expected<TeleopInput> world = read_teleop_world(scene, options, observer);
+  if (!world) return world.error();
+  auto input = std::make_unique<TeleopInput>(std::move(*world));
+  Expected<std::unique_ptr<RobotInterface>> robot = make_ros2_robot(*setup, *input);
   if (!robot) {
     Error error = robot.error();
     if (error.file.empty()) error.file = arguments.ros2;
     return error;
   }
-  source.robot = std::move(*robot);
-  return source;
+  return RobotSource{std::move(input), std::move(*robot)};
 }
 
-Expected<RobotSource> read_robot(const RobotSiteArguments& arguments, const SceneManifest& scene,
-                                 const ReplayOptions& options, const Configuration& configuration,
-                                 const Observer& observer) {
-  if (!arguments.site.recording.empty()) {
-    return read_recorded(arguments, scene, options, configuration, observer);
-  }
-  if (!arguments.ros2.empty()) return connect_ros2(arguments, scene, options, observer);
+/// The simulated plant of a case.
+Expected<RobotSource> simulate_robot(const RobotSiteArguments& arguments,
+                                     const SceneManifest& scene, const ReplayOptions& options,
+                                     const Observer& observer) {
   const std::vector<SimulationCase>& cases = simulation_cases();
   const auto chosen = std::find_if(cases.begin(), cases.end(), [&](const SimulationCase& one) {
     return one.name == arguments.plant && one.task != ToolTask::none;
@@ -159,14 +155,23 @@ Expected<RobotSource> read_robot(const RobotSiteArguments& arguments, const Scen
                                 : arguments.plant + " is not a case with a tool",
                  .hint = "give --plant push, or another case of pcavr simulate with a tool"};
   }
-  Expected<TeleopInput> input = read_teleop_world(scene, options, observer);
-  if (!input) return input.error();
-  RobotSource source{std::make_unique<TeleopInput>(std::move(*input)), {}};
-  Expected<std::unique_ptr<RobotInterface>> robot = make_plant_robot(
-      chosen->task, arguments.seed, *source.input, options.teleop.pose.tracking_latency);
+  Expected<TeleopInput> world = read_teleop_world(scene, options, observer);
+  if (!world) return world.error();
+  auto input = std::make_unique<TeleopInput>(std::move(*world));
+  Expected<std::unique_ptr<RobotInterface>> robot =
+      make_plant_robot(chosen->task, arguments.seed, *input, options.teleop.pose.tracking_latency);
   if (!robot) return robot.error();
-  source.robot = std::move(*robot);
-  return source;
+  return RobotSource{std::move(input), std::move(*robot)};
+}
+
+Expected<RobotSource> read_robot(const RobotSiteArguments& arguments, const SceneManifest& scene,
+                                 const ReplayOptions& options, const Configuration& configuration,
+                                 const Observer& observer) {
+  if (!arguments.site.recording.empty()) {
+    return read_recorded(arguments, scene, options, configuration, observer);
+  }
+  if (!arguments.ros2.empty()) return connect_ros2(arguments, scene, options, observer);
+  return simulate_robot(arguments, scene, options, observer);
 }
 
 Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
