@@ -274,6 +274,7 @@ void ObjectLearner::learn_breakaway() {
     const IdentifiedParameter sliding = friction_in(contact);
     if (!limit_above_sliding({breakaway.force, std, true}, sliding).is_excited) {
       if (&contact == &contacts_.back()) contradict(breakaway.force, sliding.value);
+      withdraw_limit_below(sliding);
       continue;
     }
     noise = std::max(noise, breakaway.std);
@@ -284,8 +285,8 @@ void ObjectLearner::learn_breakaway() {
   const double spread = limit.pushes > 1
                             ? std::max(limit.std, noise)
                             : std::max(noise, options_.single_breakaway_std * limit.mean);
-  const IdentifiedParameter bounded = bounded_by_sliding({limit.mean, spread, true});
-  if (!bounded.is_excited) return;
+  const IdentifiedParameter bounded = limit_above_sliding({limit.mean, spread, true}, coulomb_);
+  if (!bounded.is_excited) return contradict(limit.mean, coulomb_.value);
   accept(&ObjectParameters::limiting_static_friction, {bounded.value, spread});
   known_.loading_rate = ParameterValue{limit.loading_rate};
   if (limit.pushes > 1) known_.loading_rate->std = limit.loading_rate_std;
@@ -297,17 +298,12 @@ void ObjectLearner::contradict(double limit, double sliding) {
       limit, sliding);
 }
 
-IdentifiedParameter ObjectLearner::bounded_by_sliding(const IdentifiedParameter& limit) {
-  const IdentifiedParameter bounded = limit_above_sliding(limit, coulomb_);
-  if (!bounded.is_excited) contradict(limit.value, coulomb_.value);
-  return bounded;
-}
-
-void ObjectLearner::withdraw_contradicted_limit() {
+void ObjectLearner::withdraw_limit_below(const IdentifiedParameter& sliding) {
   std::optional<ParameterValue>& limit = known_.limiting_static_friction;
   if (!limit || given_.limiting_static_friction) return;
   const double std = limit->std.value_or(options_.default_relative_std * limit->value);
-  if (bounded_by_sliding({limit->value, std, true}).is_excited) return;
+  if (limit_above_sliding({limit->value, std, true}, sliding).is_excited) return;
+  contradict(limit->value, sliding.value);
   limit.reset();
   has_changed_ = true;
 }
@@ -331,7 +327,7 @@ void ObjectLearner::learn_sliding() {
   // The slides of few pushes: friction varies by more than their noise.
   coulomb_ = coulomb_of(found.coulomb.value, found.viscous.is_excited ? 0.0 : found.speed,
                         options_.model_error);
-  withdraw_contradicted_limit();
+  withdraw_limit_below(coulomb_);
   if (found.mass.is_excited && identified) accept(&ObjectParameters::mass, value_of(found.mass));
   if (!known_.mass) return;
   double coulomb = found.coulomb.value;

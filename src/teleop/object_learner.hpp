@@ -83,13 +83,12 @@ class ObjectLearner {
   [[nodiscard]] double extrapolation_std(const ContactFit& fit,
                                          std::span<const ForceMotion> parts) const;
   void learn_contact();
+  /// F_M of the breakaways, with what the slides say of it by the rule of `pcavr identify`: no less
+  /// than Coulomb friction, and withheld where the two contradict each other.
   void learn_breakaway();
-  /// F_M with what the slides say of it, by the rule of `pcavr identify`: no less than Coulomb
-  /// friction, and not excited where the two contradict each other.
-  [[nodiscard]] IdentifiedParameter bounded_by_sliding(const IdentifiedParameter& limit);
+  /// Discards an F_M that was identified before the slides contradicted it.
+  void withdraw_limit_below(const IdentifiedParameter& sliding);
   void contradict(double limit, double sliding);
-  /// A limit that was identified before the slides showed more.
-  void withdraw_contradicted_limit();
   void learn_sliding();
   void accept(std::optional<ParameterValue> ObjectParameters::*field, const ParameterValue& found);
   [[nodiscard]] bool is_contradicted(const std::optional<ParameterValue>& old,

@@ -93,7 +93,10 @@ TEST(RunTeleop, CorrectsTheForceOfASlideWhosePlaceIsRight) {
     ParameterValue& coefficient = *object.parameters.sliding_friction_coefficient;
     coefficient = {1.25 * coefficient.value, 0.05 * coefficient.value};
   }
-  const TeleopRun run = run_teleop(made.input, {}).value();
+  TeleopOptions options;
+  options.correction_switch.position_stds = 100.0;  // no position is found to be wrong
+  options.correction_switch.min_position_error = options.correction_switch.position_tolerance;
+  const TeleopRun run = run_teleop(made.input, options).value();
   for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
     const auto [begin, end] = last_slide(made, i);
     double measured = 0.0, rendered = 0.0;
