@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pcavr {
 namespace {
@@ -52,26 +53,40 @@ std::optional<CorrectionSwitch::Finding> CorrectionSwitch::find(const SiteCompar
                  options_.force_persistence};
 }
 
+std::optional<CorrectionSwitch::Finding> CorrectionSwitch::find_sliding_force(
+    const SiteComparison& seen, double factor) const {
+  const bool both_slide = seen.robot_slides && seen.operator_slides;
+  if (!both_slide || !seen.robot_touches || !seen.operator_touches) return std::nullopt;
+  const double limit = factor * std::max(options_.force_tolerance * seen.robot_force, force_floor_);
+  const double force = std::abs(seen.robot_force - seen.operator_force) / limit;
+  if (force <= 1.0) return std::nullopt;
+  return Finding{CorrectionCase::both_sliding, force, options_.force_persistence};
+}
+
+bool CorrectionSwitch::is_due(const Finding& finding, double t, PendingFinding& pending) const {
+  if (t - pending.last > options_.max_lapse) pending.since = t;
+  pending.last = t;
+  pending.size = finding.size;
+  if (t - pending.since < finding.persistence || t < pending.suppressed_until) return false;
+  const bool is_in_flight = t < pending.in_flight_until;
+  return !is_in_flight || pending.size >= options_.growth_factor * pending.size_sent;
+}
+
 std::optional<CorrectionCase> CorrectionSwitch::evaluate(const SiteComparison& seen,
                                                          double traffic) {
   observe_effect(seen);
   const double factor = std::clamp(traffic, 1.0, options_.max_threshold_factor);
+  is_sliding_force_ = false;
   const std::optional<Finding> finding = find(seen, factor);
-  if (!finding) return std::nullopt;
-  PendingFinding& pending = pending_[static_cast<std::size_t>(finding->which)];
-  if (seen.t - pending.last > options_.max_lapse) pending.since = seen.t;
-  pending.last = seen.t;
-  pending.size = finding->size;
-  if (seen.t - pending.since < finding->persistence || seen.t < pending.suppressed_until)
-    return std::nullopt;
-  const bool is_in_flight = seen.t < pending.in_flight_until;
-  if (is_in_flight && pending.size < options_.growth_factor * pending.size_sent)
-    return std::nullopt;
-  return finding->which;
+  if (finding && is_due(*finding, seen.t, pending_of(finding->which))) return finding->which;
+  const std::optional<Finding> force = find_sliding_force(seen, factor);
+  if (!force || !is_due(*force, seen.t, sliding_force_)) return std::nullopt;
+  is_sliding_force_ = true;
+  return force->which;
 }
 
 void CorrectionSwitch::note_nothing_to_send(CorrectionCase which, double t) {
-  pending_[static_cast<std::size_t>(which)].suppressed_until = t + kRetryInterval;
+  pending_of(which).suppressed_until = t + kRetryInterval;
 }
 
 bool CorrectionSwitch::forces_agree(const SiteComparison& seen) const {
@@ -104,11 +119,17 @@ void CorrectionSwitch::note_received(std::uint8_t sequence) {
 }
 
 void CorrectionSwitch::note_sent(CorrectionCase which, double t_sent, std::uint8_t sequence) {
-  PendingFinding& pending = pending_[static_cast<std::size_t>(which)];
-  if (which == CorrectionCase::both_sliding) effect_ = {.awaited = sequence, .gap_sent = gap_};
+  PendingFinding& pending = pending_of(which);
+  if (which == CorrectionCase::both_sliding && !is_sliding_force_) {
+    effect_ = {.awaited = sequence, .gap_sent = gap_};
+  }
   pending.in_flight_until = t_sent + round_trip_ + options_.round_trip_margin;
   pending.size_sent = std::max(pending.size, 1.0);
   pending.last = -std::numeric_limits<double>::infinity();
+  // Every correction contains the parameters that have changed: the force shows their effect later.
+  sliding_force_.in_flight_until = pending.in_flight_until;
+  sliding_force_.size_sent =
+      is_sliding_force_ ? pending.size_sent : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace pcavr

@@ -34,6 +34,10 @@ struct SiteComparison {
 /// factor. Debouncing: a difference counts after a time longer than the two sites' phase stamps may
 /// differ. While a correction is in flight (a round trip and a margin), the same case is not sent
 /// again unless the error has grown.
+///
+/// While both slide, tip and penetration put the object where it is, so that a wrong sliding
+/// friction shows in the force only. Beyond paper C, whose case 1.3 is found by the position, a
+/// wrong force is one of that case too, on its own account: parameters correct it, not a position.
 class CorrectionSwitch {
  public:
   /// `force_floor` [N]: minimum difference of forces, the sensor's noise and drift. `round_trip`:
@@ -47,6 +51,8 @@ class CorrectionSwitch {
   /// `traffic`: bytes sent so far over the byte budget (rate limit). Call in ascending order of
   /// time.
   [[nodiscard]] std::optional<CorrectionCase> evaluate(const SiteComparison& seen, double traffic);
+  /// Of the case that `evaluate` has found last: both slide, and it is the force that differs.
+  [[nodiscard]] bool is_sliding_force() const { return is_sliding_force_; }
   /// Whether the forces differ by no more than the tolerance: as in case 1.3 of paper C.
   [[nodiscard]] bool forces_agree(const SiteComparison& seen) const;
   /// Case 1.3 only: a correction was received in this slide, right after that the error along the
@@ -68,6 +74,8 @@ class CorrectionSwitch {
     double persistence;  ///< [s]
   };
   [[nodiscard]] std::optional<Finding> find(const SiteComparison& seen, double factor) const;
+  [[nodiscard]] std::optional<Finding> find_sliding_force(const SiteComparison& seen,
+                                                          double factor) const;
 
   /// One case: how long it has persisted, with short lapses ignored; and what was sent.
   struct PendingFinding {
@@ -89,11 +97,19 @@ class CorrectionSwitch {
     int count_after = 0;
   };
   void observe_effect(const SiteComparison& seen);
+  /// Whether a finding has persisted, and no correction of it is on its way.
+  [[nodiscard]] bool is_due(const Finding& finding, double t, PendingFinding& pending) const;
+  /// What `evaluate` has found last of that case.
+  [[nodiscard]] PendingFinding& pending_of(CorrectionCase which) {
+    return is_sliding_force_ ? sliding_force_ : pending_[static_cast<std::size_t>(which)];
+  }
 
   CorrectionSwitchOptions options_;
   double force_floor_;
   double round_trip_;
   std::array<PendingFinding, 5> pending_{};
+  PendingFinding sliding_force_;
+  bool is_sliding_force_ = false;
   SlideEffect effect_;
   double gap_ = 0.0;  ///< [m] the newest
 };

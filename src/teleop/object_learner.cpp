@@ -6,8 +6,13 @@
 #include <cmath>
 #include <iterator>
 
+#include <fmt/core.h>
+
 #include "pcavr/contact/hunt_crossley.hpp"
+#include "pcavr/core/median.hpp"
 #include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/identification/friction_posterior.hpp"
+#include "pcavr/identification/limit_of_pushes.hpp"
 #include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/sliding.hpp"
 
@@ -48,6 +53,35 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
           std::span(contact.force).first(count), contact.tool_noise};
 }
 
+/// Coulomb friction where only the whole friction at a speed [m/s] is known: less the viscous
+/// share, of which only the prior is known, and with the relative error of the rest.
+IdentifiedParameter coulomb_of(double force, double speed, double relative_std) {
+  const double viscous = FrictionPriors().max_viscous * std::max(speed, 0.0);
+  return {force - 0.5 * viscous, std::hypot(relative_std * force, viscous / std::sqrt(12.0)), true};
+}
+
+/// What a push's own slides say of Coulomb friction: the median force along the push. With a tenth
+/// for inertia and for a force that does not go through the centre; not excited without a slide.
+IdentifiedParameter friction_in(const ContactEpisode& contact) {
+  constexpr double kForceError = 0.1;
+  constexpr double kMinPath = 5e-4;  // [m] of the tip: over less, the force still settles
+  std::vector<double> forces;
+  double path = 0.0, duration = 0.0;
+  for (const SlideInterval& slide : contact.slides) {
+    const auto from = std::lower_bound(contact.t.begin(), contact.t.end(), slide.begin);
+    const auto to = std::upper_bound(from, contact.t.end(), slide.end);
+    if (to - from < 2) continue;
+    const auto first = static_cast<std::size_t>(from - contact.t.begin());
+    const auto last = static_cast<std::size_t>(to - contact.t.begin()) - 1;
+    path += contact.tool[last] - contact.tool[first];
+    duration += contact.t[last] - contact.t[first];
+    forces.insert(forces.end(), contact.force.begin() + static_cast<std::ptrdiff_t>(first),
+                  contact.force.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+  }
+  if (path < kMinPath) return {};
+  return coulomb_of(median(std::move(forces)), path / duration, kForceError);
+}
+
 /// Whether the tip slides along an inclined face, as in an oblique hole: a press under which the
 /// object moves, or a push whose force is far from horizontal. Neither the tip's path nor the force
 /// along it is then that of the contact, or of the support's friction.
@@ -72,6 +106,7 @@ ObjectLearner::ObjectLearner(const ObjectParameters& given, const LearningOption
 
 bool ObjectLearner::learn(const ContactRecord& record, double begin, const ContactFacts& facts) {
   has_changed_ = false;
+  contradiction_.reset();
   const Segmentation found = segment_contacts(record.t_force, record.force_base, record.t_tool,
                                               record.p_base_tip, options_.segmentation);
   const auto nearest = std::min_element(
@@ -234,6 +269,14 @@ void ObjectLearner::learn_breakaway() {
         breakaway.std = own.std;
       }
     }
+    // A peak of the load before the object slides at all: the tip slipped, or left and came again.
+    const double std = std::max(breakaway.std, options_.single_breakaway_std * breakaway.force);
+    const IdentifiedParameter sliding = friction_in(contact);
+    if (!limit_above_sliding({breakaway.force, std, true}, sliding).is_excited) {
+      if (&contact == &contacts_.back()) contradict(breakaway.force, sliding.value);
+      withdraw_limit_below(sliding);
+      continue;
+    }
     noise = std::max(noise, breakaway.std);
     breakaways.push_back(breakaway);
   }
@@ -242,14 +285,34 @@ void ObjectLearner::learn_breakaway() {
   const double spread = limit.pushes > 1
                             ? std::max(limit.std, noise)
                             : std::max(noise, options_.single_breakaway_std * limit.mean);
-  accept(&ObjectParameters::limiting_static_friction, {limit.mean, spread});
+  const IdentifiedParameter bounded = limit_above_sliding({limit.mean, spread, true}, coulomb_);
+  if (!bounded.is_excited) return contradict(limit.mean, coulomb_.value);
+  accept(&ObjectParameters::limiting_static_friction, {bounded.value, spread});
   known_.loading_rate = ParameterValue{limit.loading_rate};
   if (limit.pushes > 1) known_.loading_rate->std = limit.loading_rate_std;
 }
 
+void ObjectLearner::contradict(double limit, double sliding) {
+  contradiction_ = fmt::format(
+      "a breakaway at {:.2f} N is below the sliding friction, {:.2f} N: it is not used to identify",
+      limit, sliding);
+}
+
+void ObjectLearner::withdraw_limit_below(const IdentifiedParameter& sliding) {
+  std::optional<ParameterValue>& limit = known_.limiting_static_friction;
+  if (!limit || given_.limiting_static_friction) return;
+  const double std = limit->std.value_or(options_.default_relative_std * limit->value);
+  if (limit_above_sliding({limit->value, std, true}, sliding).is_excited) return;
+  contradict(limit->value, sliding.value);
+  limit.reset();
+  has_changed_ = true;
+}
+
 void ObjectLearner::learn_sliding() {
-  const std::optional<HuntCrossley> contact_law = contact_law_of(known_);
-  if (!contact_law) return;
+  const std::optional<HuntCrossley> identified = contact_law_of(known_);
+  // A slide's friction needs the penetration's changes only. An error of theirs appears as mass.
+  const std::optional<HuntCrossley>& contact_law = identified ? identified : assumed_law_;
+  if (!contact_law || (!identified && !known_.mass)) return;
   std::vector<ForceMotion> pushes;
   for (const ContactEpisode& contact : contacts_) {
     if (!contact.slides.empty()) pushes.push_back(contact.series());
@@ -261,10 +324,14 @@ void ObjectLearner::learn_sliding() {
   if (known_.mass) options.mass = known_.mass->value;
   const SlidingIdentification found = identify_sliding(pushes, *contact_law, options);
   if (!found.is_valid || !found.coulomb.is_excited) return;
-  if (found.mass.is_excited) accept(&ObjectParameters::mass, value_of(found.mass));
+  // The slides of few pushes: friction varies by more than their noise.
+  coulomb_ = coulomb_of(found.coulomb.value, found.viscous.is_excited ? 0.0 : found.speed,
+                        options_.model_error);
+  withdraw_limit_below(coulomb_);
+  if (found.mass.is_excited && identified) accept(&ObjectParameters::mass, value_of(found.mass));
   if (!known_.mass) return;
   double coulomb = found.coulomb.value;
-  if (found.viscous.is_excited && found.viscous.value >= 0.0) {
+  if (found.viscous.is_excited && found.viscous.value >= 0.0 && identified) {
     accept(&ObjectParameters::viscous_friction, value_of(found.viscous));
   }
   // The total friction at this speed is known; its split depends on the viscous friction.

@@ -4,10 +4,12 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/parameter.hpp"
 #include "pcavr/identification/segmentation.hpp"
@@ -56,10 +58,16 @@ class ObjectLearner {
   /// [N] up to which a contact law is used: the supposed F_M.
   void set_working_force(double force) { working_force_ = force; }
 
+  /// By which the slides are identified until the contact law is.
+  void set_assumed_law(const HuntCrossley& law) { assumed_law_ = law; }
+
   /// The object was static at `friction` [N], beyond its supposed limit F_M: discards its friction
   /// parameters, unless breakaways have identified them here. Until the next breakaway, F_M is that
   /// force times `static_limit_factor`.
   void raise_static_limit(double friction);
+
+  /// Why the limiting friction that the breakaways up to the last contact show is not used, if so.
+  [[nodiscard]] const std::optional<std::string>& contradiction() const { return contradiction_; }
 
   [[nodiscard]] const ObjectParameters& known() const { return known_; }
   /// The known parameters, with a conservative F_M until a breakaway is observed.
@@ -75,7 +83,12 @@ class ObjectLearner {
   [[nodiscard]] double extrapolation_std(const ContactFit& fit,
                                          std::span<const ForceMotion> parts) const;
   void learn_contact();
+  /// F_M of the breakaways, with what the slides say of it by the rule of `pcavr identify`: no less
+  /// than Coulomb friction, and withheld where the two contradict each other.
   void learn_breakaway();
+  /// Discards an F_M that was identified before the slides contradicted it.
+  void withdraw_limit_below(const IdentifiedParameter& sliding);
+  void contradict(double limit, double sliding);
   void learn_sliding();
   void accept(std::optional<ParameterValue> ObjectParameters::*field, const ParameterValue& found);
   [[nodiscard]] bool is_contradicted(const std::optional<ParameterValue>& old,
@@ -86,8 +99,11 @@ class ObjectLearner {
   ObjectParameters known_;
   ObjectParameters given_;
   std::optional<double> force_ceiling_;
-  double working_force_ = 0.0;                ///< [N]
+  double working_force_ = 0.0;  ///< [N]
+  std::optional<HuntCrossley> assumed_law_;
   std::optional<double> conservative_limit_;  ///< [N]
+  IdentifiedParameter coulomb_;               ///< [N] of the slides so far
+  std::optional<std::string> contradiction_;
   std::vector<ContactEpisode> contacts_;
   bool has_changed_ = false;
 };

@@ -48,6 +48,7 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       unknown_objects_(options.unknown_objects),
       surface_(object.model),
       limit_surface_(assumed.limit_surface),
+      assumed_law_(assumed.contact),
       tool_radius_(tool_radius),
       latest_{start, object.T_base_object, std::sqrt(3.0) * options.pose.initial_std, 0.0},
       T_base_object_(object.T_base_object),
@@ -56,10 +57,12 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       frame_interval_(kTypicalFrameInterval),
       measured_surface_(options.pose.max_surface_offset) {
   acknowledged.contact_surface_offset = object.parameters.contact_surface_offset;
+  learner.set_assumed_law(assumed_law_);
 }
 
 void RobotObject::forget_learned() {
   learner = ObjectLearner(source_->parameters, learning_, source_->is_movable);
+  learner.set_assumed_law(assumed_law_);
   learned.clear();
 }
 

@@ -102,6 +102,8 @@ class RobotObject {
     ObjectLearner::ContactFacts facts;
   };
   std::deque<LearnedContact> learned = {};  ///< the newest
+  /// [s] begin of the contact whose limiting friction was last found to contradict its slides.
+  std::optional<double> contradicted_contact = {};
   /// The next comparison sends everything: the sites were apart.
   bool is_full_state_due = false;
 
@@ -152,6 +154,7 @@ class RobotObject {
   BodySurface surface_;
   /// As completed at the start: its shape stays constant, and is expensive to compute.
   std::optional<LimitSurface> limit_surface_;
+  HuntCrossley assumed_law_;  ///< as completed at the start
   double tool_radius_;
   std::deque<TrackedPose> waiting_;  ///< arrived and not processed
   std::deque<TrackedPose> seen_;     ///< those processed last

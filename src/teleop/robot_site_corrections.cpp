@@ -99,7 +99,9 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   if (!which) return;
   const bool is_learned_lately =
       object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
-  if (!is_learned_lately && object.monitor.is_touched()) {
+  // A slide is identified at its own intervals: its force alone is no reason for more.
+  const bool is_by_force = object.correction_switch.is_sliding_force();
+  if (!is_learned_lately && object.monitor.is_touched() && !is_by_force) {
     const std::optional<double> planned = object.learn_at;
     learn(object, sample.t);
     if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
@@ -165,7 +167,8 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
                                                     const PlanarPose& predicted, double gap,
                                                     const SiteComparison& seen) {
   RobotObject& object = objects_[index];
-  const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error;
+  const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error &&
+                               !object.correction_switch.is_sliding_force();
   const ParameterDifference changed =
       difference(object.parameters(), object.acknowledged,
                  object.in_flight ? &object.in_flight->parameters : nullptr, options_.messages);

@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/core.h>
+
 #include "teleop/robot_site.hpp"
 
 namespace pcavr {
@@ -102,6 +104,10 @@ void RobotSite::learn_from(RobotObject& object, const RobotObject::LearnedContac
   object.learner.learn(
       {force.t, force.clean_base, t.subspan(first, count), tip_.p_base().subspan(first, count)},
       contact.begin, contact.facts);
+  if (!object.learner.contradiction() || object.contradicted_contact == contact.begin) return;
+  object.contradicted_contact = contact.begin;
+  note_once(fmt::format("{}, contact at {}: {}", object.source().name, at_time(contact.begin),
+                        *object.learner.contradiction()));
 }
 
 void RobotSite::learn_again(double offset_change) {

@@ -204,6 +204,47 @@ TEST(CorrectionSwitch, RaisesThresholdsOverTheByteBudget) {
   EXPECT_TRUE(first_correction(correction_switch, sliding_apart(0.0032), 2.0, 3.0));
 }
 
+/// Both slide at the same place, with forces that differ.
+SiteComparison sliding_with_forces(double real, double rendered) {
+  SiteComparison seen = touched_by_both(real, rendered);
+  seen.robot_slides = seen.operator_slides = true;
+  seen.position_gap = 0.0001;
+  seen.position_std = 1e-4;
+  return seen;
+}
+
+TEST(CorrectionSwitch, Gives13IfBothSlideAtOnePlaceWithAnotherForce) {
+  CorrectionSwitch correction_switch = make_switch();
+  EXPECT_FALSE(first_correction(correction_switch, sliding_with_forces(15.0, 16.0), 0.0));
+  const auto correction = first_correction(correction_switch, sliding_with_forces(15.0, 19.0), 2.0);
+  ASSERT_TRUE(correction);
+  EXPECT_EQ(correction->second, CorrectionCase::both_sliding);
+  EXPECT_TRUE(correction_switch.is_sliding_force());
+  EXPECT_NEAR(correction->first, 2.040, 2.0 * kTick);
+}
+
+TEST(CorrectionSwitch, FindsAPositionWhileNothingIsToBeSentForTheForce) {
+  CorrectionSwitch correction_switch = make_switch();
+  SiteComparison seen = sliding_with_forces(15.0, 19.0);
+  const double t = first_correction(correction_switch, seen, 0.0)->first;
+  correction_switch.note_nothing_to_send(CorrectionCase::both_sliding, t);
+  seen.position_gap = 0.0015;
+  const auto correction = first_correction(correction_switch, seen, t + kTick);
+  ASSERT_TRUE(correction);
+  EXPECT_FALSE(correction_switch.is_sliding_force());
+  EXPECT_LT(correction->first, t + 0.04);
+}
+
+TEST(CorrectionSwitch, WaitsForAPositionInFlightBeforeItFindsTheForce) {
+  CorrectionSwitch correction_switch = make_switch();
+  const double sent = first_correction(correction_switch, sliding_apart(0.0015), 0.0)->first;
+  correction_switch.note_sent(CorrectionCase::both_sliding, sent);
+  const auto again =
+      first_correction(correction_switch, sliding_with_forces(15.0, 19.0), sent + kTick);
+  ASSERT_TRUE(again);
+  EXPECT_NEAR(again->first, sent + 0.46, 0.04);
+}
+
 TEST(CorrectionSwitch, IgnoresUnknownPositions) {
   CorrectionSwitch correction_switch = make_switch();
   SiteComparison seen;

@@ -57,5 +57,62 @@ TEST(ObjectLearner, KeepsAGivenLawAtTheStartOfAContact) {
   }
 }
 
+/// A slow push under which the object gives way by 2 mm at 2.3 N, as on a loose sheet, before
+/// it breaks away at 19 N and slides at 15 N.
+struct LoosePush {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force, tip;
+
+  explicit LoosePush(double until, double speed = 0.005) {
+    constexpr double kContact = 5.0e3;  // [N/m]
+    Random random(1);
+    double object = 0.0;
+    bool has_broken_away = false;
+    for (double at = -0.5; at < until; at += 0.002) {
+      const double tool = speed * at;
+      const bool is_loose = object < 0.002;
+      const double limit = is_loose ? 2.3 : has_broken_away ? 15.0 : 19.0;
+      double load = kContact * std::max(0.0, tool - object);
+      if (load > limit) {
+        has_broken_away = !is_loose;
+        load = is_loose ? 2.0 : 15.0;
+        object = tool - load / kContact;
+      }
+      t.push_back(at);
+      force.emplace_back(0.05 * random.normal(), load + 0.05 * random.normal(),
+                         0.05 * random.normal());
+      tip.emplace_back(1e-5 * random.normal(), tool + 1e-5 * random.normal(), 0.0);
+    }
+  }
+};
+
+TEST(ObjectLearner, LearnsNoLimitFarBelowTheSlidingForce) {
+  ObjectParameters given;
+  given.mass = ParameterValue{4.0};
+  ObjectLearner learner(given, {});
+  for (const double until : {0.3, 2.0, 3.0}) {
+    const LoosePush push(until);
+    learner.learn({push.t, push.force, push.t, push.tip}, 0.0, {.has_slid = true});
+    const auto& limit = learner.known().limiting_static_friction;
+    if (until < 0.5) continue;
+    EXPECT_TRUE(!limit || limit->value > 14.0) << until;
+    EXPECT_TRUE(limit || learner.contradiction()) << until;
+  }
+}
+
+TEST(ObjectLearner, LearnsTheFrictionOfASlideWithoutAContactLaw) {
+  ObjectParameters given;
+  given.mass = ParameterValue{4.0};
+  LearningOptions options;
+  options.max_penetration_std = 0.0;  // no law is good enough
+  ObjectLearner learner(given, options);
+  learner.set_assumed_law({.stiffness = 3.0e3, .damping = 0.0, .exponent = 1.0});
+  const LoosePush push(1.5, 0.02);
+  learner.learn({push.t, push.force, push.t, push.tip}, 0.0, {.has_slid = true});
+  EXPECT_FALSE(learner.known().contact_stiffness);
+  ASSERT_TRUE(learner.known().sliding_friction_coefficient);
+  EXPECT_NEAR(learner.known().sliding_friction_coefficient->value * 4.0 * 9.81, 15.0, 0.3);
+}
+
 }  // namespace
 }  // namespace pcavr

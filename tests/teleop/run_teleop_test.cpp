@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -68,6 +69,44 @@ TEST(RunTeleop, RecoversFromWrongParametersAndPoses) {
   for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
     const std::vector<double> errors = position_errors(made, run, i);
     EXPECT_LT(quantile(errors, 0.95), 0.003) << i;
+  }
+}
+
+/// The last point of time at which the plant's body begins, and at which it ends, to slide.
+std::pair<double, double> last_slide(const PlantInput& made, std::size_t body) {
+  std::pair<double, double> slide{0.0, 0.0};
+  bool is_sliding = false;
+  for (const PlantPhaseChange& change : made.run.phases) {
+    if (change.body != body) continue;
+    if (change.phase == PlantPhase::sliding) slide.first = change.t;
+    if (is_sliding) slide.second = change.t;
+    is_sliding = change.phase == PlantPhase::sliding;
+  }
+  return slide;
+}
+
+TEST(RunTeleop, CorrectsTheForceOfASlideWhosePlaceIsRight) {
+  // A friction that is too high by a quarter displaces the object by the hundredth of a millimetre
+  // that the tip goes deeper.
+  PlantInput made = plant_input(3, true);
+  for (TeleopObject& object : made.input.objects) {
+    ParameterValue& coefficient = *object.parameters.sliding_friction_coefficient;
+    coefficient = {1.25 * coefficient.value, 0.05 * coefficient.value};
+  }
+  TeleopOptions options;
+  options.correction_switch.position_stds = 100.0;  // no position is found to be wrong
+  options.correction_switch.min_position_error = options.correction_switch.position_tolerance;
+  const TeleopRun run = run_teleop(made.input, options).value();
+  for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+    const auto [begin, end] = last_slide(made, i);
+    double measured = 0.0, rendered = 0.0;
+    for (const ForceRow& row : run.forces) {
+      if (row.object != i || row.t < begin + 1.2 || row.t > end - 0.1) continue;
+      measured += row.measured;
+      rendered += row.predicted;
+    }
+    ASSERT_GT(measured, 0.0) << i;
+    EXPECT_NEAR(rendered / measured, 1.0, 0.05) << i;
   }
 }
 
