@@ -107,11 +107,9 @@ struct RobotSource {
   std::unique_ptr<RobotInterface> robot;
 };
 
-Expected<RobotSource> read_recorded(const RobotSiteArguments& arguments,
-                                            const SceneManifest& scene,
-                                            const ReplayOptions& options,
-                                            const Configuration& configuration,
-                                            const Observer& observer) {
+Expected<RobotSource> read_recorded(const RobotSiteArguments& arguments, const SceneManifest& scene,
+                                    const ReplayOptions& options,
+                                    const Configuration& configuration, const Observer& observer) {
   const Expected<Recording> recording =
       read_with_warnings(arguments.site.recording, false, configuration, observer);
   if (!recording) return recording.error();
@@ -144,10 +142,9 @@ Expected<RobotSource> connect_ros2(const RobotSiteArguments& arguments, const Sc
   return source;
 }
 
-Expected<RobotSource> read_robot(const RobotSiteArguments& arguments,
-                                         const SceneManifest& scene, const ReplayOptions& options,
-                                         const Configuration& configuration,
-                                         const Observer& observer) {
+Expected<RobotSource> read_robot(const RobotSiteArguments& arguments, const SceneManifest& scene,
+                                 const ReplayOptions& options, const Configuration& configuration,
+                                 const Observer& observer) {
   if (!arguments.site.recording.empty()) {
     return read_recorded(arguments, scene, options, configuration, observer);
   }

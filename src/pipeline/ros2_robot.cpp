@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -26,8 +27,8 @@ constexpr std::size_t kNoticeQueue = 1U << 14U;    // [bytes]
 constexpr std::size_t kSetpointQueue = 1U << 13U;  // [bytes]: 100 cycles
 constexpr std::size_t kMaxSamplesPerCycle = 100;   // a flood of messages must not delay the site
 constexpr std::chrono::milliseconds kWait{50};     // of the reading thread, until it looks about
-constexpr double kMaxSetpointAge = 0.02;           // [s]: an older one is of a site that stands still
-constexpr double kStartTolerance = 1e-6;           // [s]
+constexpr double kMaxSetpointAge = 0.02;  // [s]: an older one is of a site that stands still
+constexpr double kStartTolerance = 1e-6;  // [s]
 
 double boot_clock() { return read_clock(CLOCK_BOOTTIME); }
 
@@ -77,10 +78,9 @@ class Ros2Robot final : public RobotInterface {
           make_ros2_camera(*setup_.camera, world, intake_, pictures_);
       if (!camera) return camera.error();
       camera_ = std::move(*camera);
-      intake_.set_picture_sink([this](std::size_t topic, bool is_image,
-                                      std::span<const std::uint8_t> message, double now) {
-        camera_->on_message(topic, is_image, message, now);
-      });
+      intake_.set_picture_sink(
+          [this](std::size_t topic, bool is_image, std::span<const std::uint8_t> message,
+                 double now) { camera_->on_message(topic, is_image, message, now); });
     }
     std::vector<Ros2Topic> subscribed;
     for (const Ros2Subscription& one : subscriptions_of(setup_)) subscribed.push_back(one.topic);
@@ -133,10 +133,10 @@ class Ros2Robot final : public RobotInterface {
       while (notices_.pop(buffer_)) seen += "; " + std::string(buffer_.begin(), buffer_.end());
     }
     if (!intake_.tool()) {
-      return Error{.message = fmt::format("no {} on {} within {:g} s in domain {}{}",
-                                          setup_.tool.type, setup_.tool.name, setup_.start_timeout,
-                                          setup_.dds.domain, seen),
-                   .hint = "check topic, domain, network and the publisher's quality of service"};
+      return Error{
+          .message = fmt::format("no {} on {} within {:g} s in domain {}{}", setup_.tool.type,
+                                 setup_.tool.name, setup_.start_timeout, setup_.dds.domain, seen),
+          .hint = "check topic, domain, network and the publisher's quality of service"};
     }
     T_base_start_ = intake_.tool()->T_base_tool;
     measured_ = {T_base_start_.translation(), intake_.tool()->arrival};
@@ -145,7 +145,11 @@ class Ros2Robot final : public RobotInterface {
 
   void receive() {
     transport_->wait(kWait, [&](std::size_t topic, std::span<const std::uint8_t> message) {
-      intake_.on_message(topic, message, boot_clock());
+      try {
+        intake_.on_message(topic, message, boot_clock());
+      } catch (const std::exception& error) {  // must not end the site
+        intake_.note(topic, std::string(error.what()) + ": ignored", boot_clock());
+      }
     });
     const double now = boot_clock();
     if (now < next_look_) return;
@@ -192,7 +196,8 @@ class Ros2Robot final : public RobotInterface {
     const Eigen::Vector3d p(setpoint.p_base_tip[0], setpoint.p_base_tip[1], setpoint.p_base_tip[2]);
     if ((p - measured.p_base_tip).norm() <= setup_.max_command_distance) return true;
     notes_.add(fmt::format("{}: the setpoint is more than {:g} m from the measured tip: withheld",
-                           setup_.command->name, setup_.max_command_distance), now);
+                           setup_.command->name, setup_.max_command_distance),
+               now);
     return false;
   }
 

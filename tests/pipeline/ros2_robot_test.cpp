@@ -8,17 +8,19 @@
 #include <deque>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <numbers>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/random.hpp"
 #include "pcavr/rosbag/cdr_messages.hpp"
 
+#include "marker/tag_rendering.hpp"
 #include "pipeline/ros2_intake.hpp"
 #include "pipeline/site_clock.hpp"
-#include "marker/tag_rendering.hpp"
 #include "support/ros_encoder.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -152,8 +154,8 @@ TEST_F(Ros2IntakeTest, UsesTransformsForOtherFrames) {
   EXPECT_NEAR(samples[0].values[1], -1.0, 1e-12);
   EXPECT_NEAR(samples[0].values[2], 0.0, 1e-12);
   // A force at the camera turns about the tip.
-  intake_.on_message(kWrench,
-                     cdr::wrench_stamped(peer_stamp(10.1), {1, 0, 0}, {0, 0, 0}, "camera"), 10.1);
+  intake_.on_message(kWrench, cdr::wrench_stamped(peer_stamp(10.1), {1, 0, 0}, {0, 0, 0}, "camera"),
+                     10.1);
   const std::vector<Ros2Sample> wrench = take();
   ASSERT_EQ(wrench.size(), 1U);
   const Eigen::Vector3d torque =
@@ -204,18 +206,53 @@ TEST_F(Ros2IntakeTest, FollowsAClockThatIsSetAndKnowsAnotherClock) {
   EXPECT_NEAR(samples[4].t, 10.2, 1e-5);
 }
 
+// Messages with random faults: whatever is passed on is finite and ascends.
+TEST_F(Ros2IntakeTest, PassesOnlyFiniteSamplesOfFaultyMessages) {
+  Random random(1);
+  const auto number = [&](std::size_t end) {
+    return static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(end) - 1e-9));
+  };
+  std::size_t passed = 0;
+  std::map<std::pair<Ros2Sample::Kind, std::uint64_t>, double> last;
+  for (int i = 0; i < 20'000; ++i) {
+    const double t = 10.0 + 0.001 * i;
+    const std::size_t topic = number(4);
+    Bytes message =
+        topic == kWrench       ? cdr::wrench_stamped(peer_stamp(t), {1, 2, 3}, {0, 0, 0}, "tool0")
+        : topic == kTransforms ? cdr::tf_message(peer_stamp(t), {{"camera", kStart}}, "base_link")
+                               : tool_at(kStart, t, number(2) == 0 ? "base_link" : "camera");
+    if (number(4) == 0) message.resize(number(message.size()));
+    for (std::size_t faults = number(4); faults > 0 && !message.empty(); --faults) {
+      message[number(message.size())] = static_cast<std::uint8_t>(number(256));
+    }
+    intake_.on_message(topic, message, t);
+    for (const Ros2Sample& sample : take()) {
+      ++passed;
+      EXPECT_TRUE(std::isfinite(sample.t));
+      for (const double value : sample.values) ASSERT_TRUE(std::isfinite(value));
+      const auto [entry, is_new] = last.try_emplace({sample.kind, sample.object}, sample.t);
+      if (!is_new) {
+        ASSERT_GT(sample.t, entry->second);
+        entry->second = sample.t;
+      }
+    }
+    (void)take_notices();
+  }
+  EXPECT_GT(passed, 2000U);
+}
+
 class Ros2RobotTest : public testing::Test {
  protected:
   Expected<std::unique_ptr<RobotInterface>> connect() {
     TeleopInput world;
     world.objects.resize(1);
     world.objects[0].name = "box";
-    return make_ros2_robot(setup_, world,
-                           [this](const std::vector<Ros2Topic>&, const std::vector<Ros2Topic>&,
-                                  const DdsOptions&) -> Expected<std::unique_ptr<Ros2Transport>> {
-                             return std::unique_ptr<Ros2Transport>(
-                                 std::make_unique<FakeTransport>(network_));
-                           });
+    return make_ros2_robot(
+        setup_, world,
+        [this](const std::vector<Ros2Topic>&, const std::vector<Ros2Topic>&,
+               const DdsOptions&) -> Expected<std::unique_ptr<Ros2Transport>> {
+          return std::unique_ptr<Ros2Transport>(std::make_unique<FakeTransport>(network_));
+        });
   }
   /// A tool that stands at `p_base`, sampled at 100 Hz, while the site gives setpoints.
   void run(RobotInterface& robot, std::chrono::milliseconds duration, const Eigen::Vector3d& p_base,
@@ -317,10 +354,10 @@ objects:
   const Pose T_camera_base = test::facing({-0.1, 0, 0.7}, 0.5, 0.3, 0.2);
   const Pose T_base_box = Pose::from_translation({0.2, 0.05, 0.0});
   const Pose T_box_marker = Pose::from_translation({0, 0, 0.05});
-  const GrayImage image = test::render_tags(
-      {{{"tag36h11", 0}, 0.12, T_camera_base},
-       {{"tag36h11", 5}, 0.08, T_camera_base * T_base_box * T_box_marker}},
-      camera);
+  const GrayImage image =
+      test::render_tags({{{"tag36h11", 0}, 0.12, T_camera_base},
+                         {{"tag36h11", 5}, 0.08, T_camera_base * T_base_box * T_box_marker}},
+                        camera);
   const std::string pixels(image.pixels().begin(), image.pixels().end());
   const auto width = static_cast<std::uint32_t>(camera.width);
   const auto height = static_cast<std::uint32_t>(camera.height);

@@ -23,7 +23,6 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
-
 #include <unistd.h>
 
 namespace {
@@ -78,8 +77,7 @@ int run(std::uint32_t domain, const char* type_name) {
   if (participant == nullptr) return 1;
   dds::TypeSupport type(new RawType(type_name));
   type.register_type(participant);
-  dds::Topic* const in =
-      participant->create_topic("rt/command", type_name, dds::TOPIC_QOS_DEFAULT);
+  dds::Topic* const in = participant->create_topic("rt/command", type_name, dds::TOPIC_QOS_DEFAULT);
   dds::Topic* const out = participant->create_topic("rt/tool", type_name, dds::TOPIC_QOS_DEFAULT);
   dds::DataReaderQos reader_qos;
   reader_qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
@@ -87,8 +85,8 @@ int run(std::uint32_t domain, const char* type_name) {
   dds::DataWriterQos writer_qos;
   writer_qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
   writer_qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
-  dds::DataReader* const reader =
-      participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT)->create_datareader(in, reader_qos);
+  dds::DataReader* const reader = participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT)
+                                      ->create_datareader(in, reader_qos);
   dds::DataWriter* const writer =
       participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT)->create_datawriter(out, writer_qos);
   if (reader == nullptr || writer == nullptr) return 1;
