@@ -9,7 +9,7 @@
 
 #include <fmt/core.h>
 
-#include "pipeline/soak/two_sites_soak.hpp"
+#include "sites/soak/two_sites_soak.hpp"
 #include "support/heap_watermark.hpp"
 
 namespace {

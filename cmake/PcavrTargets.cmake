@@ -57,6 +57,8 @@ function(pcavr_add_tests name)
     set_source_files_properties(${arg_NO_UNITY} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
   pcavr_compile_options(pcavr_${name}_tests)
+  # Tests call optimised libraries; their own code takes a quarter less time to compile so.
+  target_compile_options(pcavr_${name}_tests PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
   target_include_directories(pcavr_${name}_tests PRIVATE ${PROJECT_SOURCE_DIR}/src
                              ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(pcavr_${name}_tests PRIVATE ${arg_LINK} pcavr_test_support

@@ -8,9 +8,9 @@
 #include <string>
 
 #include "pcavr/link/link_keys.hpp"
-#include "pcavr/pipeline/black_box.hpp"
-#include "pcavr/pipeline/link_sites.hpp"
 #include "pcavr/pipeline/replay.hpp"
+#include "pcavr/sites/black_box.hpp"
+#include "pcavr/sites/link_sites.hpp"
 
 #include "commands.hpp"
 

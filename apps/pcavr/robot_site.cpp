@@ -11,8 +11,8 @@
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
-#include "pcavr/pipeline/ros2_robot.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
+#include "pcavr/ros2/ros2_robot.hpp"
 #include "pcavr/simulation/simulate.hpp"
 
 #include "commands.hpp"

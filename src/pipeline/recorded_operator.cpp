@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <utility>
 
-#include "pcavr/pipeline/operator_interface.hpp"
+#include "pcavr/sites/operator_interface.hpp"
 
 namespace pcavr {
 namespace {

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "pcavr/core/expected.hpp"
-#include "pcavr/pipeline/robot_interface.hpp"
 #include "pcavr/simulation/plant_case.hpp"
+#include "pcavr/sites/robot_interface.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
 namespace pcavr {

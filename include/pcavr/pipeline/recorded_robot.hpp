@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "pcavr/pipeline/robot_interface.hpp"
+#include "pcavr/sites/robot_interface.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
 namespace pcavr {

@@ -11,10 +11,10 @@
 #include "pcavr/devices/device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
 #include "pcavr/link/motion_limiter.hpp"
-#include "pcavr/pipeline/operator_interface.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/page_world.hpp"
 #include "pcavr/serve/scene_arm.hpp"
+#include "pcavr/sites/operator_interface.hpp"
 
 namespace pcavr {
 

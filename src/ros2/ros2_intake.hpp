@@ -13,13 +13,12 @@
 #include <string>
 #include <vector>
 
+#include "pcavr/core/record_queue.hpp"
 #include "pcavr/core/stamp.hpp"
 #include "pcavr/geometry/pose.hpp"
 #include "pcavr/ros2/ros2_setup.hpp"
 #include "pcavr/rosbag/ros_messages.hpp"
 #include "pcavr/rosbag/transform_tree.hpp"
-
-#include "record_queue.hpp"
 
 namespace pcavr {
 

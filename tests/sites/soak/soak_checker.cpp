@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/soak/soak_checker.hpp"
+#include "sites/soak/soak_checker.hpp"
 
 #include <algorithm>
 #include <bit>

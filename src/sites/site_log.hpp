@@ -12,7 +12,7 @@
 #include "pcavr/core/observer.hpp"
 #include "pcavr/link/delay_stages.hpp"
 #include "pcavr/link/link_message.hpp"
-#include "pcavr/pipeline/robot_interface.hpp"
+#include "pcavr/sites/robot_interface.hpp"
 
 namespace pcavr {
 

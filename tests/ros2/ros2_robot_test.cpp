@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/pipeline/ros2_robot.hpp"
+#include "pcavr/ros2/ros2_robot.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -17,10 +17,10 @@
 
 #include "pcavr/core/random.hpp"
 #include "pcavr/rosbag/cdr_messages.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 #include "marker/tag_rendering.hpp"
-#include "pipeline/ros2_intake.hpp"
-#include "pipeline/site_clock.hpp"
+#include "ros2/ros2_intake.hpp"
 #include "support/ros_encoder.hpp"
 #include "support/temporary_folder.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/soak/two_sites_soak.hpp"
+#include "sites/soak/two_sites_soak.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,10 +16,10 @@
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 
-#include "pipeline/site_steps.hpp"
-#include "pipeline/soak/soak_checker.hpp"
-#include "pipeline/soak/soak_network.hpp"
-#include "pipeline/soak/soak_person.hpp"
+#include "sites/site_steps.hpp"
+#include "sites/soak/soak_checker.hpp"
+#include "sites/soak/soak_network.hpp"
+#include "sites/soak/soak_person.hpp"
 #include "teleop/plant_input.hpp"
 
 namespace pcavr {

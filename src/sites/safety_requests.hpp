@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pcavr/link/link_message.hpp"
-#include "pcavr/pipeline/operator_interface.hpp"
+#include "pcavr/sites/operator_interface.hpp"
 
 namespace pcavr {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/soak/soak_network.hpp"
+#include "sites/soak/soak_network.hpp"
 
 #include <algorithm>
 #include <cstring>

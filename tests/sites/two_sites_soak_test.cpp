@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/soak/two_sites_soak.hpp"
+#include "sites/soak/two_sites_soak.hpp"
 
 #include <cstdint>
 #include <string>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/soak/soak_checker.hpp"
+#include "sites/soak/soak_checker.hpp"
 #include "support/heap_watermark.hpp"
 
 namespace pcavr {

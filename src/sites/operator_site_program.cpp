@@ -2,27 +2,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <random>
 #include <utility>
 
 #include <fmt/core.h>
 
 #include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
-#include "pcavr/link/link_clock.hpp"
-#include "pcavr/pipeline/black_box.hpp"
-#include "pcavr/pipeline/link_sites.hpp"
+#include "pcavr/sites/black_box.hpp"
+#include "pcavr/sites/link_sites.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 #include "command_schedule.hpp"
 #include "connection_faults.hpp"
-#include "delayed_transport.hpp"
 #include "next_world.hpp"
+#include "operator_connection.hpp"
 #include "robot_view.hpp"
 #include "safety_requests.hpp"
-#include "site_clock.hpp"
 #include "site_priority.hpp"
 #include "site_reporter.hpp"
 #include "site_steps.hpp"
@@ -57,16 +54,7 @@ constexpr double kDelayVariations = 4.0;
 constexpr double kMaxEarly = 0.4;  // [s] that commands may arrive early: below max_lead
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
-constexpr double kMaxFlush = 2.0;      // [s] of a simulated network, at the end
-constexpr double kCloseTimeout = 0.2;  // [s] until the last message has left
 constexpr std::size_t kMaxReportedTimes = 10'000;
-
-std::uint32_t random_session() {
-  // Sessions of different processes must differ; nothing is computed from it.
-  std::uint32_t session = 0;
-  while (session == 0) session = std::random_device{}();
-  return session;
-}
 
 class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
  public:
@@ -82,22 +70,19 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
         options_(options),
         reporter_(observer, runtime.log),
         log_(reporter_.log()),
-        new_session_(runtime.new_session ? runtime.new_session : random_session),
         next_world_(runtime.prepares_at_once),
         schedule_(teleop.predictor.step),
         clock_(runtime.clock),
         cpu_before_(thread_cpu()),
         next_event_(clock_.now() + kIdleWait),
-        network_(client, network),
-        session_(new_session_()),
-        last_received_(clock_.now()) {
+        link_(client, network, log_, clock_, runtime.new_session) {
     log_.on_start(clock_.now());
   }
 
   [[nodiscard]] double until_due() const override {
     // A simulated arrival is also an event.
     double until = next_event_;
-    if (const auto event = network_.next_event()) until = std::min(until, *event);
+    if (const auto event = link_.next_event()) until = std::min(until, *event);
     return until - clock_.now();
   }
 
@@ -105,7 +90,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     exchange();
     if (is_finished() || clock_.now() < next_event_) return;
     act(clock_.now());
-    network_.transmit(clock_.now());
+    link_.transmit();
     // A recording may begin later: until then round trips keep the session alive.
     const double idle = clock_.now() + (site_ ? kFirstPingInterval : kIdleWait);
     next_event_ = site_ ? std::min(next_local_time(), idle) : idle;
@@ -115,8 +100,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
   [[nodiscard]] Expected<OperatorSiteReport> finish() override {
     if (welcome_) {
-      send(LinkReject{LinkRejection::ended, "the operator's site has ended"});
-      flush();
+      link_.send(LinkReject{LinkRejection::ended, "the operator's site has ended"});
+      link_.flush();
     }
     report_.cpu = thread_cpu() - cpu_before_;
     if (fault_) return *fault_;
@@ -131,7 +116,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     if (!site_) person_.wait(link_at(now));
     request(now);
     if (site_ && now < next_local_time()) {
-      ping(now, kFirstPingInterval);
+      link_.ping(now, kFirstPingInterval);
     } else if (site_) {
       cycle(now);
     } else {
@@ -140,66 +125,33 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   }
 
   void exchange() {
-    network_.transmit(clock_.now());
-    while (const auto bytes = network_.receive(clock_.now())) on_bytes(*bytes, clock_.now());
-  }
-
-  /// What is still in the simulated network, and the socket's own thread.
-  void flush() {
-    const double end = clock_.now() + kMaxFlush;
-    while (network_.leaving() > 0 && clock_.now() < end) {
-      client_.wait(kIdleWait);
-      network_.transmit(clock_.now());
-    }
-    client_.close(kCloseTimeout);
-  }
-
-  template <typename Content>
-  void send(Content&& content) {
-    const double now = clock_.now();
-    message_.header = {++sequence_, session_, now};
-    message_.content = std::forward<Content>(content);
-    encode_link_message(message_, bytes_);
-    if (SiteReporter::is_logged(message_)) log_.on_sent(now, bytes_);
-    network_.send(now, bytes_);
-  }
-
-  void on_bytes(const std::vector<std::uint8_t>& bytes, double now) {
-    Expected<LinkMessage> message = decode_link_message(bytes);
-    if (!message) {
-      const std::optional<int> version = link_version_of(bytes);
-      if (version && *version != kLinkVersion) {
-        fault_ = other_link_version(*version);
+    link_.transmit();
+    while (!fault_) {
+      Expected<std::optional<LinkMessage>> message = link_.receive();
+      if (!message) {
+        fault_ = message.error();
+      } else if (*message) {
+        on_message(std::move(**message), clock_.now());
+      } else {
+        break;
       }
-      ++report_.invalid_messages;
-      return;
     }
-    if (SiteReporter::is_logged(*message)) log_.on_received(now, bytes);
-    if (const auto* rejected = std::get_if<LinkReject>(&message->content)) {
-      if (message->header.session == session_ || message->header.session == 0) {
-        on_reject(*rejected);
-      }
-      return;
-    }
-    if (message->header.session != session_) return;    // of an earlier session
-    if (message->header.sequence > newest_received_) {  // a repetition shows nothing
-      newest_received_ = message->header.sequence;
-      last_received_ = now;
-    }
-    if (const auto* pong = std::get_if<LinkPong>(&message->content)) {
-      shared_clock_.add({pong->sent, pong->received, message->header.clock, now});
-      ++round_trips_;
-    } else if (auto* welcome = std::get_if<LinkWelcome>(&message->content)) {
+  }
+
+  void on_message(LinkMessage message, double now) {
+    if (const auto* rejected = std::get_if<LinkReject>(&message.content)) {
+      on_reject(*rejected);
+    } else if (auto* welcome = std::get_if<LinkWelcome>(&message.content)) {
       on_welcome(std::move(*welcome), now);
-    } else if (auto* correction = std::get_if<LinkCorrection>(&message->content)) {
+    } else if (auto* correction = std::get_if<LinkCorrection>(&message.content)) {
       if (!corrections_.accept(std::move(*correction))) ++report_.repeated_corrections;
-    } else if (auto* state = std::get_if<LinkState>(&message->content)) {
-      on_state(message->header, std::move(*state), now);
+    } else if (auto* state = std::get_if<LinkState>(&message.content)) {
+      on_state(message.header, std::move(*state), now);
     }
   }
 
   void on_state(const LinkHeader& header, LinkState state, double now) {
-    if (!robot_.add_state(header, std::move(state), shared_clock_, clock_, now)) return;
+    if (!robot_.add_state(header, std::move(state), link_.shared_clock(), clock_, now)) return;
     report_.delays.add(*robot_.delays());
     log_.on_delays(now, *robot_.delays());
   }
@@ -207,20 +159,20 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   void log_link(double now) {
     if (now < next_link_) return;
     next_link_ = now + kLinkInterval;
-    log_.on_link(now, {.clock_offset = shared_clock_.shared_at(now) - now,
-                       .clock_std = shared_clock_.std(),
-                       .round_trip = shared_clock_.min_delay(),
-                       .delay_variation = shared_clock_.delay_variation(),
+    log_.on_link(now, {.clock_offset = link_.shared_clock().shared_at(now) - now,
+                       .clock_std = link_.shared_clock().std(),
+                       .round_trip = link_.shared_clock().min_delay(),
+                       .delay_variation = link_.shared_clock().delay_variation(),
                        .lead = schedule_.lead()});
   }
 
   [[nodiscard]] OperatorLink link_at(double now) const {
     return {.now = clock_.monotonic(now),
             .is_connected = site_.has_value(),
-            .silence = now - last_received_,
+            .silence = link_.silence(now),
             .lead = schedule_.lead(),
-            .round_trip = shared_clock_.is_known() ? shared_clock_.min_delay() : 0.0,
-            .clock_std = shared_clock_.is_known() ? shared_clock_.std() : 0.0,
+            .round_trip = link_.shared_clock().is_known() ? link_.shared_clock().min_delay() : 0.0,
+            .clock_std = link_.shared_clock().is_known() ? link_.shared_clock().std() : 0.0,
             .robot = robot_.state(),
             .delays = robot_.delays()};
   }
@@ -228,7 +180,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   void request(double now) {
     requests_.add(person_.take_requests(), now);
     if (!welcome_) return requests_.drop_releases();
-    for (const LinkStop stop : requests_.due(robot_.state(), now)) send(stop);
+    for (const LinkStop stop : requests_.due(robot_.state(), now)) link_.send(stop);
   }
 
   void on_reject(const LinkReject& rejected) {
@@ -261,11 +213,11 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   void connect(double now) {
     if (!welcome_ && now >= next_hello_) {
       next_hello_ = now + kHelloInterval;
-      send(LinkHello{scene_.version, "operator-site"});
+      link_.send(LinkHello{scene_.version, "operator-site"});
     }
     if (!welcome_) return check_connection(now);
-    ping(now, kFirstPingInterval);
-    if (round_trips_ < kMinRoundTrips || now - welcomed_ < options_.min_clock_time) return;
+    link_.ping(now, kFirstPingInterval);
+    if (link_.round_trips() < kMinRoundTrips || now - welcomed_ < options_.min_clock_time) return;
     begin(now);
   }
 
@@ -301,27 +253,29 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   }
 
   void prepare(double now) {
-    const double early = kDelayVariations * shared_clock_.delay_variation() + options_.lead_margin;
+    const double early =
+        kDelayVariations * link_.shared_clock().delay_variation() + options_.lead_margin;
     if (early > kMaxEarly) return;  // the link is not steady yet: the robot would wait for long
-    const double lead = 0.5 * shared_clock_.mean_delay() + early;
+    const double lead = 0.5 * link_.shared_clock().mean_delay() + early;
     report_.lead = lead;
     // Time of the recorded motion: the scene's, or since the first session; without one, since this
     // session, because a robot's site that was started again has another clock.
     if (!schedule_.has_begun() || !person_.cycles()) {
-      schedule_.set_zero(welcome_->follows_commands
-                             ? shared_clock_.shared_at(now) - welcome_->start - person_.start()
-                             : 0.0);
+      schedule_.set_zero(welcome_->follows_commands ? link_.shared_clock().shared_at(now) -
+                                                          welcome_->start - person_.start()
+                                                    : 0.0);
     }
-    schedule_.begin(
-        shared_clock_.shared_at(now + next_world_.expected_duration()) - welcome_->start + lead,
-        person_.start(), lead);
+    schedule_.begin(link_.shared_clock().shared_at(now + next_world_.expected_duration()) -
+                        welcome_->start + lead,
+                    person_.start(), lead);
     if (is_after_end()) {
       is_done_ = true;
       return;
     }
     TeleopOptions options = teleop_;
     options.forward_delay = lead;
-    options.backward_delay = std::max(0.5 * shared_clock_.mean_delay(), teleop_.backward_delay);
+    options.backward_delay =
+        std::max(0.5 * link_.shared_clock().mean_delay(), teleop_.backward_delay);
     const std::size_t next = schedule_.next();
     next_world_.begin(now, world_, std::move(options), schedule_.time_of(next - 1),
                       person_.p_base_start(next, robot_.state()));
@@ -345,8 +299,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   }
   /// When the next command is to be sent, on this site's clock.
   [[nodiscard]] double next_local_time() const {
-    return shared_clock_.local_at(welcome_->start + schedule_.time_of(schedule_.next()) -
-                                  schedule_.lead());
+    return link_.shared_clock().local_at(welcome_->start + schedule_.time_of(schedule_.next()) -
+                                         schedule_.lead());
   }
 
   void cycle(double now) {
@@ -358,7 +312,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     for (const LinkCorrection& correction : corrections_.take()) {
       const double t = correction.t - welcome_->start;
       const bool is_valid = site_->apply(t, correction.bytes);
-      log_.on_applied(now, session_, correction, is_valid);
+      log_.on_applied(now, link_.session(), correction, is_valid);
       if (!is_valid) {
         ++report_.invalid_messages;
         continue;
@@ -375,23 +329,17 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     command.acknowledged = corrections_.acknowledgement();
     site_->get_predictions(command.predictions);
     robot_.add_command(command.t, clock_.now(), moved.device_clock);
-    log_.on_commanded(session_, command);
-    send(std::move(command));
+    log_.on_commanded(link_.session(), command);
+    link_.send(std::move(command));
     ++report_.commands;
-    ping(now, kPingInterval);
+    link_.ping(now, kPingInterval);
     schedule_.advance();
     if (is_after_end()) is_done_ = true;
   }
 
-  void ping(double now, double interval) {
-    if (now < next_ping_) return;
-    next_ping_ = now + interval;
-    send(LinkPing{});
-  }
-
   void check_link(double now) {
     if (!welcome_) return;
-    const double silence = now - last_received_;
+    const double silence = link_.silence(now);
     if (silence > options_.timeout) {
       lose(now, fmt::format("nothing from the robot's site for {:.2f} s", silence));
     }
@@ -412,21 +360,19 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     next_world_.cancel();
     welcome_.reset();
     robot_.begin();
-    newest_received_ = 0;
     requests_.drop_releases();
-    shared_clock_ = {};
-    round_trips_ = 0;
-    session_ = new_session_();
+    link_.restart();
     next_hello_ = now;
   }
 
   OperatorSiteReport describe() {
     if (site_) report_.late_corrections += site_->late();
-    report_.round_trip = shared_clock_.is_known() ? shared_clock_.min_delay() : 0.0;
-    if (shared_clock_.is_known()) {
-      report_.clock_offset = shared_clock_.shared_at(clock_.now()) - clock_.now();
-      report_.clock_drift = shared_clock_.drift();
-      report_.clock_std = shared_clock_.std();
+    report_.invalid_messages += link_.invalid_messages();
+    report_.round_trip = link_.shared_clock().is_known() ? link_.shared_clock().min_delay() : 0.0;
+    if (link_.shared_clock().is_known()) {
+      report_.clock_offset = link_.shared_clock().shared_at(clock_.now()) - clock_.now();
+      report_.clock_drift = link_.shared_clock().drift();
+      report_.clock_std = link_.shared_clock().std();
     }
     return std::move(report_);
   }
@@ -439,35 +385,25 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   const OperatorSiteOptions& options_;
   SiteReporter reporter_;
   SiteLog& log_;
-  std::function<std::uint32_t()> new_session_;
   NextWorld next_world_;
   CommandSchedule schedule_;
   SiteClock clock_;
-  double cpu_before_;       ///< [s]
-  double next_event_;       ///< [s]
-  LinkClock shared_clock_;  ///< the shared clock
-  DelayedTransport network_;
-  std::uint32_t session_;
+  double cpu_before_;  ///< [s]
+  double next_event_;  ///< [s]
+  OperatorConnection link_;
   std::optional<LinkWelcome> welcome_;
   double welcomed_ = 0.0;
-  std::size_t round_trips_ = 0;
   bool has_connected_ = false;
   bool is_busy_ = false;  ///< another operator's site was connected
   std::optional<LiveOperatorSite> site_;
   CorrectionReceiver corrections_;
   RobotView robot_;
-  std::uint32_t newest_received_ = 0;  ///< sequence number in this session
   SafetyRequests requests_;
-  double last_received_;
   double next_hello_ = 0.0;
-  double next_ping_ = 0.0;
   double next_link_ = 0.0;
   std::optional<double> lost_at_;
   std::optional<Error> fault_;
   bool is_done_ = false;
-  std::uint32_t sequence_ = 0;
-  LinkMessage message_;
-  std::vector<std::uint8_t> bytes_;
   OperatorSiteReport report_;
 };
 

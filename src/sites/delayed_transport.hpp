@@ -8,7 +8,7 @@
 
 #include "pcavr/link/link_conditions.hpp"
 #include "pcavr/link/site_transport.hpp"
-#include "pcavr/pipeline/link_sites.hpp"
+#include "pcavr/sites/link_sites.hpp"
 
 namespace pcavr {
 

@@ -8,9 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/pipeline/link_sites.hpp"
-
-#include "pipeline/site_clock.hpp"
+#include "pcavr/sites/link_sites.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 namespace pcavr {
 namespace {

@@ -12,13 +12,13 @@
 
 #include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
-#include "pcavr/pipeline/black_box.hpp"
-#include "pcavr/pipeline/link_sites.hpp"
+#include "pcavr/sites/black_box.hpp"
+#include "pcavr/sites/link_sites.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 #include "operator_session.hpp"
 #include "robot_measurement.hpp"
 #include "robot_safety.hpp"
-#include "site_clock.hpp"
 #include "site_priority.hpp"
 #include "site_reporter.hpp"
 #include "site_steps.hpp"

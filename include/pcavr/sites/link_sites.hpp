@@ -16,14 +16,14 @@
 #include "pcavr/link/link_conditions.hpp"
 #include "pcavr/link/link_transport.hpp"
 #include "pcavr/link/motion_limiter.hpp"
-#include "pcavr/pipeline/operator_interface.hpp"
-#include "pcavr/pipeline/robot_interface.hpp"
+#include "pcavr/sites/operator_interface.hpp"
+#include "pcavr/sites/robot_interface.hpp"
 #include "pcavr/teleop/live_sites.hpp"
 
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
-class BlackBox;        // pipeline/black_box.hpp
+class BlackBox;        // sites/black_box.hpp
 
 /// The main loops of `pcavr robot-site` and `pcavr operator-site`. Each runs on the caller's thread
 /// until its end, a lasting fault, or `stop`.

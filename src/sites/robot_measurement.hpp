@@ -11,7 +11,7 @@
 
 #include "pcavr/geometry/tracked_pose.hpp"
 #include "pcavr/link/link_message.hpp"
-#include "pcavr/pipeline/robot_interface.hpp"
+#include "pcavr/sites/robot_interface.hpp"
 #include "pcavr/teleop/live_sites.hpp"
 
 #include "site_log.hpp"

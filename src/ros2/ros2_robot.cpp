@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/pipeline/ros2_robot.hpp"
+#include "pcavr/ros2/ros2_robot.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 
 #include "pcavr/rosbag/cdr_messages.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 #include "ros2_camera.hpp"
 #include "ros2_intake.hpp"
-#include "site_clock.hpp"
 
 namespace pcavr {
 namespace {

@@ -14,9 +14,9 @@
 #include <nlohmann/json.hpp>
 
 #include "pcavr/link/link_message.hpp"
-#include "pcavr/pipeline/black_box.hpp"
 #include "pcavr/rosbag/cdr_messages.hpp"
 #include "pcavr/rosbag/mcap_writer.hpp"
+#include "pcavr/sites/black_box.hpp"
 
 #include "site_log.hpp"
 

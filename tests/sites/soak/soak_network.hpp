@@ -16,7 +16,7 @@
 #include "pcavr/link/link_conditions.hpp"
 #include "pcavr/link/site_transport.hpp"
 
-#include "pipeline/soak/soak_checker.hpp"
+#include "sites/soak/soak_checker.hpp"
 
 namespace pcavr {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/pipeline/black_box.hpp"
+#include "pcavr/sites/black_box.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "pcavr/core/options.hpp"
+#include "pcavr/core/record_queue.hpp"
 
 #include "black_box_writer.hpp"
-#include "record_queue.hpp"
 #include "site_log.hpp"
 
 namespace pcavr {

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/link/motion_limiter.hpp"
-#include "pcavr/pipeline/operator_interface.hpp"
+#include "pcavr/sites/operator_interface.hpp"
 
 namespace pcavr {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pcavr/core/expected.hpp"
-#include "pcavr/pipeline/robot_interface.hpp"
 #include "pcavr/ros2/ros2_setup.hpp"
+#include "pcavr/sites/robot_interface.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
 namespace pcavr {

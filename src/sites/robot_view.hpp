@@ -9,8 +9,7 @@
 #include "pcavr/link/delay_stages.hpp"
 #include "pcavr/link/link_clock.hpp"
 #include "pcavr/link/link_message.hpp"
-
-#include "site_clock.hpp"
+#include "pcavr/sites/site_clock.hpp"
 
 namespace pcavr {
 

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "pcavr/core/expected.hpp"
-#include "pcavr/pipeline/link_sites.hpp"
+#include "pcavr/sites/link_sites.hpp"
 
 namespace pcavr {
 

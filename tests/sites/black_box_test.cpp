@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/pipeline/black_box.hpp"
+#include "pcavr/sites/black_box.hpp"
 
 #include <array>
 #include <bit>
@@ -20,10 +20,10 @@
 #include <unistd.h>
 
 #include "pcavr/core/random.hpp"
+#include "pcavr/core/record_queue.hpp"
 #include "pcavr/rosbag/bag_reader.hpp"
 
-#include "pipeline/record_queue.hpp"
-#include "pipeline/site_log.hpp"
+#include "sites/site_log.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
