@@ -179,17 +179,24 @@ Expected<ConvertedImage> convert_color(const RosMessage& message) {
   return Error{.message = "is no image"};
 }
 
-Expected<ColorImage> decode_color(const RosMessage& message) {
-  if (const auto* image = std::get_if<RosImage>(&message)) return load_raw_color(*image);
+Expected<ColorImage> decode_color(const RosMessage& message, int width, int height) {
+  const auto is_other = [&](int w, int h) { return w != width || h != height; };
+  const auto other_size = [&](int w, int h) {
+    return Error{.message = "image of " + std::to_string(w) + " x " + std::to_string(h) +
+                            " pixels, not " + std::to_string(width) + " x " +
+                            std::to_string(height)};
+  };
+  if (const auto* image = std::get_if<RosImage>(&message)) {
+    if (is_other(image->width, image->height)) return other_size(image->width, image->height);
+    return load_raw_color(*image);
+  }
   const Expected<ConvertedImage> file = convert_color(message);
   if (!file) return file.error();
-  constexpr int kMaxSide = 1 << 14;  // [px]: of one that states more, a few bytes would take gigabytes
-  if (file->width > kMaxSide || file->height > kMaxSide) {
-    return Error{.message = "compressed image of more than 16384 pixels a side"};
-  }
+  // Before it is decoded: a few bytes may state a size of gigabytes.
+  if (is_other(file->width, file->height)) return other_size(file->width, file->height);
   ImageDecoder decoder;
-  Expected<ColorImage> image = decoder.color(
-      file->file.bytes, {.file = {}, .width = file->width, .height = file->height});
+  Expected<ColorImage> image =
+      decoder.color(file->file.bytes, {.file = {}, .width = file->width, .height = file->height});
   if (!image) return Error{.message = image.error().message};
   return image;
 }

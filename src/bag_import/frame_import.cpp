@@ -7,10 +7,10 @@
 #include <optional>
 #include <utility>
 
+#include "pcavr/bag_import/camera_images.hpp"
 #include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/pairing.hpp"
 
-#include "pcavr/bag_import/camera_images.hpp"
 #include "bag_import/decoded_header.hpp"
 
 namespace pcavr {

@@ -6,13 +6,13 @@
 #include <cctype>
 #include <utility>
 
+#include "pcavr/bag_import/camera_images.hpp"
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/recording/manifest_template.hpp"
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "bag_import/bag_streams.hpp"
-#include "pcavr/bag_import/camera_images.hpp"
 #include "bag_import/frame_import.hpp"
 #include "bag_import/series_import.hpp"
 

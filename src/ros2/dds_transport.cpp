@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "pcavr/ros2/ros2_transport.hpp"
+
 #include "ros2/raw_sertype.hpp"
 
 namespace pcavr {
@@ -27,11 +28,11 @@ using QosHolder = std::unique_ptr<dds_qos_t, QosDeleter>;
 
 QosHolder qos_of(const Ros2Qos& wanted) {
   QosHolder qos(dds_create_qos());
-  dds_qset_reliability(
-      qos.get(), wanted.is_reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-      kMaxBlocking);
-  dds_qset_durability(
-      qos.get(), wanted.is_transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_reliability(qos.get(),
+                       wanted.is_reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       kMaxBlocking);
+  dds_qset_durability(qos.get(), wanted.is_transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL
+                                                           : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, wanted.depth);
   return qos;
 }
@@ -52,10 +53,14 @@ const char* policy_name(std::uint32_t policy) {
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '&') out += "&amp;";
-    else if (c == '<') out += "&lt;";
-    else if (c == '"') out += "&quot;";
-    else out += c;
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
   }
   return out;
 }
@@ -64,7 +69,8 @@ std::string escaped(const std::string& text) {
 std::string configuration_of(const DdsOptions& options) {
   std::string general;
   if (!options.interface.empty()) {
-    const bool is_address = options.interface.find_first_not_of("0123456789.:") == std::string::npos;
+    const bool is_address =
+        options.interface.find_first_not_of("0123456789.:") == std::string::npos;
     general += fmt::format(R"(<Interfaces><NetworkInterface {}="{}"/></Interfaces>)",
                            is_address ? "address" : "name", escaped(options.interface));
   }
@@ -77,15 +83,17 @@ std::string configuration_of(const DdsOptions& options) {
   }
   if (!discovery.empty()) {
     // Without multicast participants are found at their well-known ports, by index.
-    discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>30"
-                "</MaxAutoParticipantIndex><Peers>" + discovery + "</Peers>";
+    discovery =
+        "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>30"
+        "</MaxAutoParticipantIndex><Peers>" +
+        discovery + "</Peers>";
   }
   const char* const environment = std::getenv("CYCLONEDDS_URI");
   std::string text = environment == nullptr ? std::string() : std::string(environment) + ',';
   text += fmt::format(R"(<CycloneDDS><Domain Id="any"><General>{}</General>)", general);
   text += fmt::format("<Discovery>{}</Discovery>", discovery);
-  text += fmt::format("<Internal><MaxSampleSize>{} B</MaxSampleSize></Internal>",
-                      options.max_message);
+  text +=
+      fmt::format("<Internal><MaxSampleSize>{} B</MaxSampleSize></Internal>", options.max_message);
   return text + "</Domain></CycloneDDS>";
 }
 
@@ -236,12 +244,14 @@ class DdsTransport final : public Ros2Transport {
     std::uint32_t policy = 0;
     if (is_reader) {
       dds_requested_incompatible_qos_status_t status{};
-      if (dds_get_requested_incompatible_qos_status(endpoint.entity, &status) != DDS_RETCODE_OK) return;
+      if (dds_get_requested_incompatible_qos_status(endpoint.entity, &status) != DDS_RETCODE_OK)
+        return;
       total = status.total_count;
       policy = status.last_policy_id;
     } else {
       dds_offered_incompatible_qos_status_t status{};
-      if (dds_get_offered_incompatible_qos_status(endpoint.entity, &status) != DDS_RETCODE_OK) return;
+      if (dds_get_offered_incompatible_qos_status(endpoint.entity, &status) != DDS_RETCODE_OK)
+        return;
       total = status.total_count;
       policy = status.last_policy_id;
     }
@@ -269,9 +279,9 @@ class DdsTransport final : public Ros2Transport {
             dds_type_name(endpoint.topic.type) == found->type_name) {
           continue;
         }
-        std::string line = fmt::format("{} is {} with type {}, not {}: ignored",
-                                       endpoint.topic.name, what, ros_type_name(found->type_name),
-                                       endpoint.topic.type);
+        std::string line =
+            fmt::format("{} is {} with type {}, not {}: ignored", endpoint.topic.name, what,
+                        ros_type_name(found->type_name), endpoint.topic.type);
         if (noted_.size() < kMaxNotices && noted_.insert(line).second) {
           notices.push_back(std::move(line));
         }

@@ -5,12 +5,11 @@
 #include <atomic>
 #include <cmath>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <set>
 #include <thread>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "pcavr/bag_import/camera_images.hpp"
 #include "pcavr/marker/body_pose.hpp"
@@ -83,21 +82,26 @@ class TagTracker final : public Ros2CameraTracker {
         image = std::exchange(image_, std::nullopt);
         info = std::exchange(info_, std::nullopt);
       }
-      if (info) take_info(*info);
-      if (image) take_image(*image);
+      // What peers send may be beyond what the methods accept: that must not end the site.
+      try {
+        if (info) take_info(*info);
+        if (image) take_image(*image);
+      } catch (const std::exception& error) {
+        const ReceivedPicture& picture = image ? *image : *info;
+        intake_.note(picture.topic, std::string(error.what()) + ": ignored", picture.arrival);
+      }
     }
   }
 
   /// An Error has been noted.
   [[nodiscard]] std::optional<RosMessage> decode(const ReceivedPicture& picture) {
     const Ros2Topic& topic = intake_.topic(picture.topic);
-    Expected<RosMessage> message =
-        decode_ros_message({.name = topic.name,
-                            .type = topic.type,
-                            .encoding = "cdr",
-                            .schema_encoding = {},
-                            .schema = {}},
-                           picture.bytes);
+    Expected<RosMessage> message = decode_ros_message({.name = topic.name,
+                                                       .type = topic.type,
+                                                       .encoding = "cdr",
+                                                       .schema_encoding = {},
+                                                       .schema = {}},
+                                                      picture.bytes);
     if (message) return std::move(*message);
     intake_.note(picture.topic, message.error().message + ": ignored", picture.arrival);
     return std::nullopt;
@@ -122,12 +126,8 @@ class TagTracker final : public Ros2CameraTracker {
       intake_.note(picture.topic, why + ": ignored", picture.arrival);
     };
     if (!camera_) return fail("no camera info yet");
-    const Expected<ColorImage> color = decode_color(*message);
+    const Expected<ColorImage> color = decode_color(*message, camera_->width, camera_->height);
     if (!color) return fail(color.error().message);
-    if (color->width() != camera_->width || color->height() != camera_->height) {
-      return fail(fmt::format("{} x {} pixels, but the camera info is of {} x {}", color->width(),
-                              color->height(), camera_->width, camera_->height));
-    }
     const RosHeader& header = std::holds_alternative<RosImage>(*message)
                                   ? std::get<RosImage>(*message).header
                                   : std::get<RosCompressedImage>(*message).header;

@@ -13,12 +13,14 @@
 namespace pcavr {
 namespace {
 
-constexpr double kOffsetWindow = 10.0;       // [s]: clocks drift by some 1e-5
-constexpr double kMaxDelay = 1.0;            // [s] of a message of a known clock
-constexpr double kMinSampleInterval = 2e-4;  // [s]: 5 kHz, above what robots publish
-constexpr double kNoticeInterval = 30.0;     // [s]
-constexpr std::size_t kMaxNoticeLines = 1000;
-constexpr double kRotationStd = 0.01;        // [rad] of a tracker that states none
+constexpr double kOffsetWindow = 10.0;         // [s]: clocks drift by some 1e-5
+constexpr double kMaxDelay = 1.0;              // [s] of a message of a known clock
+constexpr double kMinSampleInterval = 2e-4;    // [s]: 5 kHz, above what robots publish
+constexpr double kNoticeInterval = 30.0;       // [s]
+constexpr std::size_t kMaxNoticeLines = 1000;  // peers choose the names in them
+constexpr std::size_t kMaxLine = 300;          // [bytes]
+constexpr std::size_t kMaxFrameName = 255;     // [bytes]
+constexpr double kRotationStd = 0.01;          // [rad] of a tracker that states none
 constexpr Duration kTransformHistory = std::chrono::seconds(2);
 
 using Role = Ros2Subscription::Role;
@@ -77,7 +79,8 @@ std::vector<Ros2Subscription> subscriptions_of(const Ros2Setup& setup) {
   return found;
 }
 
-void Ros2Notices::add(const std::string& line, double now) {
+void Ros2Notices::add(const std::string& text, double now) {
+  const std::string line = text.substr(0, kMaxLine);
   const std::lock_guard lock(mutex_);
   if (next_.size() >= kMaxNoticeLines && !next_.contains(line)) return;
   double& next = next_.try_emplace(line, now).first->second;
@@ -145,8 +148,11 @@ double Ros2Intake::local_time(std::size_t topic, const std::optional<Stamp>& sta
     return t;
   }
   if (!own.is_known()) {
-    note(topic, fmt::format("stamps are of another clock than those of {}: the fastest message "
-                            "shows its offset", setup_.tool.name), now);
+    note(topic,
+         fmt::format("stamps are of another clock than those of {}: the fastest message "
+                     "shows its offset",
+                     setup_.tool.name),
+         now);
   }
   return own.local(seconds, now);
 }
@@ -154,8 +160,10 @@ double Ros2Intake::local_time(std::size_t topic, const std::optional<Stamp>& sta
 std::optional<Pose> Ros2Intake::in_base(std::size_t topic, const RosPose& pose, double now) {
   const std::optional<Pose> T_base_frame = lookup(pose.header.frame, pose.header.stamp);
   if (!T_base_frame) {
-    note(topic, fmt::format("frame {} is not {}, and no transforms connect them: ignored",
-                            pose.header.frame, setup_.base_frame), now);
+    note(topic,
+         fmt::format("frame {} is not {}, and no transforms connect them: ignored",
+                     pose.header.frame, setup_.base_frame),
+         now);
     return std::nullopt;
   }
   const Eigen::Quaterniond q = pose.orientation.value_or(Eigen::Quaterniond::Identity());
@@ -188,13 +196,15 @@ void Ros2Intake::on_wrench(std::size_t topic, const RosWrench& wrench, double no
   const std::string& frame =
       setup_.wrench_frame.empty() ? wrench.header.frame : setup_.wrench_frame;
   // The sensor's frame, or the tool's, whose pose is known without transforms.
-  const std::optional<Pose> T_base_frame =
-      !setup_.tool_frame.empty() && frame == setup_.tool_frame
-          ? std::optional(tool_->T_base_tool)
-          : lookup(frame, wrench.header.stamp);
+  const std::optional<Pose> T_base_frame = !setup_.tool_frame.empty() && frame == setup_.tool_frame
+                                               ? std::optional(tool_->T_base_tool)
+                                               : lookup(frame, wrench.header.stamp);
   if (!T_base_frame) {
-    return note(topic, fmt::format("frame {} is neither {} nor the tool's, and no transforms "
-                                   "connect them: ignored", frame, setup_.base_frame), now);
+    return note(topic,
+                fmt::format("frame {} is neither {} nor the tool's, and no transforms "
+                            "connect them: ignored",
+                            frame, setup_.base_frame),
+                now);
   }
   const double sign = setup_.is_wrench_on_tool ? -1.0 : 1.0;
   const Eigen::Vector3d force = sign * (T_base_frame->rotation() * wrench.force);
@@ -229,7 +239,10 @@ void Ros2Intake::on_object(std::size_t topic, const RosPose& pose, double now) {
 void Ros2Intake::on_transforms(const RosTransforms& transforms) {
   const std::lock_guard lock(mutex_);
   for (const RosTransform& transform : transforms.transforms) {
-    if (!is_in_range(transform.translation)) continue;
+    const bool is_usable = is_in_range(transform.translation) &&
+                           transform.header.frame.size() <= kMaxFrameName &&
+                           transform.child_frame.size() <= kMaxFrameName;
+    if (!is_usable) continue;
     transforms_.add(transform.header.frame, transform.child_frame,
                     transform.header.stamp.value_or(Stamp()),
                     Pose(transform.rotation.normalized(), transform.translation));

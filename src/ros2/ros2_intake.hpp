@@ -65,7 +65,7 @@ struct Ros2Subscription {
 class Ros2Notices {
  public:
   explicit Ros2Notices(RecordQueue& queue) : queue_(queue) {}
-  void add(const std::string& line, double now);
+  void add(const std::string& text, double now);
 
  private:
   std::mutex mutex_;  ///< of the reading and the camera's thread

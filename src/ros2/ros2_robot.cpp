@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -144,7 +145,11 @@ class Ros2Robot final : public RobotInterface {
 
   void receive() {
     transport_->wait(kWait, [&](std::size_t topic, std::span<const std::uint8_t> message) {
-      intake_.on_message(topic, message, boot_clock());
+      try {
+        intake_.on_message(topic, message, boot_clock());
+      } catch (const std::exception& error) {  // must not end the site
+        intake_.note(topic, std::string(error.what()) + ": ignored", boot_clock());
+      }
     });
     const double now = boot_clock();
     if (now < next_look_) return;

@@ -31,7 +31,8 @@ constexpr char kInfoType[] = "sensor_msgs/msg/CameraInfo";
 
 /// [ROS 2 design, "Topic and Service name mapping"].
 bool is_topic_name(const std::string& name) {
-  if (name.size() < 2 || name.size() > kMaxName || name.front() != '/' || name.back() == '/') return false;
+  if (name.size() < 2 || name.size() > kMaxName || name.front() != '/' || name.back() == '/')
+    return false;
   const bool has_plain_letters = std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '_' || c == '/';
   });
@@ -111,7 +112,8 @@ void read_wrench(const YamlValue& value, Ros2Setup& setup) {
   if (const auto frame = value.find("frame")) setup.wrench_frame = read_frame(*frame);
   if (const auto given = value.find("acts_on")) {
     const std::string text = given->text();
-    if (text != "tool" && text != "object") given->fail("is '" + text + "'", "write tool or object");
+    if (text != "tool" && text != "object")
+      given->fail("is '" + text + "'", "write tool or object");
     setup.is_wrench_on_tool = text == "tool";
   }
 }
@@ -119,7 +121,8 @@ void read_wrench(const YamlValue& value, Ros2Setup& setup) {
 void read_transforms(const YamlValue& value, Ros2Setup& setup) {
   value.expect_keys({"topic", "static_topic", "reliability", "depth"});
   setup.transforms = read_topic(value, kTransformType, {.is_reliable = true, .depth = 100});
-  setup.static_transforms = {"/tf_static", kTransformType,
+  setup.static_transforms = {"/tf_static",
+                             kTransformType,
                              {.is_reliable = true, .is_transient_local = true, .depth = 100}};
   if (const auto given = value.find("static_topic")) {
     setup.static_transforms->name = given->text();
@@ -144,8 +147,8 @@ void read_camera(const YamlValue& value, const std::filesystem::path& folder, Ro
   const YamlValue image = value.at("image");
   image.expect_keys({"topic", "reliability", "durability", "depth", "compressed"});
   const auto compressed = image.find("compressed");
-  camera.image = read_topic(image, compressed && compressed->boolean() ? kCompressedType : kImageType,
-                            {.depth = 1});
+  camera.image = read_topic(
+      image, compressed && compressed->boolean() ? kCompressedType : kImageType, {.depth = 1});
   camera.info = read_plain_topic(value.at("info"), kInfoType, {.depth = 1});
   if (const auto frame = value.find("frame")) camera.frame = read_frame(*frame);
   camera.tags = folder / value.at("tags").text();
@@ -171,7 +174,8 @@ Ros2Setup read_setup(const YamlValue& root, const std::filesystem::path& folder)
   setup.dds.domain = domain_of(root);
   if (const auto given = root.find("network")) read_network(*given, setup.dds);
   if (const auto given = root.find("base_frame")) setup.base_frame = read_frame(*given);
-  if (const auto given = root.find("start_timeout")) setup.start_timeout = given->number_in(kTimeout);
+  if (const auto given = root.find("start_timeout"))
+    setup.start_timeout = given->number_in(kTimeout);
   if (const auto given = root.find("silence_timeout")) {
     setup.silence_timeout = given->number_in(kTimeout);
   }

@@ -115,12 +115,12 @@ std::optional<Pose> TransformTree::lookup(const std::vector<Link>& links, Stamp 
   for (const Link& link : links) {
     const Edge& edge = edges_.at(link.child);
     const std::vector<TimedPose>& samples = edge.T_parent_child.poses();
-    const bool is_newest = history_ && stamp > samples.back().stamp &&
-                           stamp - samples.back().stamp < kMaxTransformGap;
-    const std::optional<Pose> T_parent_child = edge.is_fixed ? samples.front().pose
-                                               : is_newest
-                                                   ? samples.back().pose
-                                                   : edge.T_parent_child.at(stamp, kMaxTransformGap);
+    const bool is_newest =
+        history_ && stamp > samples.back().stamp && stamp - samples.back().stamp < kMaxTransformGap;
+    const std::optional<Pose> T_parent_child =
+        edge.is_fixed ? samples.front().pose
+        : is_newest   ? samples.back().pose
+                      : edge.T_parent_child.at(stamp, kMaxTransformGap);
     if (!T_parent_child) return std::nullopt;
     T_base_frame = T_base_frame * (link.is_upward ? T_parent_child->inverse() : *T_parent_child);
   }

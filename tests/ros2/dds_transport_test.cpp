@@ -75,8 +75,9 @@ TEST(DdsTransport, NamesAPeerWithAnotherTypeOrQualityOfService) {
         for (const std::string& line : (*transport)->take_notices()) notices += line + '\n';
         return has("/tool") && has("/wrench");
       });
-  EXPECT_TRUE(has("/tool is published with type geometry_msgs/msg/WrenchStamped, not "
-                  "geometry_msgs/msg/PoseStamped: ignored"))
+  EXPECT_TRUE(
+      has("/tool is published with type geometry_msgs/msg/WrenchStamped, not "
+          "geometry_msgs/msg/PoseStamped: ignored"))
       << notices;
   EXPECT_TRUE(has("/wrench: a publisher has an incompatible quality of service (reliability"))
       << notices;

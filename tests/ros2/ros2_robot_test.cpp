@@ -8,12 +8,14 @@
 #include <deque>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <numbers>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/random.hpp"
 #include "pcavr/rosbag/cdr_messages.hpp"
 #include "pcavr/sites/site_clock.hpp"
 
@@ -202,6 +204,41 @@ TEST_F(Ros2IntakeTest, FollowsAClockThatIsSetAndKnowsAnotherClock) {
   EXPECT_NEAR(samples[2].t, 10.13, 1e-5);
   EXPECT_NEAR(samples[3].t, 10.1, 1e-5);
   EXPECT_NEAR(samples[4].t, 10.2, 1e-5);
+}
+
+// Messages with random faults: whatever is passed on is finite and ascends.
+TEST_F(Ros2IntakeTest, PassesOnlyFiniteSamplesOfFaultyMessages) {
+  Random random(1);
+  const auto number = [&](std::size_t end) {
+    return static_cast<std::size_t>(random.uniform(0.0, static_cast<double>(end) - 1e-9));
+  };
+  std::size_t passed = 0;
+  std::map<std::pair<Ros2Sample::Kind, std::uint64_t>, double> last;
+  for (int i = 0; i < 20'000; ++i) {
+    const double t = 10.0 + 0.001 * i;
+    const std::size_t topic = number(4);
+    Bytes message =
+        topic == kWrench       ? cdr::wrench_stamped(peer_stamp(t), {1, 2, 3}, {0, 0, 0}, "tool0")
+        : topic == kTransforms ? cdr::tf_message(peer_stamp(t), {{"camera", kStart}}, "base_link")
+                               : tool_at(kStart, t, number(2) == 0 ? "base_link" : "camera");
+    if (number(4) == 0) message.resize(number(message.size()));
+    for (std::size_t faults = number(4); faults > 0 && !message.empty(); --faults) {
+      message[number(message.size())] = static_cast<std::uint8_t>(number(256));
+    }
+    intake_.on_message(topic, message, t);
+    for (const Ros2Sample& sample : take()) {
+      ++passed;
+      EXPECT_TRUE(std::isfinite(sample.t));
+      for (const double value : sample.values) ASSERT_TRUE(std::isfinite(value));
+      const auto [entry, is_new] = last.try_emplace({sample.kind, sample.object}, sample.t);
+      if (!is_new) {
+        ASSERT_GT(sample.t, entry->second);
+        entry->second = sample.t;
+      }
+    }
+    (void)take_notices();
+  }
+  EXPECT_GT(passed, 2000U);
 }
 
 class Ros2RobotTest : public testing::Test {

@@ -6,6 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/output.hpp"
+
+#include "support/source_folder.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -62,6 +66,20 @@ TEST(Ros2Setup, SaysWhatIsWrongAndWhere) {
             std::string::npos);
   EXPECT_NE(error_of("tool: {topic: /t}\ncommand: {topic: /c, speed: 1}\n").find("speed"),
             std::string::npos);
+}
+
+TEST(Ros2Setup, ReadsTheExampleOfTheManual) {
+  const auto manual = read_file(source_folder() / "docs/ros2.md");
+  ASSERT_TRUE(manual);
+  const std::string begin = "```yaml\n";
+  const std::size_t start = manual->find(begin) + begin.size();
+  const auto setup =
+      parse_ros2_setup(manual->substr(start, manual->find("```", start) - start), "ros2.yaml");
+  ASSERT_TRUE(setup) << setup.error().to_string();
+  const Ros2Setup defaults;
+  EXPECT_EQ(setup->silence_timeout, defaults.silence_timeout);
+  EXPECT_EQ(setup->command_rate, defaults.command_rate);
+  EXPECT_EQ(setup->max_command_distance, defaults.max_command_distance);
 }
 
 }  // namespace

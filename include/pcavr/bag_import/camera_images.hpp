@@ -24,8 +24,9 @@ struct ConvertedImage {
 /// file.
 [[nodiscard]] Expected<ConvertedImage> convert_color(const RosMessage& message);
 
-/// The pixels of the same. Safe for untrusted bytes.
-[[nodiscard]] Expected<ColorImage> decode_color(const RosMessage& message);
+/// The pixels of the same; another size [px] is an Error. Safe for untrusted bytes: memory is
+/// bounded by the size.
+[[nodiscard]] Expected<ColorImage> decode_color(const RosMessage& message, int width, int height);
 
 /// Whether depth is in metres, as floating-point numbers, by encoding or format.
 [[nodiscard]] bool is_metric_depth(const std::string& image_format);

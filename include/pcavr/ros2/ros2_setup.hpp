@@ -14,16 +14,16 @@ namespace pcavr {
 
 /// A camera's topics; the tags in its images are those of `tags`.
 struct Ros2Camera {
-  Ros2Topic image;  ///< sensor_msgs/msg/Image or CompressedImage
-  Ros2Topic info;   ///< sensor_msgs/msg/CameraInfo
-  std::string frame = {};          ///< the camera's (z forward); empty: the image's frame_id
+  Ros2Topic image;                  ///< sensor_msgs/msg/Image or CompressedImage
+  Ros2Topic info;                   ///< sensor_msgs/msg/CameraInfo
+  std::string frame = {};           ///< the camera's (z forward); empty: the image's frame_id
   std::filesystem::path tags = {};  ///< manifest whose markers are on the objects
 };
 
 /// The pose of an object of the scene, tracked by another program.
 struct Ros2Object {
   std::string name;
-  Ros2Topic topic;             ///< geometry_msgs/msg/PoseStamped
+  Ros2Topic topic;              ///< geometry_msgs/msg/PoseStamped
   double position_std = 0.001;  ///< [m]
 };
 
@@ -34,7 +34,7 @@ struct Ros2Setup {
   double start_timeout = 10.0;    ///< [s] for the tool's first pose
   double silence_timeout = 0.25;  ///< [s] without the tool's pose: nothing is commanded
   Ros2Topic tool;                 ///< geometry_msgs/msg/PoseStamped
-  std::string tool_frame = {};    ///< of the axes of `tool`'s orientation; empty: none has that name
+  std::string tool_frame = {};  ///< of the axes of `tool`'s orientation; empty: none has that name
   std::optional<Ros2Topic> wrench = {};  ///< geometry_msgs/msg/WrenchStamped
   std::string wrench_frame = {};         ///< in place of the messages' frame_id, if not empty
   bool is_wrench_on_tool = false;        ///< the wrench acts on the tool; false: the tool exerts it

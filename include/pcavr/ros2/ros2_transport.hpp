@@ -60,8 +60,8 @@ class Ros2Transport {
 
 /// Which network and which peers.
 struct DdsOptions {
-  std::uint32_t domain = 0;         ///< 0 to 232: ROS_DOMAIN_ID
-  std::string interface = {};       ///< name or address, "lo"; empty: Cyclone DDS's choice
+  std::uint32_t domain = 0;             ///< 0 to 232: ROS_DOMAIN_ID
+  std::string interface = {};           ///< name or address, "lo"; empty: Cyclone DDS's choice
   std::vector<std::string> peers = {};  ///< addresses asked for participants, beside multicast
   std::optional<bool> multicast = {};   ///< nothing: Cyclone DDS's choice
   /// [bytes] of a message; a longer one is dropped.
