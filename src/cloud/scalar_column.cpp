@@ -209,6 +209,8 @@ const ScalarColumn* find_column(std::span<const ScalarColumn> columns, std::stri
 }
 
 Expected<RecordedCloud> cloud_of_columns(std::span<const ScalarColumn> columns, std::size_t count) {
+  // Without points there are no columns of text.
+  if (count == 0) return RecordedCloud{};
   const ScalarColumn* x = find_column(columns, "x");
   const ScalarColumn* y = find_column(columns, "y");
   const ScalarColumn* z = find_column(columns, "z");

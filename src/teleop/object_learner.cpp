@@ -194,12 +194,12 @@ void ObjectLearner::accept(std::optional<ParameterValue> ObjectParameters::*fiel
 
 double ObjectLearner::extrapolation_std(const ContactFit& fit,
                                         std::span<const ForceMotion> parts) const {
+  if (!known_.limiting_static_friction) return 0.0;
   double max_force = 0.0;
   for (const ForceMotion& part : parts) {
     max_force = std::max(max_force, *std::max_element(part.force.begin(), part.force.end()));
   }
-  const double force =
-      known_.limiting_static_friction ? known_.limiting_static_friction->value : working_force_;
+  const double force = known_.limiting_static_friction->value;
   if (!(max_force > 0.0) || force <= max_force) return 0.0;
   // Of d = (F / K)^(1/n), scaled from the largest force that was seen: d ln d / dn.
   const double n = fit.exponent.value;

@@ -55,9 +55,6 @@ class ObjectLearner {
   /// [N] at which the sensor saturates: contacts that reach it are not used.
   void set_force_ceiling(std::optional<double> ceiling) { force_ceiling_ = ceiling; }
 
-  /// [N] up to which a contact law is used: the supposed F_M.
-  void set_working_force(double force) { working_force_ = force; }
-
   /// By which the slides are identified until the contact law is.
   void set_assumed_law(const HuntCrossley& law) { assumed_law_ = law; }
 
@@ -99,7 +96,6 @@ class ObjectLearner {
   ObjectParameters known_;
   ObjectParameters given_;
   std::optional<double> force_ceiling_;
-  double working_force_ = 0.0;  ///< [N]
   std::optional<HuntCrossley> assumed_law_;
   std::optional<double> conservative_limit_;  ///< [N]
   IdentifiedParameter coulomb_;               ///< [N] of the slides so far

@@ -55,7 +55,8 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       before_contact_(latest_),
       slow_slide_(options.phases.slow_slide_window, options.phases.slow_slide_displacement),
       frame_interval_(kTypicalFrameInterval),
-      measured_surface_(options.pose.max_surface_offset) {
+      measured_surface_(options.pose.max_surface_offset,
+                        object.T_base_object.rotation().inverse() * Eigen::Vector3d::UnitZ()) {
   acknowledged.contact_surface_offset = object.parameters.contact_surface_offset;
   learner.set_assumed_law(assumed_law_);
 }

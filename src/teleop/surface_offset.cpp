@@ -21,6 +21,8 @@ constexpr double kSignificantStds = 3.0;
 constexpr double kSurfaceSystematicShare = 0.5;
 // Cosine between the normals of faces that keep each an offset of their own: from 60 degrees.
 constexpr double kMaxAlong = 0.5;
+// Cosine between a level face's normal and the vertical: 20 degrees.
+constexpr double kLevel = 0.94;
 // Squared sine to the faces before, below which a face adds no direction: 18 degrees.
 constexpr double kMinNewDirection = 0.1;
 
@@ -92,12 +94,20 @@ std::optional<Eigen::Vector3d> SurfaceOffset::value(
     const HuntCrossley& law, const std::optional<Eigen::Vector3d>& identified) const {
   OffsetVector combined;
   bool is_known = false;
-  for (const Face& face : faces_) {
-    const std::optional<double> offset = offset_of(face, law);
-    if (!offset) continue;
-    combined.add(face.normal_object, *offset);
-    is_known = true;
-  }
+  const auto add_faces = [&](bool are_level) {
+    for (const Face& face : faces_) {
+      if ((std::abs(face.normal_object.dot(up_object_)) > kLevel) != are_level) continue;
+      const std::optional<double> offset = offset_of(face, law);
+      if (!offset) continue;
+      combined.add(face.normal_object, *offset);
+      is_known = true;
+    }
+  };
+  add_faces(true);
+  // No wall changes the height: see the class. Without an own offset the floor has the identified
+  // one.
+  combined.add(up_object_, identified ? identified->dot(up_object_) : 0.0);
+  add_faces(false);
   if (!is_known) return std::nullopt;
   if (identified) combined.complete(*identified);
   return combined.value();

@@ -204,6 +204,19 @@ TEST(CloudFile, ZeroAndInfiniteCoordinatesAreNotMeasured) {
   EXPECT_EQ(read.measured_points(), 1U);
 }
 
+/// What is wrong with them is that they are empty, not that coordinates are missing.
+TEST(CloudFile, CloudsOfNoPointsAreReadInEveryFormat) {
+  for (const char* data : {"ascii", "binary"}) {
+    const RecordedCloud cloud =
+        parsed(pcd_text(kXyz, "WIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA " + std::string(data) + "\n"));
+    EXPECT_EQ(cloud.measured_points(), 0U);
+    EXPECT_FALSE(cloud.is_organised());
+  }
+  EXPECT_TRUE(parsed("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\n"
+                     "property float y\nproperty float z\nend_header\n")
+                  .points.empty());
+}
+
 TEST(CloudFile, EveryTruncationIsAnError) {
   const std::string pcd = format_pcd(small_cloud(), 2);
   for (std::size_t size = 0; size < pcd.size(); ++size) {

@@ -209,6 +209,9 @@ TEST_F(ImportClouds, PosesOfAnotherNumber) {
 TEST_F(ImportClouds, EmptyCloud) {
   ASSERT_TRUE(write_file(cloud_file(2), format_pcd(PointCloud{})));
   expect_refused({"--poses", poses().string()}, "cloud_102.500.pcd: has no measured point");
+  std::ofstream(cloud_file(2)) << "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 0\n"
+                                  "HEIGHT 0\nPOINTS 0\nDATA ascii\n";
+  expect_refused({"--poses", poses().string()}, "cloud_102.500.pcd: has no measured point");
 }
 
 TEST_F(ImportClouds, MirroredCloud) {

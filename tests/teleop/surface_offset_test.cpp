@@ -56,6 +56,22 @@ TEST(SurfaceOffset, OfAWallLeavesThatOfTheFloor) {
   EXPECT_TRUE(offset.value(kLaw, floor)->isApprox(Eigen::Vector3d(1.5e-3, -1e-3, -2e-4)));
 }
 
+/// In an oblique hole: what displaces the wall is the tracked pose, which leaves the floor.
+TEST(SurfaceOffset, OfAnInclinedWallDoesNotChangeTheHeightOfTheFloor) {
+  const Eigen::Vector3d wall = Eigen::Vector3d(0.94, 0.0, 0.34).normalized();
+  const Eigen::Vector3d floor(0.0, 0.0, -2e-4);
+  SurfaceOffset offset(kMaxOffset);
+  for (int i = 0; i < 10; ++i) offset.add(wall, 1e-4, kStd, kForce);
+  const Eigen::Vector3d found = offset.value(kLaw, floor).value();
+  EXPECT_NEAR(found.z(), floor.z(), 1e-12);
+  EXPECT_NEAR(wall.dot(found), 0.6e-3, 1e-9);
+  EXPECT_EQ(offset.value(kLaw)->z(), 0.0);
+  // Of a level face it is measured.
+  for (int i = 0; i < 10; ++i) offset.add(Eigen::Vector3d::UnitZ(), 0.0, kStd, kForce);
+  EXPECT_NEAR(offset.value(kLaw, floor)->z(), 0.5e-3, 1e-9);
+  EXPECT_NEAR(wall.dot(offset.value(kLaw, floor).value()), 0.6e-3, 1e-9);
+}
+
 ObjectParameters complete_parameters() {
   BodyPhysics physics;
   physics.friction.mass = 1.0;
