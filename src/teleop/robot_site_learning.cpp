@@ -112,7 +112,7 @@ void RobotSite::learn_from(RobotObject& object, const RobotObject::LearnedContac
 
 void RobotSite::learn_again(double offset_change) {
   for (RobotObject& object : objects_) {
-    const std::deque<RobotObject::LearnedContact> contacts = std::move(object.learned);
+    const std::deque<RobotObject::LearnedContact> contacts = std::exchange(object.learned, {});
     object.forget_learned();
     for (RobotObject::LearnedContact contact : contacts) {
       contact.begin -= offset_change;
