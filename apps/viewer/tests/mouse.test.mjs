@@ -24,25 +24,30 @@ async function grab(page) {
   await page.mouse.down();
 }
 
+/// To the side of the box at the tool's height, down with Shift, then against the box. The pointer
+/// stays down.
+async function pushBox(page) {
+  await page.locator('#handle').waitFor();
+  const [x, y, z] = world.state.objects[0].position;
+  const tool = world.state.proxy;
+  await grab(page);
+  await dragTo(page, [x - 0.22, y, tool[2]]);
+  await page.keyboard.down('Shift');
+  await dragTo(page, [x - 0.22, y, z]);
+  await page.keyboard.up('Shift');
+  await until(() => Math.abs(world.state.proxy[2] - z) < 0.03, 'the tool at the box height');
+  await dragTo(page, [x + 0.02, y, z]);
+  await screenshot(page, 'mouse-pushing');
+  await until(() => world.state.objects[0].position[0] > x + 0.03, 'the box pushed');
+}
+
 test(
   'a dragged handle pushes a box, and the page shows the state of the world',
   limit,
   async () => {
     const { page, seen } = await stage.open();
     await loaded(page);
-    await page.locator('#handle').waitFor();
-    const [x, y, z] = world.state.objects[0].position;
-    const tool = world.state.proxy;
-    // To the side of the box at the tool's height, down with Shift, then against the box.
-    await grab(page);
-    await dragTo(page, [x - 0.22, y, tool[2]]);
-    await page.keyboard.down('Shift');
-    await dragTo(page, [x - 0.22, y, z]);
-    await page.keyboard.up('Shift');
-    await until(() => Math.abs(world.state.proxy[2] - z) < 0.03, 'the tool at the box height');
-    await dragTo(page, [x + 0.02, y, z]);
-    await screenshot(page, 'mouse-pushing');
-    await until(() => world.state.objects[0].position[0] > x + 0.03, 'the box pushed');
+    await pushBox(page);
     // The plot has the box's phases, and the force at which it breaks away.
     await page
       .locator('.plot svg text', { hasText: 'box_1 breaks away' })
@@ -68,6 +73,38 @@ test(
     await page.close();
   },
 );
+
+test('starting over can be undone until a body is touched', limit, async () => {
+  const { page, seen } = await stage.open();
+  await loaded(page);
+  await openPanel(page);
+  const undo = page.locator('#undo-reset');
+  const position = () => world.state.objects[0].position;
+  const isAt = (point) => distance(position(), point) < poseTolerance;
+  await page.click('#reset');
+  await undo.waitFor();
+  const start = position();
+  await pushBox(page);
+  await undo.waitFor({ state: 'hidden' });
+  await page.mouse.up();
+  await until(() => !world.state.isEngaged, 'the clutch open');
+  await until(() => world.state.objects[0].speed < 1e-4, 'the box at rest');
+  const pushed = position();
+  await page.click('#reset');
+  await until(() => isAt(start), 'the box at its start');
+  await undo.waitFor();
+  await screenshot(page, 'undo-offered');
+  await undo.click();
+  await until(() => isAt(pushed), 'the box where it was pushed to');
+  await undo.waitFor({ state: 'hidden' });
+  await until(async () => {
+    const bodies = await drawnBodies(page);
+    return distance(bodies[0].position, position()) < poseTolerance;
+  }, 'the drawn box at its pose in the world');
+  await screenshot(page, 'undo-done');
+  assert.deepEqual(seen.errors, []);
+  await page.close();
+});
 
 test('keys move the tool while Space is held, and hold stops it', limit, async () => {
   const { page } = await stage.open();
