@@ -40,15 +40,14 @@ class Query {
     for (const TriangleMesh& obstacle : arm.obstacles) collision_->add_surface(obstacle);
   }
 
-  /// The same point again costs nothing.
-  [[nodiscard]] const std::optional<Eigen::VectorXd>& solve(const Eigen::Vector3d& p) {
-    if (solved_for_ && *solved_for_ == p) return solution_;
-    Eigen::VectorXd q = arm_.q;
-    const IkResult found = inverse_.solve(Pose(orientation_, p), q);
-    solved_for_ = p;
-    solution_.reset();
-    if (found.status == IkStatus::kReached) solution_ = std::move(q);
-    return solution_;
+  /// Null where the point is out of reach. The same point again costs nothing.
+  [[nodiscard]] const Eigen::VectorXd* solve(const Eigen::Vector3d& p) {
+    if (!solved_for_ || *solved_for_ != p) {
+      solution_ = arm_.q;
+      is_reached_ = inverse_.solve(Pose(orientation_, p), solution_).status == IkStatus::kReached;
+      solved_for_ = p;
+    }
+    return is_reached_ ? &solution_ : nullptr;
   }
 
   void start(const Eigen::VectorXd& q) {
@@ -120,7 +119,8 @@ class Query {
   Matrix6Xd jacobian_;
   Eigen::Quaterniond orientation_;
   std::optional<Eigen::Vector3d> solved_for_;
-  std::optional<Eigen::VectorXd> solution_;
+  Eigen::VectorXd solution_;  ///< of `solved_for_`
+  bool is_reached_ = false;
   TorqueUse torque_;
   std::optional<NearestPair> nearest_;
   int cycle_ = 0;
@@ -143,7 +143,7 @@ double speed_ratio_of(const RobotModel& model, const Eigen::VectorXd& change, do
 ReachAnswer try_reach(Query& query, const QueriedArm& arm, const Eigen::Vector3d& p_target,
                       double time, const ArmQueryOptions& options) {
   ReachAnswer answer{.time = time, .p_target = p_target};
-  const std::optional<Eigen::VectorXd> goal = query.solve(p_target);
+  const Eigen::VectorXd* const goal = query.solve(p_target);
   if (!goal) {
     answer.reason = "the point is out of reach with the tip's orientation";
     return answer;
@@ -251,7 +251,7 @@ HoldAnswer can_hold(const QueriedArm& arm, const Eigen::Vector3d& p_tip,
   PCAVR_REQUIRE(force.allFinite() && force.norm() > 0.0);
   Query query(arm, options);
   HoldAnswer answer;
-  const std::optional<Eigen::VectorXd> q = query.solve(p_tip);
+  const Eigen::VectorXd* const q = query.solve(p_tip);
   if (!q) {
     answer.reason = "the point is out of reach with the tip's orientation";
     return answer;
@@ -306,7 +306,7 @@ PushAnswer can_push(const QueriedArm& arm, const FrictionParameters& body, doubl
       std::max(static_friction_limit(body),
                body.mass * acceleration + body.coulomb_force + body.viscous * release.speed);
   Query query(arm, options);
-  const std::optional<Eigen::VectorXd> start = query.solve(p_tip);
+  const Eigen::VectorXd* const start = query.solve(p_tip);
   if (!start) {
     answer.reason = "the point is out of reach with the tip's orientation";
     return answer;

@@ -13,14 +13,15 @@ namespace {
 
 constexpr std::uint32_t kLeafSize = 4;  // a few triangles cost less than another box
 
+using Corners = std::array<Eigen::Vector3d, 3>;
+
 /// A point on a triangle, and its feature: face 0, edges 01 12 20 as 1 2 3, corners as 4 5 6.
 struct PointOnTriangle {
   Eigen::Vector3d point;
   std::size_t feature = 0;
 };
 
-PointOnTriangle on_edge(const Eigen::Vector3d& p, const std::array<Eigen::Vector3d, 3>& corner,
-                        std::size_t i) noexcept {
+PointOnTriangle on_edge(const Eigen::Vector3d& p, const Corners& corner, std::size_t i) noexcept {
   const std::size_t j = (i + 1) % 3;
   const Eigen::Vector3d edge = corner[j] - corner[i];
   const double length2 = edge.squaredNorm();
@@ -30,12 +31,12 @@ PointOnTriangle on_edge(const Eigen::Vector3d& p, const std::array<Eigen::Vector
   return {corner[i] + share * edge, 1 + i};
 }
 
-PointOnTriangle closest_on(const Eigen::Vector3d& p, const std::array<Eigen::Vector3d, 3>& corner,
-                           const Eigen::Vector3d& unit_normal) noexcept {
+/// `inward`: as in Triangle.
+PointOnTriangle closest_on(const Eigen::Vector3d& p, const Corners& corner,
+                           const Eigen::Vector3d& unit_normal, const Corners& inward) noexcept {
   bool is_over_face = !unit_normal.isZero(0.0);
   for (std::size_t i = 0; i < 3 && is_over_face; ++i) {
-    const Eigen::Vector3d edge = corner[(i + 1) % 3] - corner[i];
-    is_over_face = unit_normal.cross(edge).dot(p - corner[i]) >= 0.0;
+    is_over_face = inward[i].dot(p - corner[i]) >= 0.0;
   }
   if (is_over_face) return {p - unit_normal.dot(p - corner[0]) * unit_normal, 0};
   PointOnTriangle best = on_edge(p, corner, 0);
@@ -46,10 +47,38 @@ PointOnTriangle closest_on(const Eigen::Vector3d& p, const std::array<Eigen::Vec
   return best;
 }
 
-double angle_at(const std::array<Eigen::Vector3d, 3>& corner, std::size_t i) noexcept {
+/// Whether the triangle's plane, and so the triangle, is no closer than this squared distance.
+bool is_beyond(const Eigen::Vector3d& p, const Corners& corner, const Eigen::Vector3d& unit_normal,
+               double distance2) noexcept {
+  const double to_plane = unit_normal.dot(p - corner[0]);
+  return to_plane * to_plane >= distance2;
+}
+
+double angle_at(const Corners& corner, std::size_t i) noexcept {
   const Eigen::Vector3d a = corner[(i + 1) % 3] - corner[i];
   const Eigen::Vector3d b = corner[(i + 2) % 3] - corner[i];
   return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// Whether no vertex lies in front of any triangle. False also for meshes that are too large to
+/// try.
+bool is_convex(const TriangleMesh& mesh) noexcept {
+  constexpr double kMaxTests = 1e8;   // 0.1 s
+  constexpr float kRounding = 1e-6F;  // of single precision, relative to the mesh's size
+  const auto tests =
+      static_cast<double>(mesh.triangles.size()) * static_cast<double>(mesh.vertices.size());
+  if (mesh.triangles.empty() || tests > kMaxTests) return false;
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) box.extend(vertex);
+  const float tolerance = kRounding * box.diagonal().norm();
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& indices) {
+    const Eigen::Vector3f& a = mesh.vertices[indices[0]];
+    const Eigen::Vector3f normal =
+        (mesh.vertices[indices[1]] - a).cross(mesh.vertices[indices[2]] - a).stableNormalized();
+    return std::none_of(
+        mesh.vertices.begin(), mesh.vertices.end(),
+        [&](const Eigen::Vector3f& vertex) { return normal.dot(vertex - a) > tolerance; });
+  });
 }
 
 }  // namespace
@@ -60,7 +89,8 @@ struct ClosestSurface::Candidate {
   PointOnTriangle on = {Eigen::Vector3d::Zero(), 0};
 };
 
-ClosestSurface::ClosestSurface(const TriangleMesh& mesh, const Pose& T_frame_mesh) {
+ClosestSurface::ClosestSurface(const TriangleMesh& mesh, const Pose& T_frame_mesh)
+    : is_convex_(is_convex(mesh)) {
   using Edge = std::pair<std::uint32_t, std::uint32_t>;
   std::map<Edge, Eigen::Vector3d> edge_normals;
   std::vector<Eigen::Vector3d> corner_normals(mesh.vertices.size(), Eigen::Vector3d::Zero());
@@ -79,6 +109,7 @@ ClosestSurface::ClosestSurface(const TriangleMesh& mesh, const Pose& T_frame_mes
       const Edge edge = key(indices[i], indices[(i + 1) % 3]);
       edge_normals.try_emplace(edge, Eigen::Vector3d::Zero()).first->second += triangle.normal[0];
       corner_normals[indices[i]] += angle_at(c, i) * triangle.normal[0];
+      triangle.inward[i] = triangle.normal[0].cross(c[(i + 1) % 3] - c[i]);
     }
   }
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -133,7 +164,8 @@ void ClosestSurface::search(std::uint32_t index, const Eigen::Vector3d& p,
   }
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
     const Triangle& triangle = triangles_[i];
-    const PointOnTriangle on = closest_on(p, triangle.corner, triangle.normal[0]);
+    if (is_beyond(p, triangle.corner, triangle.normal[0], best.distance2)) continue;
+    const PointOnTriangle on = closest_on(p, triangle.corner, triangle.normal[0], triangle.inward);
     const double distance2 = (p - on.point).squaredNorm();
     if (distance2 < best.distance2) best = {distance2, &triangle, on};
   }
@@ -150,14 +182,14 @@ struct ClosestSurface::Neighbours {
   [[nodiscard]] bool is_minimum(const Candidate& candidate) const noexcept {
     constexpr double kSame2 = 1e-18;  // [m^2] of one point, computed twice
     const Eigen::Vector3d& point = candidate.on.point;
-    return std::none_of(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count),
-                        [&](const Candidate& other) {
-                          if ((other.on.point - point).squaredNorm() <= kSame2) return false;
-                          const auto& triangle = *other.triangle;
-                          const Eigen::Vector3d on_other =
-                              closest_on(point, triangle.corner, triangle.normal[0]).point;
-                          return (on_other - point).squaredNorm() <= kSame2;
-                        });
+    return std::none_of(
+        all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), [&](const Candidate& other) {
+          if ((other.on.point - point).squaredNorm() <= kSame2) return false;
+          const auto& triangle = *other.triangle;
+          const Eigen::Vector3d on_other =
+              closest_on(point, triangle.corner, triangle.normal[0], triangle.inward).point;
+          return (on_other - point).squaredNorm() <= kSame2;
+        });
   }
 };
 
@@ -172,7 +204,8 @@ void ClosestSurface::gather(std::uint32_t index, const Eigen::Vector3d& p, doubl
   }
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
     const Triangle& triangle = triangles_[i];
-    const PointOnTriangle on = closest_on(p, triangle.corner, triangle.normal[0]);
+    if (is_beyond(p, triangle.corner, triangle.normal[0], reach * reach)) continue;
+    const PointOnTriangle on = closest_on(p, triangle.corner, triangle.normal[0], triangle.inward);
     const double distance2 = (p - on.point).squaredNorm();
     if (distance2 >= reach * reach) continue;
     near.is_complete = near.count < Neighbours::kMax;
@@ -182,14 +215,15 @@ void ClosestSurface::gather(std::uint32_t index, const Eigen::Vector3d& p, doubl
 }
 
 std::size_t ClosestSurface::local_minima(const Eigen::Vector3d& p, double reach,
+                                         const Result& closest,
                                          std::span<Result> found) const noexcept {
   constexpr double kSameDirection = 0.866;  // cosine of 30 degrees
-  const std::optional<Result> first = closest(p, reach);
-  if (!first || found.empty()) return 0;
+  if (found.empty()) return 0;
   std::size_t count = 0;
-  found[count++] = *first;
+  found[count++] = closest;
+  if (is_convex_ || !(closest.distance > 0.0)) return count;
   Neighbours near;
-  if (first->distance > 0.0) gather(0, p, reach, near);
+  gather(0, p, reach, near);
   if (!near.is_complete) return count;
   std::sort(near.all.begin(), near.all.begin() + static_cast<std::ptrdiff_t>(near.count),
             [](const Candidate& a, const Candidate& b) { return a.distance2 < b.distance2; });

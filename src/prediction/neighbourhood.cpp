@@ -37,6 +37,20 @@ double speed_of(const UprightBody& body, const BodyState& state) {
          2.0 * body.gyration_radius() * std::abs(state.planar.twist.z());
 }
 
+/// As a step leaves a body that is at rest and further from the tip than contacts are looked for:
+/// the next one would change nothing.
+bool is_left_alone(const BodyState& state) {
+  return state.phase == MotionPhase::free && state.planar.phase == FrictionPhase::static_contact &&
+         state.planar.twist.isZero(0.0) && state.penetration == TipContact{}.depth &&
+         state.tool_force_base.isZero(0.0) && state.tangential_deflection_base.isZero(0.0) &&
+         state.grip_count == 0 && !state.is_saturated;
+}
+
+/// Whether the tip pushes with more than the static friction limit.
+bool is_pressed(const UprightBody& body, const BodyState& state) {
+  return state.tool_force_base.head<2>().norm() > static_friction_limit(body.physics().friction);
+}
+
 /// As at the begin, and at rest.
 BodyState stopped(const UprightBody& body, const BodyState& begin, const TipPath& tip) {
   BodyState end = begin;
@@ -90,6 +104,7 @@ void Neighbourhood::step_contacts(const std::vector<UprightBody>& bodies, const 
       is_together = true;
       continue;
     }
+    if (members_[i].is_out_of_reach && is_left_alone(states[i])) continue;
     TipPath substep = tip;
     const int substeps = count_substeps(bodies[i], states[i], tip, dt);
     for (int k = 1; k <= substeps; ++k) {
@@ -127,6 +142,7 @@ void Neighbourhood::find_contacts(const std::vector<UprightBody>& bodies, const 
     const double near = collider_.reach(i) + tip.radius + travel + kMargin;
     const double distance = (tip.to.head<2>() - states[i].planar.position).norm();
     const bool is_touched = tip.is_present && distance < near;
+    member.is_out_of_reach = !tip.is_present || distance > near + kMaxClearance;
     member.is_awake = bodies[i].is_movable() && (is_touched || !states[i].planar.twist.isZero(0.0));
     if (member.is_awake) queue_.push_back(i);
   }
@@ -282,10 +298,9 @@ void Neighbourhood::keep_out_of_scan(const std::vector<UprightBody>& bodies, con
       state.planar.yaw = start.yaw + share * (state.planar.yaw - start.yaw);
       state = stop_body(bodies[i], state, tip, dt);
     }
-    const double force = state.tool_force_base.head<2>().norm();
-    const bool is_pressed = force > static_friction_limit(bodies[i].physics().friction);
-    state.is_blocked = share < 1.0 || (is_pressed && state.phase != MotionPhase::sliding &&
-                                       is_against_static(members_[i]));
+    state.is_blocked =
+        share < 1.0 || (state.phase != MotionPhase::sliding && is_against_static(members_[i]) &&
+                        is_pressed(bodies[i], state));
   }
 }
 

@@ -31,12 +31,13 @@ class Neighbourhood {
   };
   /// A body during a step.
   struct Member {
-    bool is_awake = false;     ///< active: it moves, or something may move it
-    bool is_searched = false;  ///< its contacts are known
-    bool is_dirty = false;     ///< a neighbour moved since it was solved
-    double residual = 0.0;     ///< [m] between its motion and the one its forces cause
-    PlanarState start;         ///< at the begin of the whole step
-    BodyState begin;           ///< of a substep
+    bool is_awake = false;         ///< active: it moves, or something may move it
+    bool is_out_of_reach = false;  ///< of the tip, and of the clearances that are computed
+    bool is_searched = false;      ///< its contacts are known
+    bool is_dirty = false;         ///< a neighbour moved since it was solved
+    double residual = 0.0;         ///< [m] between its motion and the one its forces cause
+    PlanarState start;             ///< at the begin of the whole step
+    BodyState begin;               ///< of a substep
     BodyState end;
     std::vector<SideContact> sides;
     std::vector<Partner> partners;

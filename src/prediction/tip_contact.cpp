@@ -23,14 +23,16 @@ Eigen::Vector3d tangential_part(const Eigen::Vector3d& normal,
   return vector - normal.dot(vector) * normal;
 }
 
-Eigen::Vector3d in_body(const PlanarState& planar, const Eigen::Rotation2Dd& turn,
+/// `turn` is the body's rotation: sine and cosine cost as much as the rest of a distant body's
+/// step.
+Eigen::Vector3d in_body(const PlanarState& planar, const Eigen::Matrix2d& turn,
                         const Eigen::Vector3d& p_base) noexcept {
   Eigen::Vector3d p = p_base;
-  p.head<2>() = turn.inverse() * (p_base.head<2>() - planar.position);
+  p.head<2>() = turn.transpose() * (p_base.head<2>() - planar.position);
   return p;
 }
 
-TipContact contact_at(const UprightBody& body, const Eigen::Rotation2Dd& turn,
+TipContact contact_at(const UprightBody& body, const Eigen::Matrix2d& turn,
                       const ClosestSurface::Result& closest, double radius) noexcept {
   TipContact contact;
   contact.depth = radius - closest.distance + closest.normal.dot(body.physics().surface_offset);
@@ -46,7 +48,7 @@ TipContact contact_at(const UprightBody& body, const Eigen::Rotation2Dd& turn,
 std::optional<TipContact> find_tip_contact(const UprightBody& body, const PlanarState& planar,
                                            const Eigen::Vector3d& p_base_tip,
                                            double radius) noexcept {
-  const Eigen::Rotation2Dd turn(planar.yaw);
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(planar.yaw).toRotationMatrix();
   const auto closest =
       body.surface().closest(in_body(planar, turn, p_base_tip), radius + kMaxClearance);
   if (!closest) return std::nullopt;
@@ -56,14 +58,14 @@ std::optional<TipContact> find_tip_contact(const UprightBody& body, const Planar
 TipContacts find_tip_contacts(const UprightBody& body, const PlanarState& planar,
                               const Eigen::Vector3d& p_base_tip, double radius) noexcept {
   TipContacts contacts;
-  const std::optional<TipContact> deepest = find_tip_contact(body, planar, p_base_tip, radius);
-  if (!deepest) return contacts;
-  contacts.all[0] = *deepest;
-  if (!(deepest->depth > 0.0)) return contacts;
-  const Eigen::Rotation2Dd turn(planar.yaw);
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(planar.yaw).toRotationMatrix();
+  const Eigen::Vector3d p = in_body(planar, turn, p_base_tip);
+  const auto closest = body.surface().closest(p, radius + kMaxClearance);
+  if (!closest) return contacts;
+  contacts.all[0] = contact_at(body, turn, *closest, radius);
+  if (!(contacts.deepest().depth > 0.0)) return contacts;
   std::array<ClosestSurface::Result, BodyState::kMaxGrips> minima;
-  const std::size_t found =
-      body.surface().local_minima(in_body(planar, turn, p_base_tip), radius, minima);
+  const std::size_t found = body.surface().local_minima(p, radius, *closest, minima);
   for (std::size_t i = 1; i < found; ++i) {
     const TipContact contact = contact_at(body, turn, minima[i], radius);
     if (contact.depth > 0.0) contacts.all[static_cast<std::size_t>(contacts.count++)] = contact;

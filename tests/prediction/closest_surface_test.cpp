@@ -54,7 +54,8 @@ TEST(ClosestSurface, HasOneLocalMinimumOutsideABoxAndThreeInACorner) {
                             random.uniform(-0.3, 0.3));
     const double distance = distance_to_box(p);
     if (distance <= 0.0) continue;
-    ASSERT_EQ(convex.local_minima(p, distance + 0.2, found), 1U) << p.transpose();
+    ASSERT_EQ(convex.local_minima(p, distance + 0.2, *convex.closest(p, 2.0), found), 1U)
+        << p.transpose();
     ASSERT_NEAR(found[0].distance, distance, 1e-14);
   }
   // A floor and two walls, as in the corner of a hole.
@@ -63,12 +64,14 @@ TEST(ClosestSurface, HasOneLocalMinimumOutsideABoxAndThreeInACorner) {
   test::add_box(mesh, {0.25, -1.0, 0.0}, {1.0, 1.0, 0.5});
   test::add_box(mesh, {-1.0, 0.5, 0.0}, {0.25, 1.0, 0.5});
   const ClosestSurface corner(mesh, Pose());
-  ASSERT_EQ(corner.local_minima({0.125, 0.25, 0.0625}, 0.375, found), 3U);
+  const Eigen::Vector3d p(0.125, 0.25, 0.0625);
+  const ClosestSurface::Result closest = *corner.closest(p, 0.375);
+  ASSERT_EQ(corner.local_minima(p, 0.375, closest, found), 3U);
   EXPECT_TRUE(found[0].normal.isApprox(Eigen::Vector3d::UnitZ()));
   EXPECT_TRUE(found[1].normal.isApprox(-Eigen::Vector3d::UnitX()));
   EXPECT_TRUE(found[2].normal.isApprox(-Eigen::Vector3d::UnitY()));
   EXPECT_EQ(found[2].distance, 0.25);
-  EXPECT_EQ(corner.local_minima({0.125, 0.25, 0.0625}, 0.2, found), 2U);
+  EXPECT_EQ(corner.local_minima(p, 0.2, closest, found), 2U);
 }
 
 TEST(ClosestSurface, HasAnOutwardNormalEvenOnTheSurface) {

@@ -131,6 +131,20 @@ TEST(OneBody, IsFreeAndWithoutForceAfterTheTipRetracts) {
   EXPECT_NEAR(state.penetration, -0.05, 1e-12);  // the maximum that is computed
 }
 
+TEST(OneBody, KnowsItsClearanceAsSoonAsTheTipComesNear) {
+  PredictedWorld world = world_of(one_box());
+  const Eigen::Vector3d touching = touching_tip(0.0);
+  const Eigen::Vector3d far = touching - Eigen::Vector3d(0.5, 0.0, 0.0);
+  for (int i = 0; i < 3; ++i) world.step(far, far, 0.001);
+  EXPECT_EQ(world.state()[0].penetration, -0.05);
+  EXPECT_EQ(world.state()[0].phase, MotionPhase::free);
+  const Eigen::Vector3d near = touching - Eigen::Vector3d(0.02, 0.0, 0.0);
+  world.step(far, near, 0.001);
+  EXPECT_NEAR(world.state()[0].penetration, -0.02, 1e-7);
+  world.step(far, far, 0.001);
+  EXPECT_EQ(world.state()[0].penetration, -0.05);
+}
+
 TEST(OneBody, CoastsToAStopByFriction) {
   PredictedWorld world = world_of(one_box());
   std::vector<BodyState> state = world.state();

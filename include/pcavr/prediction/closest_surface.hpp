@@ -36,10 +36,11 @@ class ClosestSurface {
                                               double reach) const noexcept;
 
   /// All points of the surface closer than `reach` [m] than which none in their neighbourhood is
-  /// closer, as a sphere in a corner touches two walls: the closest first; of two in directions
-  /// less than 30 degrees apart the closer one. `p` outside. Returns how many were written: where
-  /// the surface is too fine within reach, the closest alone.
+  /// closer, as a sphere in a corner touches two walls: `closest` of `p` first; of two in
+  /// directions less than 30 degrees apart the closer one. `p` outside. Returns how many were
+  /// written: of a convex surface, or of one too fine within reach, the closest alone.
   [[nodiscard]] std::size_t local_minima(const Eigen::Vector3d& p, double reach,
+                                         const Result& closest,
                                          std::span<Result> found) const noexcept;
 
   [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return nodes_.front().box; }
@@ -49,6 +50,8 @@ class ClosestSurface {
     std::array<Eigen::Vector3d, 3> corner;
     /// Of the face, of the edges 01 12 20 and of the corners, by the closest feature.
     std::array<Eigen::Vector3d, 7> normal;
+    /// Normals of the edges in the triangle's plane, towards its inside, as long as the edges.
+    std::array<Eigen::Vector3d, 3> inward;
   };
   struct Node {
     Eigen::AlignedBox3d box;
@@ -64,6 +67,7 @@ class ClosestSurface {
 
   std::vector<Triangle> triangles_;
   std::vector<Node> nodes_;
+  bool is_convex_;
 };
 
 }  // namespace pcavr::detail
