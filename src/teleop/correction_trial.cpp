@@ -12,11 +12,30 @@ namespace {
 /// Longest prediction [s]: beyond it every push is unstable.
 constexpr double kMaxTrial = 1.0;
 
+class RootMeanSquare {
+ public:
+  void add(double value) {
+    sum_ += value * value;
+    ++count_;
+  }
+  [[nodiscard]] double value() const {
+    return count_ > 0 ? std::sqrt(sum_ / static_cast<double>(count_)) : 0.0;
+  }
+
+ private:
+  double sum_ = 0.0;
+  std::size_t count_ = 0;
+};
+
 }  // namespace
 
 CorrectionTrial::CorrectionTrial(const TeleopInput& world, const std::vector<BodyPhysics>& physics,
                                  const TeleopOptions& options)
-    : rotation_radius_(options.messages.rotation_radius), step_(options.predictor.step) {
+    : rotation_radius_(options.messages.rotation_radius),
+      position_stds_(options.correction_switch.position_stds),
+      min_position_error_(options.correction_switch.min_position_error),
+      force_tolerance_(options.correction_switch.force_tolerance),
+      step_(options.predictor.step) {
   WorldModel model;
   model.tool_radius = world.tool_radius;
   model.gravity = options.gravity();
@@ -42,6 +61,44 @@ std::optional<double> CorrectionTrial::displayed_std(const TriedCorrection& trie
   };
   return std::hypot(distance(end_of(tried, tried.position_std, 0.0)),
                     distance(end_of(tried, 0.0, tried.rotation_std)));
+}
+
+std::optional<double> CorrectionTrial::error_of(const RecordedContact& contact,
+                                                const BodyPhysics& physics) {
+  if (!world_ || contact.seen.empty()) return std::nullopt;
+  std::vector<BodyState> alone = untouched_;
+  for (std::size_t i = 0; i < alone.size(); ++i) alone[i].is_present = i == contact.object;
+  world_->set_state(alone);
+  world_->set_physics(contact.object, physics);
+  world_->set_pose(contact.object, contact.T_base_start);
+  RootMeanSquare position, force, measured_force, seen_std;
+  auto seen = contact.seen.begin();
+  std::size_t next_force = 0;
+  Eigen::Vector3d before = contact.p_base_tip(contact.begin);
+  const auto steps = static_cast<int>(std::lround((contact.end - contact.begin) / step_));
+  for (int k = 1; k <= steps; ++k) {
+    const double t = contact.begin + step_ * k;
+    const Eigen::Vector3d after = contact.p_base_tip(t);
+    world_->step(before, after, step_);
+    before = after;
+    for (; seen != contact.seen.end() && seen->t <= t; ++seen) {
+      const Pose predicted = world_->T_base_object(contact.object);
+      position.add((predicted.translation() - seen->T_base_object.translation())
+                       .dot(contact.direction_base));
+      seen_std.add(seen->position_std / std::sqrt(3.0));
+    }
+    const double predicted =
+        world_->state()[contact.object].tool_force_base.dot(contact.direction_base);
+    for (; next_force < contact.force.t.size() && contact.force.t[next_force] <= t; ++next_force) {
+      const double measured =
+          (contact.force.clean_base[next_force] - contact.bias_base).dot(contact.direction_base);
+      force.add(predicted - measured);
+      measured_force.add(measured);
+    }
+  }
+  const double noticed = std::max(position_stds_ * seen_std.value(), min_position_error_);
+  const double felt = std::max(force_tolerance_ * measured_force.value(), contact.force_resolution);
+  return std::hypot(position.value() / noticed, force.value() / felt);
 }
 
 /// [x y yaw] of the object at the end of the prediction.

@@ -137,6 +137,11 @@ Pose pose_at(const PlanarPose& pose, const Pose& T_base_start) {
   return {q_yaw * T_base_start.rotation(), {pose.x, pose.y, T_base_start.translation().z()}};
 }
 
+double distance(const PlanarPose& a, const PlanarPose& b, double rotation_radius) {
+  return std::hypot(a.x - b.x, a.y - b.y) +
+         rotation_radius * std::abs(std::remainder(a.yaw - b.yaw, 2.0 * M_PI));
+}
+
 std::string describe(const CorrectionMessage& message) {
   const ObjectParameters& changed = message.parameters;
   const bool has_contact = changed.contact_stiffness || changed.contact_damping ||

@@ -26,6 +26,8 @@ struct PlanarPose {
 [[nodiscard]] PlanarPose planar_pose_of(const Pose& T_base_object);
 /// `T_base_start` gives the height and the tilt.
 [[nodiscard]] Pose pose_at(const PlanarPose& pose, const Pose& T_base_start);
+/// [m] A rotation counts at `rotation_radius` [m].
+[[nodiscard]] double distance(const PlanarPose& a, const PlanarPose& b, double rotation_radius);
 
 /// A correction from the robot's site to the operator's. Only what is set is sent.
 struct CorrectionMessage {

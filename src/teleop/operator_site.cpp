@@ -19,12 +19,6 @@ constexpr double kMaxDetectionTime = 1.0;
 // the contact's deflection.
 constexpr double kMotionMargin = 5e-4;
 
-/// [m] Between two poses; a rotation counts at `radius` [m].
-double distance(const PlanarPose& a, const PlanarPose& b, double radius) {
-  return std::hypot(a.x - b.x, a.y - b.y) +
-         radius * std::abs(std::remainder(a.yaw - b.yaw, 2.0 * M_PI));
-}
-
 /// In the order of sequence numbers that wrap around. Only the last few count as old: more than
 /// that may have been lost in a row.
 bool is_newer(std::uint8_t sequence, std::uint8_t received) {

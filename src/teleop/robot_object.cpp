@@ -32,6 +32,9 @@ constexpr double kMaxPenetrationStd = 0.5;
 constexpr double kTypicalFrameInterval = 1.0 / 30.0;
 constexpr std::size_t kMaxGaps = 31;
 
+// Contacts in which parameters are tried.
+constexpr std::size_t kMaxSeenContacts = 3;
+
 }  // namespace
 
 RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
@@ -65,6 +68,7 @@ void RobotObject::forget_learned() {
   learner = ObjectLearner(source_->parameters, learning_, source_->is_movable);
   learner.set_assumed_law(assumed_law_);
   learned.clear();
+  seen_contacts_.clear();
 }
 
 void RobotObject::add_tracked(const TrackedPose& pose) { waiting_.push_back(pose); }
@@ -97,6 +101,7 @@ void RobotObject::update_tracking(double t, double camera_offset) {
     latest_ = averaged_at_rest(seen);
     T_base_object_ = latest_.T_base_object;
     compare_with_before_contact();
+    record_contact(seen);
     detect_slow_slide(seen);
     seen_.push_back(seen);
     if (seen_.size() > kMotionFrames) seen_.pop_front();
@@ -120,6 +125,18 @@ void RobotObject::compare_with_before_contact() {
   has_moved_in_contact_ =
       has_moved_in_contact_ ||
       displacement > std::max(options_.moved_stds * std, options_.min_displacement);
+}
+
+void RobotObject::record_contact(const TrackedPose& seen) {
+  if (!is_pushed()) return;
+  const double begin = monitor.contact_begin();
+  if (seen_contacts_.empty() || seen_contacts_.back().begin != begin) {
+    if (seen_contacts_.size() == kMaxSeenContacts) seen_contacts_.pop_front();
+    seen_contacts_.push_back({begin, before_contact_.T_base_object, monitor.direction_base(), {}});
+  }
+  SeenContact& contact = seen_contacts_.back();
+  contact.direction_base = monitor.direction_base();
+  if (seen.t >= begin && seen.t <= begin + kMaxSeenTime) contact.poses.push_back(seen);
 }
 
 void RobotObject::detect_slow_slide(const TrackedPose& seen) {
@@ -335,12 +352,16 @@ Eigen::Vector3d RobotObject::twist() const {
   return {velocity.x(), velocity.y(), rate};
 }
 
+BodyPhysics RobotObject::physics_with(const ObjectParameters& parameters) const {
+  return complete_physics(parameters, source_->model, source_->T_base_object, gravity_,
+                          unknown_objects_)
+      .physics;
+}
+
 BodyPhysics RobotObject::physics() const {
   ObjectParameters estimate = learner.conservative_estimate();
   if (!estimate.limit_surface) estimate.limit_surface = limit_surface_;
-  BodyPhysics physics =
-      complete_physics(estimate, source_->model, source_->T_base_object, gravity_, unknown_objects_)
-          .physics;
+  BodyPhysics physics = physics_with(estimate);
   if (const auto offset = surface_offset(physics.contact)) {
     physics.surface_offset = source_->T_base_object.rotation() * *offset;
   }

@@ -76,6 +76,18 @@ class RobotObject {
   /// Current estimate of [vx vy omega].
   [[nodiscard]] Eigen::Vector3d twist() const;
 
+  /// How the object went in one of its last contacts, for trials of parameters.
+  struct SeenContact {
+    double begin = 0.0;  ///< [s]
+    Pose T_base_start;
+    Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();
+    std::vector<TrackedPose> poses;  ///< of its first kMaxSeenTime
+  };
+  static constexpr double kMaxSeenTime = 4.0;  ///< [s] a trial of more would hold up the site
+  [[nodiscard]] const std::deque<SeenContact>& seen_contacts() const { return seen_contacts_; }
+  /// The physics that the operator's site has with these parameters.
+  [[nodiscard]] BodyPhysics physics_with(const ObjectParameters& parameters) const;
+
   /// The physics used at this site: identified parameters, completed by defaults.
   [[nodiscard]] BodyPhysics physics() const;
   /// The same as parameters that the operator's site is to have.
@@ -132,6 +144,7 @@ class RobotObject {
   /// The mean of the newest frames while the object rests: their noise is no motion.
   [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
   void compare_with_before_contact();
+  void record_contact(const TrackedPose& seen);
   /// Slides that tracking shows although force and motion do not.
   void detect_slow_slide(const TrackedPose& seen);
   void measure_interval(double t);
@@ -169,6 +182,7 @@ class RobotObject {
   bool is_seen_moving_ = false;
   TrackedPose before_contact_;  ///< the latest frame before the contact
   bool has_moved_in_contact_ = false;
+  std::deque<SeenContact> seen_contacts_;  ///< the newest
   SlowSlide slow_slide_;
   std::optional<double> slow_contact_begin_ = {};             ///< [s] of its contact
   Eigen::Vector3d touched_object_ = Eigen::Vector3d::Zero();  ///< [m] at first touch

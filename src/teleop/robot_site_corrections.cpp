@@ -22,8 +22,9 @@ constexpr double kTipSpeedTime = 0.05;
 constexpr double kGrowthStds = 1.0;
 // [stds] of the estimate: a smaller difference of two poses at rest is noise.
 constexpr double kRestStds = 2.0;
-
-double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
+// Parameters are sent unless the prediction of a contact grows worse by this factor: its error has
+// other causes too.
+constexpr double kMaxErrorRatio = 1.5;
 
 /// That of the push; of the force itself where this has turned away from it, as in a hole, where
 /// the tip goes on from a wall to the floor.
@@ -69,9 +70,7 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   const PoseEstimate estimate = object.estimate_pose(sample, prediction.pose);
   if (!options_.with_corrections) return;
   const PlanarPose here = planar_pose_of(estimate.T_base_object);
-  const double gap =
-      std::hypot(here.x - prediction.pose.x, here.y - prediction.pose.y) +
-      options_.messages.rotation_radius * std::abs(wrapped(here.yaw - prediction.pose.yaw));
+  const double gap = distance(here, prediction.pose, options_.messages.rotation_radius);
   SiteComparison seen;
   seen.t = sample.t;
   seen.robot_slides = slides(object.monitor.phase());
@@ -137,6 +136,37 @@ bool RobotSite::grows_beyond(double gap, std::size_t index, const CorrectionMess
   return displayed && kGrowthStds * *displayed > gap;
 }
 
+bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& parameters) {
+  const RobotObject& object = objects_[index];
+  if (is_empty(parameters) || object.is_shared || !has_force(now_)) return false;
+  ObjectParameters next = object.acknowledged;
+  overwrite(next, parameters);
+  const BodyPhysics before = object.physics_with(object.acknowledged);
+  BodyPhysics after = object.physics_with(next);
+  const Eigen::Vector3d offset = after.surface_offset;
+  for (const RobotObject::SeenContact& seen : object.seen_contacts()) {
+    const double end = std::min(seen.begin + RobotObject::kMaxSeenTime, processed_);
+    if (seen.begin < tip_.t().front()) continue;
+    RecordedContact contact{.object = index,
+                            .begin = seen.begin,
+                            .end = end,
+                            .T_base_start = seen.T_base_start,
+                            .direction_base = seen.direction_base,
+                            .seen = seen.poses,
+                            .force = force_.between(seen.begin, end),
+                            .bias_base = bias_base_,
+                            .force_resolution = sensors_.enter_force,
+                            .p_base_tip = [this](double t) { return tip_.at(t); }};
+    // The surface is measured on the face that is touched now: another one's need not change.
+    const bool is_newest = &seen == &object.seen_contacts().back();
+    after.surface_offset = is_newest ? offset : before.surface_offset;
+    const std::optional<double> error = trial_.error_of(contact, before);
+    if (!error) continue;
+    if (*trial_.error_of(contact, after) > std::max(1.0, kMaxErrorRatio * *error)) return true;
+  }
+  return false;
+}
+
 Eigen::Vector3d RobotSite::p_base_tip_at(double t) const {
   const double end = tip_.t().back();
   if (t <= end) return tip_.at(t);
@@ -190,6 +220,7 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
   }
   message.parameters = parameters_to_send(
       changed, which, object.correction_switch.forces_agree(seen), options_.messages);
+  if (worsens_contacts(index, message.parameters)) message.parameters = {};
   if (which == CorrectionCase::touched_by_robot && message.pose) {
     const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
     message.tool_retraction = -inside * object.monitor.direction_base();

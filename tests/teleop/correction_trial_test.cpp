@@ -3,7 +3,9 @@
 #include "teleop/correction_trial.hpp"
 
 #include <cmath>
+#include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "pcavr/prediction/body_physics.hpp"
@@ -13,22 +15,33 @@
 namespace pcavr {
 namespace {
 
+constexpr double kHalfBox = 0.05;
+
+/// A box of 1 kg.
+TeleopInput one_box_input() {
+  TeleopInput world;
+  world.objects.push_back({"box",
+                           box_model("box", Eigen::Vector3d::Constant(kHalfBox)),
+                           Pose::from_translation({0.0, 0.0, kHalfBox}),
+                           {},
+                           {}});
+  world.objects[0].parameters.mass = ParameterValue{1.0};
+  return world;
+}
+
+BodyPhysics physics_of(const TeleopObject& object, const TeleopOptions& options) {
+  return complete_physics(object.parameters, object.model, object.T_base_object, options.gravity(),
+                          options.unknown_objects)
+      .physics;
+}
+
 /// [m] Displayed std of the corrected pose of a box that is pushed for 0.4 s along x by a tip of
 /// `speed` [m/s] that begins at `gap` [m] before its face.
 double displayed_std(double speed, double gap) {
-  constexpr double kHalf = 0.05;
-  TeleopInput world;
-  world.objects.push_back({"box",
-                           box_model("box", Eigen::Vector3d::Constant(kHalf)),
-                           Pose::from_translation({0.0, 0.0, kHalf}),
-                           {},
-                           {}});
+  const TeleopInput world = one_box_input();
   const TeleopOptions options;
-  TeleopObject& box = world.objects[0];
-  box.parameters.mass = ParameterValue{1.0};
-  const BodyPhysics physics = complete_physics(box.parameters, box.model, box.T_base_object,
-                                               options.gravity(), options.unknown_objects)
-                                  .physics;
+  const TeleopObject& box = world.objects[0];
+  const BodyPhysics physics = physics_of(box, options);
   CorrectionTrial trial(world, {physics}, options);
   TriedCorrection tried;
   tried.until = 0.4;
@@ -37,7 +50,7 @@ double displayed_std(double speed, double gap) {
   tried.position_std = 1e-4;
   tried.rotation_std = 1e-3;
   tried.p_base_tip = [&](double t) {
-    return Eigen::Vector3d(-kHalf - world.tool_radius - gap + speed * t, 0.0, kHalf);
+    return Eigen::Vector3d(-kHalfBox - world.tool_radius - gap + speed * t, 0.0, kHalfBox);
   };
   return trial.displayed_std(tried).value();
 }
@@ -52,6 +65,74 @@ TEST(CorrectionTrial, FindsThatAPushChangesTheNoiseOnlyALittleInTheMiddleOfAFace
   EXPECT_GT(pushed, 5e-5);
   EXPECT_LT(pushed, 5e-4);
   EXPECT_NE(pushed, displayed_std(0.0, 0.01));
+}
+
+/// A push of the box at 20 mm/s for a second, whose face's force and place are those of a body
+/// that breaks loose at `limit` [N] and slides at `friction` [N] by a linear contact law.
+struct Push {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force_base;
+  RecordedContact contact;
+
+  Push(double stiffness, double limit, double friction, double tool_radius) {
+    constexpr double kSpeed = 0.02;
+    double moved = 0.0;
+    for (int i = 1; i <= 1000; ++i) {
+      const double tip = kSpeed * 1e-3 * i;
+      const bool has_slid = moved > 0.0;
+      if (has_slid || stiffness * tip > limit) moved = tip - friction / stiffness;
+      t.push_back(1e-3 * i);
+      force_base.emplace_back(stiffness * (tip - moved), 0.0, 0.0);
+      if (i % 33 != 0) continue;
+      // It turns more and more, as a push at one point lets it: that is no matter of parameters.
+      const Eigen::Quaterniond turned(Eigen::AngleAxisd(2.0 * moved, Eigen::Vector3d::UnitZ()));
+      contact.seen.push_back({1e-3 * i, Pose(turned, {moved, 0.3 * moved, kHalfBox}), 1e-4, 1e-3});
+    }
+    contact.end = 1.0;
+    contact.T_base_start = Pose::from_translation({0.0, 0.0, kHalfBox});
+    contact.force = {t, force_base};
+    contact.force_resolution = 0.2;
+    contact.p_base_tip = [tool_radius](double now) {
+      return Eigen::Vector3d(-kHalfBox - tool_radius + kSpeed * now, 0.0, kHalfBox);
+    };
+  }
+  Push(const Push&) = delete;  // the contact refers to the samples
+  Push& operator=(const Push&) = delete;
+};
+
+TEST(CorrectionTrial, FindsWhichParametersAContactAgreesWith) {
+  TeleopInput world = one_box_input();
+  const TeleopOptions options;
+  ObjectParameters& known = world.objects[0].parameters;
+  known.mass = ParameterValue{0.5};
+  known.contact_stiffness = ParameterValue{4000.0};
+  known.contact_damping = ParameterValue{20.0};
+  known.contact_exponent = ParameterValue{1.0};
+  known.limiting_static_friction = ParameterValue{4.2};
+  known.sliding_friction_coefficient = ParameterValue{4.0 / (0.5 * options.gravity())};
+  known.viscous_friction = ParameterValue{0.0};
+  const BodyPhysics right = physics_of(world.objects[0], options);
+  CorrectionTrial trial(world, {right}, options);
+  const Push push(4000.0, 4.2, 4.0, world.tool_radius);
+  const double least = trial.error_of(push.contact, right).value();
+  EXPECT_LT(least, 1.0);
+  BodyPhysics wrong = right;
+  wrong.friction.coulomb_force *= 0.7;
+  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+  wrong = right;
+  wrong.contact.stiffness *= 0.3;
+  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+  wrong = right;
+  wrong.friction.limiting_force *= 3.0;
+  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+}
+
+TEST(CorrectionTrial, HasNoErrorOfAContactInWhichTheObjectWasNotSeen) {
+  const TeleopInput world = one_box_input();
+  const TeleopOptions options;
+  const BodyPhysics physics = physics_of(world.objects[0], options);
+  CorrectionTrial trial(world, {physics}, options);
+  EXPECT_FALSE(trial.error_of({}, physics));
 }
 
 }  // namespace
