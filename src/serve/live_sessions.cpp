@@ -221,7 +221,7 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
       if (has_control) return world_.release_emergency_stop();
       break;
     case LiveCommand::undo_reset:
-      if (has_control) return world_.undo_reset();
+      if (has_control) return undo_reset(now);
       break;
     case LiveCommand::take_tool:
       return take_tool(id, now);
@@ -260,6 +260,12 @@ void LiveSessions::reset(PageId id, double now) {
   send_notice_to_all(LiveLevel::info,
                      moved.empty() ? "reset: nothing had moved" : "back at the start: " + moved,
                      now);
+}
+
+void LiveSessions::undo_reset(double now) {
+  if (!world_.newest().world.can_undo_reset) return;
+  world_.undo_reset();
+  send_notice_to_all(LiveLevel::info, "reset undone: the objects are where they were", now);
 }
 
 void LiveSessions::send_notice_to_all(LiveLevel level, const std::string& text, double now) {

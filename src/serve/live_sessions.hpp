@@ -62,6 +62,7 @@ class LiveSessions {
   void handle_command(PageId page, LiveCommand command, double now);
   void send_notice_to_all(LiveLevel level, const std::string& text, double now);
   void reset(PageId page, double now);
+  void undo_reset(double now);
   void change_time_scale(bool is_faster);
   void take_tool(PageId page, double now);
   void keep_tool(PageId page, double now);

@@ -95,6 +95,7 @@ test('starting over can be undone until a body is touched', limit, async () => {
   await undo.waitFor();
   await screenshot(page, 'undo-offered');
   await undo.click();
+  await page.getByText('reset undone').first().waitFor();
   await until(() => isAt(pushed), 'the box where it was pushed to');
   await undo.waitFor({ state: 'hidden' });
   await until(async () => {
