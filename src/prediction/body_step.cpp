@@ -132,15 +132,18 @@ class BodyStepper {
                                 state_.planar.yaw);
   }
 
-  /// What the contact number `index` of `contacts` was at the begin: with one face at both ends,
-  /// the same; else that of the same normal.
-  [[nodiscard]] ContactBegin begin_of(const TipContacts& contacts,
-                                      std::size_t index) const noexcept {
-    if (contacts.count == 1 && contacts_.count == 1 && state_.grip_count == 0) {
+  /// What the contact number `index` of `contacts` was at the begin: that of the same normal. A
+  /// face that was not touched then is penetrated at the speed of the tip's `displacement` relative
+  /// to it [m]: by the surface's offset, the depths of two faces differ where they meet.
+  [[nodiscard]] ContactBegin begin_of(const TipContacts& contacts, std::size_t index,
+                                      const Eigen::Vector3d& displacement) const noexcept {
+    const Eigen::Vector3d& normal = contacts.all[index].normal;
+    const bool is_single = contacts.count == 1 && contacts_.count == 1 && state_.grip_count == 0;
+    if (is_single && contacts_.deepest().normal.dot(normal) > kSameFace) {
       return {contacts_.deepest().depth, state_.tangential_deflection_base};
     }
-    const Eigen::Vector3d& normal = contacts.all[index].normal;
     ContactBegin begin;
+    begin.depth = contacts.all[index].depth + normal.dot(displacement);
     double max_cosine = kSameFace;
     for (int i = 0; i < contacts_.count; ++i) {
       const TipContact& contact = contacts_.all[static_cast<std::size_t>(i)];
@@ -222,7 +225,7 @@ class BodyStepper {
     const double time = share * dt_;
     for (std::size_t i = 0; i < static_cast<std::size_t>(load.contacts.count); ++i) {
       const TipContact& contact = load.contacts.all[i];
-      const ContactBegin begin = begin_of(load.contacts, i);
+      const ContactBegin begin = begin_of(load.contacts, i, displacement);
       const double rate = time > 0.0 ? (contact.depth - begin.depth) / time : 0.0;
       Eigen::Vector3d deflection = Eigen::Vector3d::Zero();
       if (begin.depth > 0.0) deflection = begin.deflection + displacement;
@@ -293,12 +296,12 @@ class BodyStepper {
                            planar.yaw - state_.planar.yaw};
     for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
       const TipContact& contact = contacts.all[i];
-      const ContactBegin at_begin = begin_of(contacts, i);
+      Eigen::Vector3d slip = tip_.to - tip_.from;
+      slip.head<2>() -= own.at(contact.arm);
+      const ContactBegin at_begin = begin_of(contacts, i, slip);
       if (!(contact.depth > 0.0 || at_begin.depth > 0.0)) continue;
       const double begin = std::max(at_begin.depth, 0.0);
       const double end = end_share < 1.0 ? std::max(contact.depth, 0.0) : contact.depth;
-      Eigen::Vector3d slip = tip_.to - tip_.from;
-      slip.head<2>() -= own.at(contact.arm);
       Eigen::Vector3d deflection = end_share * slip;
       if (at_begin.depth > 0.0) deflection += at_begin.deflection;
       load.tips[i] =

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -63,11 +64,15 @@ TipContacts find_tip_contacts(const UprightBody& body, const PlanarState& planar
   const auto closest = body.surface().closest(p, radius + kMaxClearance);
   if (!closest) return contacts;
   contacts.all[0] = contact_at(body, turn, *closest, radius);
-  if (!(contacts.deepest().depth > 0.0)) return contacts;
+  // By its offset a face may be touched before the tip's sphere is, and deeper than a closer one.
+  const double reach = radius + body.physics().surface_offset.norm();
+  if (!(closest->distance < reach)) return contacts;
   std::array<ClosestSurface::Result, BodyState::kMaxGrips> minima;
-  const std::size_t found = body.surface().local_minima(p, radius, *closest, minima);
+  const std::size_t found = body.surface().local_minima(p, reach, *closest, minima);
   for (std::size_t i = 1; i < found; ++i) {
-    const TipContact contact = contact_at(body, turn, minima[i], radius);
+    TipContact contact = contact_at(body, turn, minima[i], radius);
+    if (!(contact.depth > 0.0)) continue;
+    if (contact.depth > contacts.deepest().depth) std::swap(contact, contacts.all[0]);
     if (contact.depth > 0.0) contacts.all[static_cast<std::size_t>(contacts.count++)] = contact;
   }
   return contacts;

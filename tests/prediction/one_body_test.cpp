@@ -54,6 +54,33 @@ TEST(OneBody, ThatIsImmovableKeepsItsPoseAndIsPenetratedByTheContactLaw) {
   EXPECT_EQ(state.phase, MotionPhase::static_contact);
 }
 
+TEST(OneBody, IsPenetratedAtTheTipsSpeedOnAFaceWhoseSurfaceIsOffset) {
+  // A floor and a wall, whose measured surface lies 0.7 mm before its CAD face.
+  WorldModel model = one_box();
+  TriangleMesh& mesh = model.bodies[0].model.mesh_object;
+  mesh = {};
+  test::add_box(mesh, {-0.1, -0.1, -0.05}, {0.1, 0.1, 0.0});
+  test::add_box(mesh, {0.05, -0.1, 0.0}, {0.1, 0.1, 0.05});
+  model.bodies[0].T_base_object = Pose();
+  model.bodies[0].is_movable = false;
+  BodyPhysics& physics = model.bodies[0].physics;
+  physics.contact = {4e6, 3e7, 1.5};
+  physics.tool_friction = 0.0;
+  physics.surface_offset = {-0.0007, 0.0, 0.0};
+  PredictedWorld world = world_of(model);
+  // On the floor, 0.1 mm deep, towards the wall at 20 mm/s, and 0.2 mm into its surface.
+  const double radius = model.tool_radius, z = radius - 1e-4;
+  const auto tip_at = [&](double t) {
+    return Eigen::Vector3d(0.05 - radius - 0.0015 + 0.02 * t, 0.0, z);
+  };
+  double max_force = 0.0;
+  for (int i = 0; i < 50; ++i) {
+    world.step(tip_at(1e-3 * i), tip_at(1e-3 * (i + 1)), 1e-3);
+    max_force = std::max(max_force, world.state()[0].tool_force_base.x());
+  }
+  EXPECT_NEAR(max_force, std::pow(2e-4, 1.5) * (4e6 + 3e7 * 0.02), 0.01);
+}
+
 TEST(OneBody, BreaksLooseAtTheLimitingForce) {
   PredictedWorld world = world_of(one_box());
   double max_force = 0.0;
