@@ -113,6 +113,7 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses, double min_mass_
   fit.residual = std::sqrt(estimate.residual_variance * (samples - 3.0) / samples);
   fit.relative_error = fit.residual / std::sqrt(energy / samples);
   fit.is_valid = fit.stiffness.is_excited && fit.stiffness.value > 0.0;
+  if (fit.is_valid) fit.penetration_std = fit.stiffness.std / fit.stiffness.value;
   for (const PressSamples& press : presses) {
     const ContactSample mean = press.samples.empty() ? ContactSample{} : mean_of(press.samples);
     const double lift =

@@ -234,6 +234,17 @@ void set_parameters(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covaria
   fit.exponent = parameter(theta[2], shared(2, 2));
 }
 
+/// Relative, of d = depth (F / force)^(1/n), at its largest from `kMinForceShare` of `force` on.
+double penetration_std(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance) {
+  constexpr double kMinForceShare = 0.25;
+  const auto at = [&](double force_share) {
+    const Eigen::Vector3d by(-1.0 / (theta[2] * theta[0]), 0.0,
+                             -std::log(force_share) / (theta[2] * theta[2]));
+    return std::sqrt(std::max(by.dot(covariance.topLeftCorner<3, 3>() * by), 0.0));
+  };
+  return std::max(at(kMinForceShare), at(1.0));
+}
+
 /// [m/s] of the tip in contact.
 double max_speed(const std::vector<PressSamples>& presses) {
   double speed = 0.0;
@@ -308,6 +319,7 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
   Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
   if (problem.is_exponent_given()) covariance(2, 2) = 0.0;
   set_parameters(theta, covariance, problem.depth(), fit);
+  fit.penetration_std = penetration_std(theta, covariance);
   // A small damping is as well known as a large one: it is excited where its error hardly changes
   // the force at the speeds of the presses.
   if (fit.damping.std * max_speed(presses) < kMaxDampingShare * fit.stiffness.value) {

@@ -226,12 +226,10 @@ void ObjectLearner::learn_contact() {
   const ContactIdentification identified =
       identify_contact(has_presses ? presses : static_parts, options);
   const ContactFit& fit = identified.best();
-  if (!fit.is_valid || !fit.stiffness.is_excited || fit.relative_error > options_.max_fit_error)
-    return;
+  if (!fit.is_valid || fit.relative_error > options_.max_fit_error) return;
   // The three parameters are correlated: compared by the penetration that they predict.
   const double relative_std =
-      std::hypot(fit.stiffness.std / fit.stiffness.value / fit.exponent.value,
-                 extrapolation_std(fit, has_presses ? presses : static_parts));
+      std::hypot(fit.penetration_std, extrapolation_std(fit, has_presses ? presses : static_parts));
   if (relative_std > options_.max_penetration_std) return;
   const std::optional<HuntCrossley> old = contact_law_of(known_);
   if (old && given_.contact_stiffness) {

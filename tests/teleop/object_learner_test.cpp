@@ -57,6 +57,31 @@ TEST(ObjectLearner, KeepsAGivenLawAtTheStartOfAContact) {
   }
 }
 
+/// A short press of a hard face, from above: stiffness and exponent are known to a third only, but
+/// not apart from each other, so that the penetration is.
+TEST(ObjectLearner, LearnsALawWhoseErrorsCompensateEachOther) {
+  constexpr double kHard = 6.4e6, kCurved = 1.53, kSpeed = 0.002;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Random random(seed);
+    std::vector<double> t;
+    std::vector<Eigen::Vector3d> force, tip;
+    for (double at = -0.3; at < 0.4; at += 0.002) {
+      const double depth = kSpeed * std::min(std::max(0.0, at), 0.27);
+      const double load = kHard * std::pow(depth, kCurved);
+      t.push_back(at);
+      force.emplace_back(0.2 * random.normal(), 0.2 * random.normal(),
+                         -load + 0.2 * random.normal());
+      tip.emplace_back(2e-5 * random.normal(), 2e-5 * random.normal(),
+                       -kSpeed * std::min(at, 0.27) + 2e-5 * random.normal());
+    }
+    ObjectLearner learner({});
+    learner.learn({t, force, t, tip}, 0.0, {});
+    ASSERT_TRUE(learner.known().contact_stiffness) << seed;
+    const double expected = std::pow(40.0 / kHard, 1.0 / kCurved);
+    EXPECT_NEAR(penetration_of(learner.known()) / expected, 1.0, 0.1) << seed;
+  }
+}
+
 /// A slow push under which the object gives way by 2 mm at 2.3 N, as on a loose sheet, before
 /// it breaks away at 19 N and slides at 15 N.
 struct LoosePush {

@@ -49,6 +49,9 @@ struct ContactFit {
   /// n; 1 for mass_damper_spring, with the distance of the Hunt-Crossley fit's exponent from 1 as
   /// its std: a tie chooses the linear law, and does not make its exponent exact.
   IdentifiedParameter exponent;
+  /// Relative std of the penetration by this law, from a quarter of the presses' largest force on:
+  /// much smaller than that of k, whose errors those of n compensate.
+  double penetration_std = 0.0;
   std::vector<double> surface;  ///< [m] tool coordinate at which x = 0, one for each press that
                                 ///< touched
   double residual = 0.0;        ///< [N] rms of measured minus estimated, smoothed force
