@@ -114,8 +114,13 @@ void Ros2Intake::on_message(std::size_t topic, std::span<const std::uint8_t> mes
   const Expected<RosMessage> decoded = decode_ros_message(type, message);
   if (!decoded) return note(topic, decoded.error().message + ": ignored", now);
   if (const auto* pose = std::get_if<RosPose>(&*decoded)) {
-    return subscription.role == Role::tool ? on_tool(topic, *pose, now)
-                                           : on_object(topic, *pose, now);
+    if (subscription.role == Role::object) return on_object(topic, *pose, now);
+    const std::optional<Pose> T_base_tool = in_base(topic, *pose, now);
+    if (T_base_tool) on_tool(topic, *T_base_tool, pose->header.stamp, now);
+    return;
+  }
+  if (const auto* state = std::get_if<RosJointState>(&*decoded)) {
+    return on_joints(topic, *state, now);
   }
   if (const auto* wrench = std::get_if<RosWrench>(&*decoded)) return on_wrench(topic, *wrench, now);
   if (const auto* transforms = std::get_if<RosTransforms>(&*decoded)) {
@@ -180,14 +185,23 @@ bool Ros2Intake::advances(std::size_t topic, double t) {
   return true;
 }
 
-void Ros2Intake::on_tool(std::size_t topic, const RosPose& pose, double now) {
-  const std::optional<Pose> T_base_tool = in_base(topic, pose, now);
-  if (!T_base_tool) return;
-  const double t = local_time(topic, pose.header.stamp, now);
+void Ros2Intake::on_joints(std::size_t topic, const RosJointState& state, double now) {
+  if (!joints_) return;
+  const Expected<Pose> T_base_tool = joints_->T_base_tool(state);
+  if (!T_base_tool) return note(topic, T_base_tool.error().message + ": ignored", now);
+  if (!is_in_range(T_base_tool->translation())) {
+    return note(topic, "position is beyond 10 km: ignored", now);
+  }
+  on_tool(topic, *T_base_tool, state.header.stamp, now);
+}
+
+void Ros2Intake::on_tool(std::size_t topic, const Pose& T_base_tool,
+                         const std::optional<Stamp>& stamp, double now) {
+  const double t = local_time(topic, stamp, now);
   if (!advances(topic, t)) return;
-  tool_ = Tool{*T_base_tool, now};
+  tool_ = Tool{T_base_tool, now};
   Ros2Sample sample{.kind = Ros2Sample::Kind::tool, .t = t};
-  store(*T_base_tool, sample.values);
+  store(T_base_tool, sample.values);
   push(sample);
 }
 

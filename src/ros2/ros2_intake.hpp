@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pcavr/core/record_queue.hpp"
@@ -19,6 +20,8 @@
 #include "pcavr/ros2/ros2_setup.hpp"
 #include "pcavr/rosbag/ros_messages.hpp"
 #include "pcavr/rosbag/transform_tree.hpp"
+
+#include "ros2_joints.hpp"
 
 namespace pcavr {
 
@@ -87,6 +90,9 @@ class Ros2Intake {
                                          std::span<const std::uint8_t> message, double now)>;
   void set_picture_sink(PictureSink sink) { pictures_ = std::move(sink); }
 
+  /// Gives the tool's pose where its topic has joint states.
+  void set_joints(Ros2ToolJoints joints) { joints_ = std::move(joints); }
+
   /// A message of subscriptions_of()[topic] that arrived at `now` [s].
   void on_message(std::size_t topic, std::span<const std::uint8_t> message, double now);
 
@@ -108,7 +114,9 @@ class Ros2Intake {
   [[nodiscard]] double local_time(std::size_t topic, const std::optional<Stamp>& stamp, double now);
 
  private:
-  void on_tool(std::size_t topic, const RosPose& pose, double now);
+  void on_joints(std::size_t topic, const RosJointState& state, double now);
+  void on_tool(std::size_t topic, const Pose& T_base_tool, const std::optional<Stamp>& stamp,
+               double now);
   void on_wrench(std::size_t topic, const RosWrench& wrench, double now);
   void on_object(std::size_t topic, const RosPose& pose, double now);
   void on_transforms(const RosTransforms& transforms);
@@ -124,6 +132,7 @@ class Ros2Intake {
   RecordQueue& samples_;
   Ros2Notices& notices_;
   PictureSink pictures_;
+  std::optional<Ros2ToolJoints> joints_;
   std::optional<Tool> tool_;
   std::vector<std::optional<double>> last_;  ///< [s] by topic: of the last sample
   std::mutex mutex_;                         ///< of what follows

@@ -73,6 +73,11 @@ class Ros2Robot final : public RobotInterface {
   }
 
   [[nodiscard]] std::optional<Error> start(const Ros2Opener& open, const TeleopInput& world) {
+    if (!setup_.tool_urdf.empty()) {
+      Expected<Ros2ToolJoints> joints = read_tool_joints(setup_);
+      if (!joints) return joints.error();
+      intake_.set_joints(std::move(*joints));
+    }
     if (setup_.camera) {
       Expected<std::unique_ptr<Ros2CameraTracker>> camera =
           make_ros2_camera(*setup_.camera, world, intake_, pictures_);

@@ -23,6 +23,7 @@ constexpr InputRange kDistance{"distance", 1e-4, 1.0, "m", "from a sensor's nois
 constexpr InputRange kStd{"standard deviation", 1e-6, 0.1, "m", "of a tracker"};
 
 constexpr char kPoseType[] = "geometry_msgs/msg/PoseStamped";
+constexpr char kJointType[] = "sensor_msgs/msg/JointState";
 constexpr char kWrenchType[] = "geometry_msgs/msg/WrenchStamped";
 constexpr char kTransformType[] = "tf2_msgs/msg/TFMessage";
 constexpr char kImageType[] = "sensor_msgs/msg/Image";
@@ -100,9 +101,16 @@ std::uint32_t domain_of(const YamlValue& root) {
   return static_cast<std::uint32_t>(domain);
 }
 
-void read_tool(const YamlValue& value, Ros2Setup& setup) {
-  value.expect_keys({"topic", "reliability", "durability", "depth", "frame"});
-  setup.tool = read_topic(value, kPoseType, {.depth = 50});
+void read_tool(const YamlValue& value, const std::filesystem::path& folder, Ros2Setup& setup) {
+  value.expect_keys({"topic", "reliability", "durability", "depth", "frame", "urdf", "link"});
+  const auto urdf = value.find("urdf");
+  setup.tool = read_topic(value, urdf ? kJointType : kPoseType, {.depth = 50});
+  if (urdf) {
+    setup.tool_urdf = folder / urdf->text();
+    setup.tool_link = setup.tool_frame = value.at("link").text();
+  } else if (const auto link = value.find("link")) {
+    link->fail("needs urdf", "add urdf, or remove it");
+  }
   if (const auto frame = value.find("frame")) setup.tool_frame = read_frame(*frame);
 }
 
@@ -179,7 +187,7 @@ Ros2Setup read_setup(const YamlValue& root, const std::filesystem::path& folder)
   if (const auto given = root.find("silence_timeout")) {
     setup.silence_timeout = given->number_in(kTimeout);
   }
-  read_tool(root.at("tool"), setup);
+  read_tool(root.at("tool"), folder, setup);
   if (const auto given = root.find("wrench")) read_wrench(*given, setup);
   if (const auto given = root.find("transforms")) read_transforms(*given, setup);
   if (const auto given = root.find("objects")) read_objects(*given, setup);

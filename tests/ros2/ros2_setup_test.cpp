@@ -48,6 +48,19 @@ command: {topic: /target, rate: 250, max_distance: 0.1}
   EXPECT_EQ(setup->command_rate, 250.0);
 }
 
+TEST(Ros2Setup, ReadsJointStatesInPlaceOfPoses) {
+  const std::string begin = "format: pcavr-ros2/1\n";
+  const auto setup = parse_ros2_setup(
+      begin + "tool: {topic: /joint_states, urdf: arm.urdf, link: tool0}\n", "folder/ros2.yaml");
+  ASSERT_TRUE(setup) << setup.error().to_string();
+  EXPECT_EQ(setup->tool.type, "sensor_msgs/msg/JointState");
+  EXPECT_EQ(setup->tool_urdf, "folder/arm.urdf");
+  EXPECT_EQ(setup->tool_link, "tool0");
+  EXPECT_EQ(setup->tool_frame, "tool0");
+  EXPECT_FALSE(parse_ros2_setup(begin + "tool: {topic: /t, link: tool0}\n", "ros2.yaml"));
+  EXPECT_FALSE(parse_ros2_setup(begin + "tool: {topic: /t, urdf: arm.urdf}\n", "ros2.yaml"));
+}
+
 TEST(Ros2Setup, SaysWhatIsWrongAndWhere) {
   const auto error_of = [](const std::string& lines) {
     const auto setup = parse_ros2_setup("format: pcavr-ros2/1\n" + lines, "ros2.yaml");

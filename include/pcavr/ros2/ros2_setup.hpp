@@ -33,7 +33,9 @@ struct Ros2Setup {
   std::string base_frame = "base_link";
   double start_timeout = 10.0;    ///< [s] for the tool's first pose
   double silence_timeout = 0.25;  ///< [s] without the tool's pose: nothing is commanded
-  Ros2Topic tool;                 ///< geometry_msgs/msg/PoseStamped
+  Ros2Topic tool;  ///< geometry_msgs/msg/PoseStamped, or sensor_msgs/msg/JointState with a URDF
+  std::filesystem::path tool_urdf = {};  ///< of the joints; empty: `tool` has poses
+  std::string tool_link = {};            ///< of the URDF, at the tip
   std::string tool_frame = {};  ///< of the axes of `tool`'s orientation; empty: none has that name
   std::optional<Ros2Topic> wrench = {};  ///< geometry_msgs/msg/WrenchStamped
   std::string wrench_frame = {};         ///< in place of the messages' frame_id, if not empty

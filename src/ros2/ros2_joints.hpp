@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/ros2/ros2_setup.hpp"
+#include "pcavr/rosbag/ros_messages.hpp"
+
+namespace pcavr {
+
+/// The tool's pose by forward kinematics of a peer's joint positions.
+class Ros2ToolJoints {
+ public:
+  /// Throws ContractError for links that the model does not have; `base` is fixed to the root.
+  Ros2ToolJoints(const RobotModel& model, std::size_t base, std::size_t tip);
+
+  /// An Error for positions that are missing, not finite or beyond their limits. Names are in any
+  /// order; joints that do not move the tool, as those of a gripper, need not be there.
+  [[nodiscard]] Expected<Pose> T_base_tool(const RosJointState& state);
+
+ private:
+  struct Joint {
+    std::string name;
+    Eigen::Index coordinate = 0;
+    double lower = 0.0;  ///< [rad] or [m], with the tolerance of a measured position
+    double upper = 0.0;
+  };
+  std::vector<Joint> joints_;  ///< those that move the tool
+  RobotDynamics kinematics_;
+  std::size_t tip_;
+  Pose T_base_root_;
+  Eigen::VectorXd q_;
+};
+
+/// Reads the description that `setup` names. An Error where it can't be read, or has no such links.
+[[nodiscard]] Expected<Ros2ToolJoints> read_tool_joints(const Ros2Setup& setup);
+
+}  // namespace pcavr
