@@ -162,6 +162,8 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     const IdentifiableObject& object = input.objects[i];
     ObjectIdentification& found = result.objects.emplace_back(begin_object(object, input.known));
     const std::vector<TrackedPose> tracked = on_clock(object.tracked, result.inputs.camera_shift());
+    const BodyMotion motion{object.model, tracked};
+    identify_tool_friction_of(result.contacts, i, motion, tip, input.tool_radius, found);
     if (object.is_movable) leave_out_moved_presses(result.contacts, i, tracked, tip);
     const bool has_contact_law = found.parameters.contact_stiffness.has_value();
     if (goal == IdentificationGoal::contact || !has_contact_law) {
@@ -169,7 +171,6 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
       identify_surface_offset(result.contacts, i, object, input.tool_radius, tip, found);
     }
     if (goal == IdentificationGoal::friction && object.is_movable) {
-      const BodyMotion motion{object.model, tracked};
       identify_friction_of(result.contacts, i, object.mass, motion, tip, input.tool_radius, options,
                            found);
       check_press_lines(result.contacts, i, options.inputs.segmentation.breakaway, found);

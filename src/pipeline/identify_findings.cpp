@@ -110,6 +110,14 @@ void state_restitution(const ObjectIdentification& found, Findings& findings) {
                "");
 }
 
+void state_tool_friction(const ObjectIdentification& found, Findings& findings) {
+  if (!found.parameters.tool_friction_coefficient) return;
+  findings.add("tool_friction_coefficient", "", found.parameters.tool_friction_coefficient,
+               found.tool_friction_contacts > 0,
+               counted(found.tool_friction_contacts, "contact", "s") + ", sliding along a face",
+               "slide the pressed tip 20 mm along a face, with tracking");
+}
+
 void state_friction(const IdentifiableObject& object, ObjectIdentification& found,
                     Findings& findings) {
   const ObjectParameters& p = found.parameters;
@@ -165,6 +173,7 @@ void state_findings(IdentificationGoal goal, const IdentifiableObject& object,
   Findings findings(found.findings);
   state_contact(found, findings);
   state_restitution(found, findings);
+  state_tool_friction(found, findings);
   if (goal == IdentificationGoal::friction && object.is_movable) {
     state_friction(object, found, findings);
   }

@@ -62,6 +62,12 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
                          const BodyMotion& body, const PathView& tip, double tool_radius,
                          ObjectIdentification& result);
 
+/// Friction between tip and object, where the tip slid along one flat face, as in a slot or an
+/// oblique hole: the force along its path over that along the face's normal. Needs tracking.
+void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
+                               const BodyMotion& body, const PathView& tip, double tool_radius,
+                               ObjectIdentification& result);
+
 /// Std [N] of F_M as the dependence of friction's limit on the time [s] in which it is loaded:
 /// under fast loading an object breaks loose before its contacts have adapted [Canudas de Wit et
 /// al. 1995].

@@ -19,21 +19,37 @@ struct IdentifiedCase {
   std::vector<PlantImpact> impacts = {};  ///< the truth
 };
 
+/// Adds a hexahedron; `corner_at` takes which side of x, y and z.
+template <typename CornerAt>
+void add_hexahedron(const CornerAt& corner_at, TriangleMesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d p = corner_at(corner & 1U, corner >> 1U & 1U, corner >> 2U & 1U);
+    mesh.vertices.push_back(p.cast<float>());
+  }
+  constexpr std::uint32_t kFaces[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+                                           {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                           {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  for (const auto& [a, b, c] : kFaces) mesh.triangles.push_back({first + a, first + b, first + c});
+}
+
 inline CadModel model_of(const PlantBody& body) {
   TriangleMesh mesh;
   for (const PlantCuboid& part : body.parts) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d side((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1,
-                                 (corner & 4) != 0 ? 1 : -1);
-      mesh.vertices.push_back((part.centre + side.cwiseProduct(part.half_extents)).cast<float>());
-    }
-    constexpr std::uint32_t kFaces[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
-                                             {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
-                                             {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-    for (const auto& [a, b, c] : kFaces) {
-      mesh.triangles.push_back({first + a, first + b, first + c});
-    }
+    add_hexahedron(
+        [&](unsigned x, unsigned y, unsigned z) -> Eigen::Vector3d {
+          const Eigen::Vector3d side = 2.0 * Eigen::Vector3d(x, y, z) - Eigen::Vector3d::Ones();
+          return part.centre + side.cwiseProduct(part.half_extents);
+        },
+        mesh);
+  }
+  for (const PlantPrism& prism : body.prisms) {  // four corners, from the lower left one
+    add_hexahedron(
+        [&](unsigned x, unsigned y, unsigned z) -> Eigen::Vector3d {
+          const Eigen::Vector2d& xz = prism.outline_xz[z == 0 ? x : 3 - x];
+          return {xz.x(), y == 0 ? prism.begin_y : prism.end_y, xz.y()};
+        },
+        mesh);
   }
   return make_cad_model(mesh, body.name, "test").value();
 }

@@ -187,6 +187,36 @@ TEST(Identify, EstimatesTheMeanForceOfStationaryPressesBetterThanEachSample) {
   }
 }
 
+void expect_tool_friction(const IdentifiedCase& made, IdentificationGoal goal, int contacts) {
+  const auto found = identify(made.input, goal);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectIdentification& block = found->objects[0];
+  const double truth = made.plant.bodies[0].parameters.tool_friction_coefficient;
+  ASSERT_TRUE(block.parameters.tool_friction_coefficient);
+  const ParameterValue& coefficient = *block.parameters.tool_friction_coefficient;
+  EXPECT_NEAR(coefficient.value, truth, 0.04 * truth);
+  EXPECT_LT(*coefficient.std, 0.1 * truth);
+  EXPECT_NEAR(coefficient.value, truth, 3.0 * *coefficient.std);
+  EXPECT_EQ(block.tool_friction_contacts, contacts);
+  const auto& given = block.parameters.sources.given;
+  EXPECT_EQ(std::count(given.begin(), given.end(), "tool_friction_coefficient"), 0);
+}
+
+TEST(Identify, FindsTheFrictionOfATipThatSlidesAlongTheWallsOfASlot) {
+  expect_tool_friction(identified_case(ToolTask::slot, 11, kWhole), IdentificationGoal::contact, 2);
+}
+
+TEST(Identify, FindsTheFrictionOfATipThatSlidesAlongTwoWallsOfAnObliqueHole) {
+  expect_tool_friction(identified_case(ToolTask::hole, 104, kWhole), IdentificationGoal::friction,
+                       2);
+}
+
+TEST(Identify, FindsNoToolFrictionWhereTheTipDoesNotSlide) {
+  const auto found = identify(probe().input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  EXPECT_FALSE(found->objects[0].parameters.tool_friction_coefficient);
+}
+
 TEST(Identify, RefusesAForceOfTheWrongSign) {
   IdentificationInput input = probe().input;
   for (Eigen::Vector3d& force : input.force_base) force = -force;

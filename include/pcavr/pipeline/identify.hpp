@@ -192,6 +192,7 @@ struct ObjectIdentification {
   LimitSurfaceFit surface = {};
   std::vector<PushSample> turning = {};
   std::optional<ParameterValue> friction_radius = {};
+  int tool_friction_contacts = 0;       ///< in which the tip slid along a face
   std::vector<std::string> notes = {};  ///< for the user, with proposals of better motions
 };
 
