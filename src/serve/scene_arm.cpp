@@ -90,6 +90,10 @@ LiveArm make_live_arm(const SceneArm& arm, const SceneWorld& world,
     const std::size_t surface = live.follower.add_surface(body.model.mesh_object);
     live.follower.place_surface(surface, T_robot_base * body.T_base_object);
   }
+  if (!world.model.guard_mesh_base.triangles.empty()) {
+    const std::size_t guards = live.follower.add_surface(world.model.guard_mesh_base);
+    live.follower.place_surface(guards, T_robot_base);
+  }
   live.follower.reset();
   return live;
 }

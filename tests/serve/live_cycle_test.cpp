@@ -217,7 +217,7 @@ TEST_F(LiveCycleTest, SpeedIsThatOfTheBody) {
 }
 
 /// Beside the box, with its tip at the tool's start.
-std::unique_ptr<LiveArm> an_arm() {
+std::unique_ptr<LiveArm> an_arm(const TriangleMesh& guards = {}) {
   const RobotModel model =
       read_urdf(source_folder() / "calib/robots/irb120_like/irb120_like.urdf").value();
   SceneArm arm{.model = model,
@@ -228,6 +228,7 @@ std::unique_ptr<LiveArm> an_arm() {
   arm.q << 0.0, 0.4, 0.4, 0.0, 0.7, 0.0;
   SceneWorld world;
   world.model = test::one_box_on_a_table();
+  world.model.guard_mesh_base = guards;
   world.p_base_tool_start = test::kToolStart;
   return std::make_unique<LiveArm>(make_live_arm(arm, world));
 }
@@ -255,6 +256,36 @@ TEST_F(LiveCycleWithArmTest, TheTipFollowsTheToolWithoutAllocating) {
   const ArmState& arm = *cycle_.newest().arm;
   EXPECT_TRUE(arm.is_reached);
   EXPECT_FALSE(arm.is_stopped);
+}
+
+/// A level sheet, 4 m wide.
+TriangleMesh a_sheet(float height) {
+  return {{{-2, -2, height}, {2, -2, height}, {2, 2, height}, {-2, 2, height}},
+          {},
+          {},
+          {{0, 1, 2}, {0, 2, 3}}};
+}
+
+TEST_F(LiveCycleWithArmTest, ALinkIsStoppedBeforeAGuard) {
+  // 19 mm from a link at the start; the tool is moved up.
+  std::unique_ptr<LiveArm> guarded = an_arm(a_sheet(0.54F));
+  const std::optional<NearestPair> at_start = guarded->follower.state().nearest;
+  ASSERT_TRUE(at_start && at_start->surface);
+  EXPECT_EQ(*at_start->surface, guarded->has_scan ? 2U : 1U);
+  LiveCycle cycle{test::a_box_on_a_table(), std::make_unique<ScriptedDevice>(sample_),
+                  test::options_with_tool_start(), std::move(guarded)};
+  double nearest = 1.0;
+  bool is_stopped = false;
+  for (int i = 0; i < 1000; ++i) {
+    sample_.p_base_tip = test::kToolStart + Eigen::Vector3d(0.0, 0.0, 0.3) * (i / 1000.0);
+    cycle.step(kCycle * i);
+    cycle.publish(1e-5, 0, kCycle * i);
+    const ArmState& arm = *cycle.newest().arm;
+    if (arm.nearest) nearest = std::min(nearest, arm.nearest->distance);
+    is_stopped = is_stopped || arm.is_stopped;
+  }
+  EXPECT_TRUE(is_stopped);
+  EXPECT_GT(nearest, 0.0);
 }
 
 /// The same arm, moved by torques.

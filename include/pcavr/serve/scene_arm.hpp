@@ -35,7 +35,8 @@ struct SceneArm {
 struct LiveArm {
   ArmFollower follower;
   Pose T_base_robot;
-  bool has_scan = false;  ///< surface 0 is the static mesh; else it is the first body
+  /// Surface 0 is the static mesh; else it is the first body. The guards come after the bodies.
+  bool has_scan = false;
   /// Present: the arm moves by its own dynamics towards the follower's joints, its tip is the tool,
   /// and the tool's forces act on it.
   std::optional<DrivenArm> driven = {};

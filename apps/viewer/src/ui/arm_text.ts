@@ -12,7 +12,7 @@ export function armText(state: ArmState, arm: ArmModel, objects: readonly string
     nearest.otherLink !== null
       ? (arm.links[nearest.otherLink]?.name ?? 'another link')
       : nearest.object !== null
-        ? (objects[nearest.object] ?? 'a body')
+        ? (objects[nearest.object] ?? 'a guard')
         : 'the scan';
   const distance = `${(1000 * nearest.distance).toFixed(0)} mm`;
   return isStopped
