@@ -104,6 +104,7 @@ class Rubbing {
 /// [rad] of a face's normal, by that of the tracked rotation; it turns the force's components.
 double normal_std(const BodyMotion& body) {
   std::vector<double> stds;
+  stds.reserve(body.tracked.size());
   for (const TrackedPose& pose : body.tracked) stds.push_back(pose.rotation_std);
   return median(std::move(stds));
 }
@@ -127,6 +128,7 @@ void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, s
   const double middle = median(coefficients);
   if (!(middle > 0.0)) return;
   std::vector<double> residuals;
+  residuals.reserve(coefficients.size());
   for (const double value : coefficients) residuals.push_back(std::abs(value - middle));
   // The samples of one contact share their errors. 1.4826 and 1.2533: as in identify_turning.cpp.
   const double scatter =
