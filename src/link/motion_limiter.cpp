@@ -60,26 +60,12 @@ double braking_speed(double distance, double acceleration, double dt) {
   return (d / (cycles + 1.0) + 0.5 * cycles) * acceleration * dt;
 }
 
-/// The velocity without its part along a force [N, base frame] that is too high: away from what it
-/// presses, and along it, the tool may move.
+/// The velocity without its parts that press on, axis by axis, against a force [N, base frame] that
+/// is too high. Not only its part along the force: friction turns this with each change of
+/// direction, and a wall takes what would have lifted the tool off, so that it would creep on.
 Eigen::Vector3d without_pressing(const Eigen::Vector3d& v_base, const Eigen::Vector3d& force_base) {
-  const double force = force_base.norm();
-  if (!std::isfinite(force)) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d along = force_base / force;
-  return v_base - std::max(0.0, v_base.dot(along)) * along;
-}
-
-/// Where a wall has taken a part of such a velocity, the rest can press on: it is then shortened,
-/// axis by axis, to zero work.
-Eigen::Vector3d without_work(Eigen::Vector3d v_base, const Eigen::Vector3d& force_base) {
-  const Eigen::Array3d work = v_base.array() * force_base.array();
-  const double pressing = work.max(0.0).sum();
-  const double receding = -work.min(0.0).sum();
-  if (!(pressing > receding)) return v_base;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (work[axis] > 0.0) v_base[axis] *= receding / pressing;
-  }
-  return v_base;
+  if (!force_base.allFinite()) return Eigen::Vector3d::Zero();
+  return (v_base.array() * force_base.array() > 0.0).select(0.0, v_base);
 }
 
 }  // namespace
@@ -104,15 +90,6 @@ const Eigen::Vector3d& MotionLimiter::step(const std::optional<Eigen::Vector3d>&
                                            const Eigen::Vector3d& force_base, double dt) {
   active_ = 0;
   const auto note = [this](LinkLimit limit) { active_ |= static_cast<std::uint32_t>(limit); };
-  // Speeds from which the tool stops before the walls.
-  Eigen::Vector3d up, down;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto speed_to = [&](double distance) {
-      return std::min(braking_speed(distance, limits_.max_acceleration, dt), limits_.max_speed);
-    };
-    up[axis] = speed_to(limits_.workspace_max()[axis] - p_base_[axis]);
-    down[axis] = speed_to(p_base_[axis] - limits_.workspace_min()[axis]);
-  }
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();  // velocity
   if (command && command->allFinite()) {
     Eigen::Vector3d target =
@@ -129,16 +106,20 @@ const Eigen::Vector3d& MotionLimiter::step(const std::optional<Eigen::Vector3d>&
     }
     if (!(force_base.norm() <= limits_.max_force)) {
       note(LinkLimit::force);
-      wanted = without_pressing(wanted, force_base).cwiseMax(-down).cwiseMin(up);
-      wanted = without_work(wanted, force_base);
+      wanted = without_pressing(wanted, force_base);
     }
   }
   for (int axis = 0; axis < 3; ++axis) {
     const double change = limits_.max_acceleration * dt;
-    const double v = std::clamp(wanted[axis], v_base_[axis] - change, v_base_[axis] + change);
+    double v = std::clamp(wanted[axis], v_base_[axis] - change, v_base_[axis] + change);
     if (v != wanted[axis]) note(LinkLimit::acceleration);
-    // This always lies within reach of the acceleration.
-    v_base_[axis] = std::clamp(v, -down[axis], up[axis]);
+    // Stops before the walls: this always lies within reach of the acceleration.
+    const double up =
+        braking_speed(limits_.workspace_max()[axis] - p_base_[axis], limits_.max_acceleration, dt);
+    const double down =
+        braking_speed(p_base_[axis] - limits_.workspace_min()[axis], limits_.max_acceleration, dt);
+    v = std::clamp(v, -down, up);
+    v_base_[axis] = std::clamp(v, -limits_.max_speed, limits_.max_speed);
   }
   p_base_ =
       (p_base_ + dt * v_base_).cwiseMax(limits_.workspace_min()).cwiseMin(limits_.workspace_max());

@@ -99,6 +99,18 @@ TEST(MotionLimiter, DoesNotPressOnBeyondTheForceButRetracts) {
   EXPECT_LT(limiter.p_base().x(), -0.01);
 }
 
+TEST(MotionLimiter, DoesNotPressOnWithFrictionThatTurns) {
+  MotionLimits limits = small_workspace();
+  limits.max_force = 10.0;
+  MotionLimiter limiter(limits, Eigen::Vector3d::Zero());
+  const Eigen::Vector3d command(0.05, 0.0, -0.02);
+  for (int i = 0; i < 600; ++i) {
+    const double friction = i / 10 % 2 == 0 ? 8.0 : -8.0;  // [N]
+    limiter.step(command, {friction, 0.0, -20.0}, kCycle);
+  }
+  EXPECT_EQ(limiter.p_base().z(), 0.0);
+}
+
 // The wall takes the part of the motion along x that would have lifted the tool off.
 TEST(MotionLimiter, DoesNotPressOnAlongAWall) {
   MotionLimits limits = small_workspace();
