@@ -18,6 +18,7 @@
 #include "teleop/correction_switch.hpp"
 #include "teleop/message.hpp"
 #include "teleop/object_learner.hpp"
+#include "teleop/parameter_trial.hpp"
 #include "teleop/phase_monitor.hpp"
 #include "teleop/slow_slide.hpp"
 #include "teleop/surface_offset.hpp"
@@ -83,7 +84,7 @@ class RobotObject {
     Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();
     std::vector<TrackedPose> poses;  ///< of its first kMaxSeenTime
   };
-  static constexpr double kMaxSeenTime = 4.0;  ///< [s] a trial of more would hold up the site
+  static constexpr double kMaxSeenTime = 4.0;  ///< [s] a trial of more would take too long
   [[nodiscard]] const std::deque<SeenContact>& seen_contacts() const { return seen_contacts_; }
   /// The physics that the operator's site has with these parameters.
   [[nodiscard]] BodyPhysics physics_with(const ObjectParameters& parameters) const;
@@ -116,6 +117,15 @@ class RobotObject {
   std::deque<LearnedContact> learned = {};  ///< the newest
   /// [s] begin of the contact whose limiting friction was last found to contradict its slides.
   std::optional<double> contradicted_contact = {};
+  /// Parameters that are to be sent, and are tried.
+  struct TriedParameters {
+    ParameterTrial trial;
+    std::size_t acknowledgements = 0;    ///< when it began
+    std::optional<double> decided = {};  ///< [s]
+  };
+  std::optional<TriedParameters> tried = {};
+  KnownContactErrors contact_errors;
+  std::size_t acknowledgements = 0;  ///< count of changes of `acknowledged`
   /// The next comparison sends everything: the sites were apart.
   bool is_full_state_due = false;
 
