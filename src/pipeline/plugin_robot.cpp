@@ -19,11 +19,11 @@ namespace pcavr {
 namespace {
 
 constexpr char kEntry[] = "pcavr_get_robot_plugin";
-constexpr double kFar = 100.0;            // [m] beyond it a position is not plausible
-constexpr double kMaxAge = 10.0;          // [s] of a sample
-constexpr double kNormTolerance = 1e-3;   // of a quaternion
-constexpr double kSilence = 0.2;          // [s] without a pose of the tool, which is noted
-constexpr double kSlow = 5e-4;            // [s] of a call, which is noted: half a cycle
+constexpr double kFar = 100.0;           // [m] beyond it a position is not plausible
+constexpr double kMaxAge = 10.0;         // [s] of a sample
+constexpr double kNormTolerance = 1e-3;  // of a quaternion
+constexpr double kSilence = 0.2;         // [s] without a pose of the tool, which is noted
+constexpr double kSlow = 5e-4;           // [s] of a call, which is noted: half a cycle
 constexpr auto kStartInterval = std::chrono::milliseconds(1);
 
 using Vector = Eigen::Map<const Eigen::Vector3d>;
@@ -50,11 +50,11 @@ Expected<const pcavr_robot_plugin*> plugin_of(void* library, const std::string& 
   const pcavr_robot_plugin* plugin = get();
   if (plugin == nullptr) return Error{.message = "returned no plugin", .file = file};
   if (plugin->abi != PCAVR_ROBOT_PLUGIN_ABI || plugin->size < sizeof(pcavr_robot_plugin)) {
-    return Error{.message = fmt::format("has plugin ABI {} of {} bytes, expected {} of {}",
-                                        plugin->abi, plugin->size, PCAVR_ROBOT_PLUGIN_ABI,
-                                        sizeof(pcavr_robot_plugin)),
-                 .file = file,
-                 .hint = "build it with this version's robot_plugin.h"};
+    return Error{
+        .message = fmt::format("has plugin ABI {} of {} bytes, expected {} of {}", plugin->abi,
+                               plugin->size, PCAVR_ROBOT_PLUGIN_ABI, sizeof(pcavr_robot_plugin)),
+        .file = file,
+        .hint = "build it with this version's robot_plugin.h"};
   }
   if (plugin->open == nullptr || plugin->close == nullptr || plugin->exchange == nullptr) {
     return Error{
@@ -95,10 +95,8 @@ class PluginRobot final : public RobotInterface {
   [[nodiscard]] bool follows_commands() const override { return true; }
   [[nodiscard]] Eigen::Vector3d p_base_start() const override { return p_base_start_; }
   void set_command(const Eigen::Vector3d& p_base_tip, const Eigen::Quaterniond&) override {
-    command_ = pcavr_robot_command{.size = sizeof(pcavr_robot_command),
-                                   .reserved = 0,
-                                   .tip = {},
-                                   .quaternion = {}};
+    command_ = pcavr_robot_command{
+        .size = sizeof(pcavr_robot_command), .reserved = 0, .tip = {}, .quaternion = {}};
     Eigen::Map<Eigen::Vector3d>(command_.tip) = p_base_tip;
     Eigen::Map<Eigen::Vector4d>(command_.quaternion) = q_base_tool_.coeffs();
   }
@@ -201,12 +199,12 @@ Expected<std::unique_ptr<RobotInterface>> make_plugin_robot(const std::filesyste
                             (reason[0] != '\0' ? reason.data() : "no reason given"),
                  .file = library.string()};
   }
-  auto robot =
-      std::make_unique<PluginRobot>(*std::move(loaded), **plugin, opened, objects.size());
+  auto robot = std::make_unique<PluginRobot>(*std::move(loaded), **plugin, opened, objects.size());
   if (robot->start(options.start_timeout)) return std::unique_ptr<RobotInterface>(std::move(robot));
-  return Error{.message = fmt::format("gives no pose of the tool within {} s", options.start_timeout),
-               .file = library.string(),
-               .hint = "start the robot's controller first"};
+  return Error{
+      .message = fmt::format("gives no pose of the tool within {} s", options.start_timeout),
+      .file = library.string(),
+      .hint = "start the robot's controller first"};
 }
 
 }  // namespace pcavr

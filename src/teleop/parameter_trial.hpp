@@ -28,10 +28,10 @@ struct RecordedContact {
   double begin = 0.0, end = 0.0;                              ///< [s]
   Pose T_base_start;                                          ///< of the object at the begin
   Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();  ///< of the push
-  std::vector<TrackedPose> seen;            ///< of the object, on the tool's clock
-  std::vector<double> t_force;              ///< [s]
-  std::vector<Eigen::Vector3d> force_base;  ///< [N] on the object
-  double force_resolution = 0.0;            ///< [N] below it no difference counts
+  std::vector<TrackedPose> seen;                      ///< of the object, on the tool's clock
+  std::vector<double> t_force;                        ///< [s]
+  std::vector<Eigen::Vector3d> force_base;            ///< [N] on the object
+  double force_resolution = 0.0;                      ///< [N] below it no difference counts
   std::function<Eigen::Vector3d(double)> p_base_tip;  ///< at any time [s]
 };
 
@@ -87,13 +87,12 @@ class ParameterTrial {
 
  private:
   /// The error with `physics`; empty: more steps are needed.
-  [[nodiscard]] std::optional<double> error_with(const BodyPhysics& physics,
-                                                 CorrectionTrial& trial, KnownContactErrors& known,
-                                                 std::size_t& steps);
+  [[nodiscard]] std::optional<double> error_with(const BodyPhysics& physics, CorrectionTrial& trial,
+                                                 KnownContactErrors& known, std::size_t& steps);
 
   ObjectParameters parameters_;
   std::vector<Contact> contacts_;
-  std::size_t next_ = 0;             ///< contact
+  std::size_t next_ = 0;               ///< contact
   std::optional<double> before_ = {};  ///< its error with the parameters before
   std::optional<ContactRun> run_ = {};
   Verdict verdict_ = Verdict::undecided;

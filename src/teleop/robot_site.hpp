@@ -111,6 +111,7 @@ class RobotSite {
   [[nodiscard]] std::shared_ptr<const RecordedContact> record_of(
       std::size_t index, const RobotObject::SeenContact& seen) const;
   void advance_trials(double t);
+  void advance_trial(RobotObject& object, double t, std::size_t& steps);
   [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
   void send_full_state(std::size_t index, const TouchSample& sample, const PlanarPose& predicted,
                        const SiteComparison& seen);

@@ -92,8 +92,14 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   const double allowed =
       options_.correction_switch.burst_bytes +
       options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
-  const std::optional<CorrectionCase> which =
+  std::optional<CorrectionCase> which =
       object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
+  if (object.tried && object.tried->is_waiting) {
+    // What was found then is corrected now, also if it is a little less meanwhile.
+    if (!object.tried->decided) return;
+    which = object.tried->which;
+    object.correction_switch.resume(object.tried->is_by_force);
+  }
   if (!which) return;
   const bool is_learned_lately =
       object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
@@ -152,11 +158,14 @@ std::optional<ObjectParameters> RobotSite::tried_parameters(std::size_t index, C
         changed, which, object.correction_switch.forces_agree(seen), options_.messages);
     const bool is_tried = !is_empty(parameters) && !object.is_shared && has_force(now_);
     if (!is_tried || !trial_.has_world()) return parameters;
-    tried = RobotObject::TriedParameters{begin_trial(index, std::move(parameters)),
-                                         object.acknowledgements};
+    tried = RobotObject::TriedParameters{.trial = begin_trial(index, std::move(parameters)),
+                                         .which = which,
+                                         .is_by_force = object.correction_switch.is_sliding_force(),
+                                         .acknowledgements = object.acknowledgements};
     std::size_t none = 0;
-    tried->trial.advance(trial_, object.contact_errors, none);  // where all errors are known
+    advance_trial(object, seen.t, none);  // where all errors are known
   }
+  if (tried->trial.verdict() != ParameterTrial::Verdict::undecided) tried->is_waiting = false;
   switch (tried->trial.verdict()) {
     case ParameterTrial::Verdict::undecided:
       return std::nullopt;
@@ -212,11 +221,14 @@ void RobotSite::advance_trials(double t) {
   auto steps = static_cast<std::size_t>(
       std::lround(options_.correction_switch.trial_steps * elapsed / options_.predictor.step));
   for (RobotObject& object : objects_) {
-    if (!object.tried || object.tried->decided) continue;
-    object.tried->trial.advance(trial_, object.contact_errors, steps);
-    const bool is_decided = object.tried->trial.verdict() != ParameterTrial::Verdict::undecided;
-    if (is_decided) object.tried->decided = t;
+    if (object.tried && !object.tried->decided) advance_trial(object, t, steps);
   }
+}
+
+void RobotSite::advance_trial(RobotObject& object, double t, std::size_t& steps) {
+  object.tried->trial.advance(trial_, object.contact_errors, steps);
+  const bool is_decided = object.tried->trial.verdict() != ParameterTrial::Verdict::undecided;
+  if (is_decided) object.tried->decided = t;
 }
 
 Eigen::Vector3d RobotSite::p_base_tip_at(double t) const {
