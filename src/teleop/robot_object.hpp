@@ -117,14 +117,12 @@ class RobotObject {
   std::deque<LearnedContact> learned = {};  ///< the newest
   /// [s] begin of the contact whose limiting friction was last found to contradict its slides.
   std::optional<double> contradicted_contact = {};
-  /// Parameters that are to be sent, and are tried; and the correction that waits for them.
+  /// Parameters that are tried, and the correction that waits for them.
   struct TriedParameters {
     ParameterTrial trial;
     CorrectionCase which = CorrectionCase::phases_differ;
-    bool is_by_force = false;            ///< found by the force of a slide
-    bool is_waiting = true;              ///< for the verdict
-    std::size_t acknowledgements = 0;    ///< when it began
-    std::optional<double> decided = {};  ///< [s]
+    bool is_by_force = false;          ///< found by the force of a slide
+    std::size_t acknowledgements = 0;  ///< when it began
   };
   std::optional<TriedParameters> tried = {};
   KnownContactErrors contact_errors;

@@ -111,7 +111,6 @@ class RobotSite {
   [[nodiscard]] std::shared_ptr<const RecordedContact> record_of(
       std::size_t index, const RobotObject::SeenContact& seen) const;
   void advance_trials(double t);
-  void advance_trial(RobotObject& object, double t, std::size_t& steps);
   [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
   void send_full_state(std::size_t index, const TouchSample& sample, const PlanarPose& predicted,
                        const SiteComparison& seen);
@@ -140,6 +139,7 @@ class RobotSite {
   double free_since_;             ///< [s] no object is touched
   double processed_;              ///< [s] comparisons are later than this
   double trials_at_;              ///< [s] sample up to which trials were advanced
+  std::size_t trial_steps_ = 0;   ///< that are left for them until the next sample
   double next_camera_update_;
   Eigen::Vector3d bias_base_ = Eigen::Vector3d::Zero();
   double bias_since_ = 0.0;

@@ -94,9 +94,9 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
       options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
   std::optional<CorrectionCase> which =
       object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
-  if (object.tried && object.tried->is_waiting) {
+  if (object.tried) {
     // What was found then is corrected now, also if it is a little less meanwhile.
-    if (!object.tried->decided) return;
+    if (object.tried->trial.verdict() == ParameterTrial::Verdict::undecided) return;
     which = object.tried->which;
     object.correction_switch.resume(object.tried->is_by_force);
   }
@@ -147,9 +147,7 @@ std::optional<ObjectParameters> RobotSite::tried_parameters(std::size_t index, C
                                                             const SiteComparison& seen) {
   RobotObject& object = objects_[index];
   std::optional<RobotObject::TriedParameters>& tried = object.tried;
-  const bool is_old = tried && (tried->acknowledgements != object.acknowledgements ||
-                                (tried->decided && seen.t - *tried->decided > kLearnAgain));
-  if (is_old) tried.reset();
+  if (tried && tried->acknowledgements != object.acknowledgements) tried.reset();
   if (!tried) {
     const ParameterDifference changed =
         difference(object.parameters(), object.acknowledged,
@@ -162,21 +160,13 @@ std::optional<ObjectParameters> RobotSite::tried_parameters(std::size_t index, C
                                          .which = which,
                                          .is_by_force = object.correction_switch.is_sliding_force(),
                                          .acknowledgements = object.acknowledgements};
-    std::size_t none = 0;
-    advance_trial(object, seen.t, none);  // where all errors are known
+    tried->trial.advance(trial_, object.contact_errors, trial_steps_);
   }
-  if (tried->trial.verdict() != ParameterTrial::Verdict::undecided) tried->is_waiting = false;
-  switch (tried->trial.verdict()) {
-    case ParameterTrial::Verdict::undecided:
-      return std::nullopt;
-    case ParameterTrial::Verdict::worse:
-      return ObjectParameters();
-    case ParameterTrial::Verdict::good:
-      break;
-  }
-  ObjectParameters parameters = tried->trial.parameters();
-  tried.reset();
-  return parameters;
+  const ParameterTrial::Verdict verdict = tried->trial.verdict();
+  if (verdict == ParameterTrial::Verdict::undecided) return std::nullopt;
+  const std::optional<RobotObject::TriedParameters> decided = std::exchange(tried, std::nullopt);
+  if (verdict == ParameterTrial::Verdict::worse) return ObjectParameters();
+  return decided->trial.parameters();
 }
 
 ParameterTrial RobotSite::begin_trial(std::size_t index, ObjectParameters parameters) const {
@@ -218,17 +208,11 @@ void RobotSite::advance_trials(double t) {
   // By the samples' times: the arrival of the samples decides nothing.
   const double elapsed = std::clamp(t - trials_at_, 0.0, kMaxTrialTime);
   trials_at_ = t;
-  auto steps = static_cast<std::size_t>(
+  trial_steps_ = static_cast<std::size_t>(
       std::lround(options_.correction_switch.trial_steps * elapsed / options_.predictor.step));
   for (RobotObject& object : objects_) {
-    if (object.tried && !object.tried->decided) advance_trial(object, t, steps);
+    if (object.tried) object.tried->trial.advance(trial_, object.contact_errors, trial_steps_);
   }
-}
-
-void RobotSite::advance_trial(RobotObject& object, double t, std::size_t& steps) {
-  object.tried->trial.advance(trial_, object.contact_errors, steps);
-  const bool is_decided = object.tried->trial.verdict() != ParameterTrial::Verdict::undecided;
-  if (is_decided) object.tried->decided = t;
 }
 
 Eigen::Vector3d RobotSite::p_base_tip_at(double t) const {
