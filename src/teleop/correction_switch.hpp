@@ -53,8 +53,6 @@ class CorrectionSwitch {
   [[nodiscard]] std::optional<CorrectionCase> evaluate(const SiteComparison& seen, double traffic);
   /// Of the case that `evaluate` has found last: both slide, and it is the force that differs.
   [[nodiscard]] bool is_sliding_force() const { return is_sliding_force_; }
-  /// A case that it has found before is corrected now; `is_sliding_force` as it was then.
-  void resume(bool is_sliding_force) { is_sliding_force_ = is_sliding_force; }
   /// Whether the forces differ by no more than the tolerance: as in case 1.3 of paper C.
   [[nodiscard]] bool forces_agree(const SiteComparison& seen) const;
   /// Case 1.3 only: a correction was received in this slide, right after that the error along the

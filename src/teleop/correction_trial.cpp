@@ -12,9 +12,20 @@ namespace {
 /// Longest prediction [s]: beyond it every push is unstable.
 constexpr double kMaxTrial = 1.0;
 
-double root_mean(double squares, std::size_t count) {
-  return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
-}
+class RootMeanSquare {
+ public:
+  void add(double value) {
+    sum_ += value * value;
+    ++count_;
+  }
+  [[nodiscard]] double value() const {
+    return count_ > 0 ? std::sqrt(sum_ / static_cast<double>(count_)) : 0.0;
+  }
+
+ private:
+  double sum_ = 0.0;
+  std::size_t count_ = 0;
+};
 
 }  // namespace
 
@@ -52,73 +63,42 @@ std::optional<double> CorrectionTrial::displayed_std(const TriedCorrection& trie
                     distance(end_of(tried, 0.0, tried.rotation_std)));
 }
 
-void CorrectionTrial::begin(ContactRun& run) {
-  const RecordedContact& contact = *run.contact;
+std::optional<double> CorrectionTrial::error_of(const RecordedContact& contact,
+                                                const BodyPhysics& physics) {
+  if (!world_ || contact.seen.empty()) return std::nullopt;
   std::vector<BodyState> alone = untouched_;
   for (std::size_t i = 0; i < alone.size(); ++i) alone[i].is_present = i == contact.object;
   world_->set_state(alone);
+  world_->set_physics(contact.object, physics);
   world_->set_pose(contact.object, contact.T_base_start);
-  run.state = world_->state();
-}
-
-bool CorrectionTrial::advance(ContactRun& run, std::size_t& steps) {
-  const RecordedContact& contact = *run.contact;
-  const double duration = std::max(contact.end - contact.begin, 0.0);
-  const auto last = static_cast<std::size_t>(std::lround(duration / step_));
-  if (run.step < last && steps == 0) return false;
-  world_->set_physics(contact.object, run.physics);
-  if (run.state.empty()) begin(run);
-  world_->set_state(run.state);
-  const auto t_of = [&](std::size_t k) { return contact.begin + step_ * static_cast<double>(k); };
-  Eigen::Vector3d before = contact.p_base_tip(t_of(run.step));
-  for (; run.step < last && steps > 0; --steps) {
-    const double t = t_of(++run.step);
+  RootMeanSquare position, force, measured_force, seen_std;
+  auto seen = contact.seen.begin();
+  std::size_t next_force = 0;
+  Eigen::Vector3d before = contact.p_base_tip(contact.begin);
+  const auto steps = static_cast<int>(std::lround((contact.end - contact.begin) / step_));
+  for (int k = 1; k <= steps; ++k) {
+    const double t = contact.begin + step_ * k;
     const Eigen::Vector3d after = contact.p_base_tip(t);
     world_->step(before, after, step_);
     before = after;
-    compare(run, t);
+    for (; seen != contact.seen.end() && seen->t <= t; ++seen) {
+      const Pose predicted = world_->T_base_object(contact.object);
+      position.add((predicted.translation() - seen->T_base_object.translation())
+                       .dot(contact.direction_base));
+      seen_std.add(seen->position_std / std::sqrt(3.0));
+    }
+    const double predicted =
+        world_->state()[contact.object].tool_force_base.dot(contact.direction_base);
+    for (; next_force < contact.force.t.size() && contact.force.t[next_force] <= t; ++next_force) {
+      const double measured =
+          (contact.force.clean_base[next_force] - contact.bias_base).dot(contact.direction_base);
+      force.add(predicted - measured);
+      measured_force.add(measured);
+    }
   }
-  run.state = world_->state();
-  return run.step >= last;
-}
-
-/// With what was measured until `t` [s].
-void CorrectionTrial::compare(ContactRun& run, double t) const {
-  const RecordedContact& contact = *run.contact;
-  for (; run.next_seen < contact.seen.size(); ++run.next_seen) {
-    const TrackedPose& seen = contact.seen[run.next_seen];
-    if (seen.t > t) break;
-    const Pose predicted = world_->T_base_object(contact.object);
-    const double error =
-        (predicted.translation() - seen.T_base_object.translation()).dot(contact.direction_base);
-    run.position_squares += error * error;
-  }
-  const double predicted =
-      world_->state()[contact.object].tool_force_base.dot(contact.direction_base);
-  for (; run.next_force < contact.t_force.size(); ++run.next_force) {
-    if (contact.t_force[run.next_force] > t) break;
-    const double error = predicted - contact.force_base[run.next_force].dot(contact.direction_base);
-    run.force_squares += error * error;
-  }
-}
-
-double CorrectionTrial::error_of(const ContactRun& run) const {
-  const RecordedContact& contact = *run.contact;
-  double seen_squares = 0.0;
-  for (std::size_t i = 0; i < run.next_seen; ++i) {
-    seen_squares += contact.seen[i].position_std * contact.seen[i].position_std / 3.0;
-  }
-  double measured_squares = 0.0;
-  for (std::size_t i = 0; i < run.next_force; ++i) {
-    const double measured = contact.force_base[i].dot(contact.direction_base);
-    measured_squares += measured * measured;
-  }
-  const double noticed =
-      std::max(position_stds_ * root_mean(seen_squares, run.next_seen), min_position_error_);
-  const double felt = std::max(force_tolerance_ * root_mean(measured_squares, run.next_force),
-                               contact.force_resolution);
-  return std::hypot(root_mean(run.position_squares, run.next_seen) / noticed,
-                    root_mean(run.force_squares, run.next_force) / felt);
+  const double noticed = std::max(position_stds_ * seen_std.value(), min_position_error_);
+  const double felt = std::max(force_tolerance_ * measured_force.value(), contact.force_resolution);
+  return std::hypot(position.value() / noticed, force.value() / felt);
 }
 
 /// [x y yaw] of the object at the end of the prediction.

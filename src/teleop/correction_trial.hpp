@@ -13,8 +13,8 @@
 #include "pcavr/prediction/predicted_world.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
+#include "teleop/force_stream.hpp"
 #include "teleop/message.hpp"
-#include "teleop/parameter_trial.hpp"
 
 namespace pcavr {
 
@@ -33,6 +33,19 @@ struct TriedCorrection {
   std::function<Eigen::Vector3d(double)> p_base_tip;  ///< at any time [s]
 };
 
+/// How a contact went so far, as it was measured.
+struct RecordedContact {
+  std::size_t object = 0;
+  double begin = 0.0, end = 0.0;                              ///< [s]
+  Pose T_base_start;                                          ///< of the object at the begin
+  Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();  ///< of the push
+  std::vector<TrackedPose> seen;                        ///< of the object, on the tool's clock
+  ForceStream::Record force;                            ///< on the object, bias included
+  Eigen::Vector3d bias_base = Eigen::Vector3d::Zero();  ///< [N]
+  double force_resolution = 0.0;                        ///< [N] below it no difference counts
+  std::function<Eigen::Vector3d(double)> p_base_tip;    ///< at any time [s]
+};
+
 /// A copy of the operator's world without the scan, in which corrections are tried before they are
 /// sent. Some pushes are unstable, at a vertex above all: there the tracking's noise grows many
 /// times over while a correction travels, and the display jumps farther than it erred.
@@ -46,19 +59,15 @@ class CorrectionTrial {
   /// at `rotation_radius`. Empty if there is no copy of the world.
   [[nodiscard]] std::optional<double> displayed_std(const TriedCorrection& tried);
 
-  /// Whether there is a copy of the world.
-  [[nodiscard]] bool has_world() const { return world_.has_value(); }
-  /// Goes on with the prediction of a contact by at most `steps` steps, which are taken from it.
-  /// True at its end. Requires has_world().
-  [[nodiscard]] bool advance(ContactRun& run, std::size_t& steps);
-  /// How far the prediction of a contact was from what was measured, in position and force along
-  /// the push together; 1 where either site would notice. Across the push and in rotation a push at
-  /// one point is unstable: there, errors grow from those of the pose.
-  [[nodiscard]] double error_of(const ContactRun& run) const;
+  /// How far the prediction of a contact with these parameters is from what was measured, in
+  /// position and force along the push together; 1 where either site would notice. Across the push
+  /// and in rotation a push at one point is unstable: there, errors grow from those of the pose.
+  ///  Empty without a copy of the
+  /// world, or where the object was not tracked.
+  [[nodiscard]] std::optional<double> error_of(const RecordedContact& contact,
+                                               const BodyPhysics& physics);
 
  private:
-  void begin(ContactRun& run);
-  void compare(ContactRun& run, double t) const;
   [[nodiscard]] Eigen::Vector3d end_of(const TriedCorrection& tried, double lateral,
                                        double rotation);
 

@@ -233,11 +233,6 @@ constexpr auto kSwitchFields = std::to_array<OptionField<Switch>>({
     {"burst_bytes", &Switch::burst_bytes, 400.0, 1.0, 1e9, "bytes",
      "bytes that may be sent beyond the budget: a few corrections at the start",
      "lower: the first corrections are held back; higher: traffic of short sessions"},
-    // A step of one pushed body takes some 1.5 us.
-    {"trial_steps", &Switch::trial_steps, 150, 1, 1'000'000, "",
-     "steps of prediction in each step of the predictor's, while parameters are tried before they "
-     "are sent",
-     "lower: parameters are sent later; higher: the robot's cycle takes longer"},
 });
 static_assert(are_valid_fields(kSwitchFields));
 

@@ -69,8 +69,6 @@ void RobotObject::forget_learned() {
   learner.set_assumed_law(assumed_law_);
   learned.clear();
   seen_contacts_.clear();
-  contact_errors.clear();
-  tried.reset();
 }
 
 void RobotObject::add_tracked(const TrackedPose& pose) { waiting_.push_back(pose); }

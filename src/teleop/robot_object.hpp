@@ -18,7 +18,6 @@
 #include "teleop/correction_switch.hpp"
 #include "teleop/message.hpp"
 #include "teleop/object_learner.hpp"
-#include "teleop/parameter_trial.hpp"
 #include "teleop/phase_monitor.hpp"
 #include "teleop/slow_slide.hpp"
 #include "teleop/surface_offset.hpp"
@@ -84,7 +83,7 @@ class RobotObject {
     Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();
     std::vector<TrackedPose> poses;  ///< of its first kMaxSeenTime
   };
-  static constexpr double kMaxSeenTime = 4.0;  ///< [s] a trial of more would take too long
+  static constexpr double kMaxSeenTime = 4.0;  ///< [s] a trial of more would hold up the site
   [[nodiscard]] const std::deque<SeenContact>& seen_contacts() const { return seen_contacts_; }
   /// The physics that the operator's site has with these parameters.
   [[nodiscard]] BodyPhysics physics_with(const ObjectParameters& parameters) const;
@@ -117,16 +116,6 @@ class RobotObject {
   std::deque<LearnedContact> learned = {};  ///< the newest
   /// [s] begin of the contact whose limiting friction was last found to contradict its slides.
   std::optional<double> contradicted_contact = {};
-  /// Parameters that are tried, and the correction that waits for them.
-  struct TriedParameters {
-    ParameterTrial trial;
-    CorrectionCase which = CorrectionCase::phases_differ;
-    bool is_by_force = false;          ///< found by the force of a slide
-    std::size_t acknowledgements = 0;  ///< when it began
-  };
-  std::optional<TriedParameters> tried = {};
-  KnownContactErrors contact_errors;
-  std::size_t acknowledgements = 0;  ///< count of changes of `acknowledged`
   /// The next comparison sends everything: the sites were apart.
   bool is_full_state_due = false;
 

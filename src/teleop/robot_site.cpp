@@ -73,7 +73,6 @@ RobotSite::RobotSite(const TeleopInput& world, const TeleopOptions& options,
       force_seen_(start),
       free_since_(start),
       processed_(std::nextafter(start, start - 1.0)),
-      trials_at_(start),
       next_camera_update_(start),
       now_(start),
       start_(start) {
@@ -157,7 +156,6 @@ void RobotSite::restart(double now) {
   processed_ = std::max(processed_, now);
   for (RobotObject& object : objects_) {
     object.in_flight.reset();
-    object.tried.reset();
     object.correction_switch.restart();
     object.is_full_state_due = true;
   }
@@ -294,7 +292,6 @@ void RobotSite::process_sample(const ForceStream::Sample& measured, const Predic
 }
 
 void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log) {
-  advance_trials(sample.t);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].learn_at && *objects_[i].learn_at <= sample.t) learn(objects_[i], sample.t);
     compare(i, sample, log.at(sample.t, i));

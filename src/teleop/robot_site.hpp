@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,7 +22,6 @@
 #include "teleop/force_stream.hpp"
 #include "teleop/input_watch.hpp"
 #include "teleop/operator_site.hpp"
-#include "teleop/parameter_trial.hpp"
 #include "teleop/prediction_log.hpp"
 #include "teleop/robot_object.hpp"
 
@@ -98,19 +96,11 @@ class RobotSite {
   [[nodiscard]] std::optional<CorrectionMessage> compose(std::size_t index, CorrectionCase which,
                                                          const TouchSample& sample,
                                                          const PlanarPose& predicted, double gap,
-                                                         const SiteComparison& seen,
-                                                         ObjectParameters parameters);
+                                                         const SiteComparison& seen);
   /// Whether a correction of the pose would be worse than the error by the time that it is shown.
   [[nodiscard]] bool grows_beyond(double gap, std::size_t index, const CorrectionMessage& message);
-  /// Those that a correction is to contain, none if any of the last contacts would have been
-  /// predicted worse with them; empty while they are tried.
-  [[nodiscard]] std::optional<ObjectParameters> tried_parameters(std::size_t index,
-                                                                 CorrectionCase which,
-                                                                 const SiteComparison& seen);
-  [[nodiscard]] ParameterTrial begin_trial(std::size_t index, ObjectParameters parameters) const;
-  [[nodiscard]] std::shared_ptr<const RecordedContact> record_of(
-      std::size_t index, const RobotObject::SeenContact& seen) const;
-  void advance_trials(double t);
+  /// Whether any of the last contacts would have been predicted worse with these parameters.
+  [[nodiscard]] bool worsens_contacts(std::size_t index, const ObjectParameters& parameters);
   [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
   void send_full_state(std::size_t index, const TouchSample& sample, const PlanarPose& predicted,
                        const SiteComparison& seen);
@@ -138,8 +128,6 @@ class RobotSite {
   bool has_new_contact_ = false;  ///< since the inputs were examined
   double free_since_;             ///< [s] no object is touched
   double processed_;              ///< [s] comparisons are later than this
-  double trials_at_;              ///< [s] sample up to which trials were advanced
-  std::size_t trial_steps_ = 0;   ///< that are left for them until the next sample
   double next_camera_update_;
   Eigen::Vector3d bias_base_ = Eigen::Vector3d::Zero();
   double bias_since_ = 0.0;

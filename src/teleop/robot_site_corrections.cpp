@@ -22,6 +22,10 @@ constexpr double kTipSpeedTime = 0.05;
 constexpr double kGrowthStds = 1.0;
 // [stds] of the estimate: a smaller difference of two poses at rest is noise.
 constexpr double kRestStds = 2.0;
+// Parameters are sent unless the prediction of a contact grows worse by this factor: its error has
+// other causes too.
+constexpr double kMaxErrorRatio = 1.5;
+
 /// That of the push; of the force itself where this has turned away from it, as in a hole, where
 /// the tip goes on from a wall to the floor.
 Eigen::Vector3d compared_direction(const Eigen::Vector3d& push_base,
@@ -34,15 +38,12 @@ Eigen::Vector3d compared_direction(const Eigen::Vector3d& push_base,
   return has_turned ? Eigen::Vector3d(force_base.normalized()) : push_base;
 }
 
-constexpr double kMaxTrialTime = 0.02;  // [s] between two samples that trials make use of
-
 }  // namespace
 
 void RobotSite::acknowledge(RobotObject& object, const Prediction& prediction) {
   object.correction_switch.note_received(prediction.received);
   if (!object.in_flight || prediction.received != object.in_flight->sequence) return;
   overwrite(object.acknowledged, object.in_flight->parameters);
-  ++object.acknowledgements;
   object.in_flight.reset();
 }
 
@@ -92,28 +93,20 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   const double allowed =
       options_.correction_switch.burst_bytes +
       options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
-  std::optional<CorrectionCase> which =
+  const std::optional<CorrectionCase> which =
       object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
-  if (object.tried) {
-    // What was found then is corrected now, also if it is a little less meanwhile.
-    if (object.tried->trial.verdict() == ParameterTrial::Verdict::undecided) return;
-    which = object.tried->which;
-    object.correction_switch.resume(object.tried->is_by_force);
-  }
   if (!which) return;
   const bool is_learned_lately =
       object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
   // A slide is identified at its own intervals: its force alone is no reason for more.
   const bool is_by_force = object.correction_switch.is_sliding_force();
-  if (!object.tried && !is_learned_lately && object.monitor.is_touched() && !is_by_force) {
+  if (!is_learned_lately && object.monitor.is_touched() && !is_by_force) {
     const std::optional<double> planned = object.learn_at;
     learn(object, sample.t);
     if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
   }
-  std::optional<ObjectParameters> parameters = tried_parameters(index, *which, seen);
-  if (!parameters) return;  // not decided yet
   std::optional<CorrectionMessage> message =
-      compose(index, *which, sample, prediction.pose, gap, seen, *std::move(parameters));
+      compose(index, *which, sample, prediction.pose, gap, seen);
   if (!message) {
     object.correction_switch.note_nothing_to_send(*which, sample.t);
     return;
@@ -143,76 +136,35 @@ bool RobotSite::grows_beyond(double gap, std::size_t index, const CorrectionMess
   return displayed && kGrowthStds * *displayed > gap;
 }
 
-std::optional<ObjectParameters> RobotSite::tried_parameters(std::size_t index, CorrectionCase which,
-                                                            const SiteComparison& seen) {
-  RobotObject& object = objects_[index];
-  std::optional<RobotObject::TriedParameters>& tried = object.tried;
-  if (tried && tried->acknowledgements != object.acknowledgements) tried.reset();
-  if (!tried) {
-    const ParameterDifference changed =
-        difference(object.parameters(), object.acknowledged,
-                   object.in_flight ? &object.in_flight->parameters : nullptr, options_.messages);
-    ObjectParameters parameters = parameters_to_send(
-        changed, which, object.correction_switch.forces_agree(seen), options_.messages);
-    const bool is_tried = !is_empty(parameters) && !object.is_shared && has_force(now_);
-    if (!is_tried || !trial_.has_world()) return parameters;
-    tried = RobotObject::TriedParameters{.trial = begin_trial(index, std::move(parameters)),
-                                         .which = which,
-                                         .is_by_force = object.correction_switch.is_sliding_force(),
-                                         .acknowledgements = object.acknowledgements};
-    tried->trial.advance(trial_, object.contact_errors, trial_steps_);
-  }
-  const ParameterTrial::Verdict verdict = tried->trial.verdict();
-  if (verdict == ParameterTrial::Verdict::undecided) return std::nullopt;
-  const std::optional<RobotObject::TriedParameters> decided = std::exchange(tried, std::nullopt);
-  if (verdict == ParameterTrial::Verdict::worse) return ObjectParameters();
-  return decided->trial.parameters();
-}
-
-ParameterTrial RobotSite::begin_trial(std::size_t index, ObjectParameters parameters) const {
+bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& parameters) {
   const RobotObject& object = objects_[index];
+  if (is_empty(parameters) || object.is_shared || !has_force(now_)) return false;
   ObjectParameters next = object.acknowledged;
   overwrite(next, parameters);
   const BodyPhysics before = object.physics_with(object.acknowledged);
-  std::vector<ParameterTrial::Contact> contacts;
+  BodyPhysics after = object.physics_with(next);
+  const Eigen::Vector3d offset = after.surface_offset;
   for (const RobotObject::SeenContact& seen : object.seen_contacts()) {
-    if (seen.begin < tip_.t().front() || seen.poses.empty()) continue;
-    BodyPhysics after = object.physics_with(next);
+    const double end = std::min(seen.begin + RobotObject::kMaxSeenTime, processed_);
+    if (seen.begin < tip_.t().front()) continue;
+    RecordedContact contact{.object = index,
+                            .begin = seen.begin,
+                            .end = end,
+                            .T_base_start = seen.T_base_start,
+                            .direction_base = seen.direction_base,
+                            .seen = seen.poses,
+                            .force = force_.between(seen.begin, end),
+                            .bias_base = bias_base_,
+                            .force_resolution = sensors_.enter_force,
+                            .p_base_tip = [this](double t) { return tip_.at(t); }};
     // The surface is measured on the face that is touched now: another one's need not change.
     const bool is_newest = &seen == &object.seen_contacts().back();
-    if (!is_newest) after.surface_offset = before.surface_offset;
-    contacts.push_back({record_of(index, seen), before, std::move(after)});
+    after.surface_offset = is_newest ? offset : before.surface_offset;
+    const std::optional<double> error = trial_.error_of(contact, before);
+    if (!error) continue;
+    if (*trial_.error_of(contact, after) > std::max(1.0, kMaxErrorRatio * *error)) return true;
   }
-  return {std::move(parameters), std::move(contacts)};
-}
-
-std::shared_ptr<const RecordedContact> RobotSite::record_of(
-    std::size_t index, const RobotObject::SeenContact& seen) const {
-  auto contact = std::make_shared<RecordedContact>();
-  contact->object = index;
-  contact->begin = seen.begin;
-  contact->end = std::min(seen.begin + RobotObject::kMaxSeenTime, processed_);
-  contact->T_base_start = seen.T_base_start;
-  contact->direction_base = seen.direction_base;
-  contact->seen = seen.poses;
-  const ForceStream::Record force = force_.between(contact->begin, contact->end);
-  contact->t_force.assign(force.t.begin(), force.t.end());
-  contact->force_base.assign(force.clean_base.begin(), force.clean_base.end());
-  for (Eigen::Vector3d& value : contact->force_base) value -= bias_base_;
-  contact->force_resolution = sensors_.enter_force;
-  contact->p_base_tip = [this](double t) { return tip_.at(t); };
-  return contact;
-}
-
-void RobotSite::advance_trials(double t) {
-  // By the samples' times: the arrival of the samples decides nothing.
-  const double elapsed = std::clamp(t - trials_at_, 0.0, kMaxTrialTime);
-  trials_at_ = t;
-  trial_steps_ = static_cast<std::size_t>(
-      std::lround(options_.correction_switch.trial_steps * elapsed / options_.predictor.step));
-  for (RobotObject& object : objects_) {
-    if (object.tried) object.tried->trial.advance(trial_, object.contact_errors, trial_steps_);
-  }
+  return false;
 }
 
 Eigen::Vector3d RobotSite::p_base_tip_at(double t) const {
@@ -243,16 +195,17 @@ void RobotSite::send_full_state(std::size_t index, const TouchSample& sample,
 std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, CorrectionCase which,
                                                     const TouchSample& sample,
                                                     const PlanarPose& predicted, double gap,
-                                                    const SiteComparison& seen,
-                                                    ObjectParameters parameters) {
+                                                    const SiteComparison& seen) {
   RobotObject& object = objects_[index];
   const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error &&
                                !object.correction_switch.is_sliding_force();
+  const ParameterDifference changed =
+      difference(object.parameters(), object.acknowledged,
+                 object.in_flight ? &object.in_flight->parameters : nullptr, options_.messages);
   CorrectionMessage message;
   message.t = sample.t;
   message.object = index;
   message.which = which;
-  message.parameters = std::move(parameters);
   if (is_pose_current) {
     // Again, since newly identified contact parameters change it.
     message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
@@ -265,6 +218,9 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
       message.twist.reset();
     }
   }
+  message.parameters = parameters_to_send(
+      changed, which, object.correction_switch.forces_agree(seen), options_.messages);
+  if (worsens_contacts(index, message.parameters)) message.parameters = {};
   if (which == CorrectionCase::touched_by_robot && message.pose) {
     const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
     message.tool_retraction = -inside * object.monitor.direction_base();

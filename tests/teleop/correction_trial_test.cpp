@@ -3,8 +3,6 @@
 #include "teleop/correction_trial.hpp"
 
 #include <cmath>
-#include <memory>
-#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -72,6 +70,8 @@ TEST(CorrectionTrial, FindsThatAPushChangesTheNoiseOnlyALittleInTheMiddleOfAFace
 /// A push of the box at 20 mm/s for a second, whose face's force and place are those of a body
 /// that breaks loose at `limit` [N] and slides at `friction` [N] by a linear contact law.
 struct Push {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force_base;
   RecordedContact contact;
 
   Push(double stiffness, double limit, double friction, double tool_radius) {
@@ -81,8 +81,8 @@ struct Push {
       const double tip = kSpeed * 1e-3 * i;
       const bool has_slid = moved > 0.0;
       if (has_slid || stiffness * tip > limit) moved = tip - friction / stiffness;
-      contact.t_force.push_back(1e-3 * i);
-      contact.force_base.emplace_back(stiffness * (tip - moved), 0.0, 0.0);
+      t.push_back(1e-3 * i);
+      force_base.emplace_back(stiffness * (tip - moved), 0.0, 0.0);
       if (i % 33 != 0) continue;
       // It turns more and more, as a push at one point lets it: that is no matter of parameters.
       const Eigen::Quaterniond turned(Eigen::AngleAxisd(2.0 * moved, Eigen::Vector3d::UnitZ()));
@@ -90,99 +90,49 @@ struct Push {
     }
     contact.end = 1.0;
     contact.T_base_start = Pose::from_translation({0.0, 0.0, kHalfBox});
+    contact.force = {t, force_base};
     contact.force_resolution = 0.2;
     contact.p_base_tip = [tool_radius](double now) {
       return Eigen::Vector3d(-kHalfBox - tool_radius + kSpeed * now, 0.0, kHalfBox);
     };
   }
+  Push(const Push&) = delete;  // the contact refers to the samples
+  Push& operator=(const Push&) = delete;
 };
 
-/// A box of 0.5 kg, and its push.
-class ContactTrialTest : public testing::Test {
- protected:
-  ContactTrialTest() {
-    ObjectParameters& known = world_.objects[0].parameters;
-    known.mass = ParameterValue{0.5};
-    known.contact_stiffness = ParameterValue{4000.0};
-    known.contact_damping = ParameterValue{20.0};
-    known.contact_exponent = ParameterValue{1.0};
-    known.limiting_static_friction = ParameterValue{4.2};
-    known.sliding_friction_coefficient = ParameterValue{4.0 / (0.5 * options_.gravity())};
-    known.viscous_friction = ParameterValue{0.0};
-    right_ = physics_of(world_.objects[0], options_);
-    contact_ =
-        std::make_shared<RecordedContact>(Push(4000.0, 4.2, 4.0, world_.tool_radius).contact);
-    trial_.emplace(world_, std::vector{right_}, options_);
-  }
-  /// In parts of `steps`.
-  double error_of(const BodyPhysics& physics, std::size_t steps = 100'000) {
-    ContactRun run{.contact = contact_, .physics = physics};
-    for (std::size_t part = steps; !trial_->advance(run, part); part = steps) {
-      const ContactRun& other = run;  // the world is used for something else meanwhile
-      ContactRun again{.contact = other.contact, .physics = right_};
-      std::size_t few = 7;
-      EXPECT_FALSE(trial_->advance(again, few));
-    }
-    return trial_->error_of(run);
-  }
-  BodyPhysics slippery() const {
-    BodyPhysics wrong = right_;
-    wrong.friction.coulomb_force *= 0.7;
-    return wrong;
-  }
-  ParameterTrial trial_of(const BodyPhysics& before, const BodyPhysics& after) const {
-    return {{}, {{contact_, before, after}}};
-  }
-
-  TeleopInput world_ = one_box_input();
-  TeleopOptions options_;
-  BodyPhysics right_;
-  std::shared_ptr<RecordedContact> contact_;
-  std::optional<CorrectionTrial> trial_;
-  KnownContactErrors known_;
-};
-
-TEST_F(ContactTrialTest, FindsWhichParametersAContactAgreesWith) {
-  const double least = error_of(right_);
+TEST(CorrectionTrial, FindsWhichParametersAContactAgreesWith) {
+  TeleopInput world = one_box_input();
+  const TeleopOptions options;
+  ObjectParameters& known = world.objects[0].parameters;
+  known.mass = ParameterValue{0.5};
+  known.contact_stiffness = ParameterValue{4000.0};
+  known.contact_damping = ParameterValue{20.0};
+  known.contact_exponent = ParameterValue{1.0};
+  known.limiting_static_friction = ParameterValue{4.2};
+  known.sliding_friction_coefficient = ParameterValue{4.0 / (0.5 * options.gravity())};
+  known.viscous_friction = ParameterValue{0.0};
+  const BodyPhysics right = physics_of(world.objects[0], options);
+  CorrectionTrial trial(world, {right}, options);
+  const Push push(4000.0, 4.2, 4.0, world.tool_radius);
+  const double least = trial.error_of(push.contact, right).value();
   EXPECT_LT(least, 1.0);
-  EXPECT_GT(error_of(slippery()), 2.0 * least);
-  BodyPhysics wrong = right_;
+  BodyPhysics wrong = right;
+  wrong.friction.coulomb_force *= 0.7;
+  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+  wrong = right;
   wrong.contact.stiffness *= 0.3;
-  EXPECT_GT(error_of(wrong), 2.0 * least);
-  wrong = right_;
+  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+  wrong = right;
   wrong.friction.limiting_force *= 3.0;
-  EXPECT_GT(error_of(wrong), 2.0 * least);
+  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
 }
 
-TEST_F(ContactTrialTest, GivesTheSameInParts) {
-  EXPECT_EQ(error_of(slippery(), 37), error_of(slippery()));
-}
-
-TEST_F(ContactTrialTest, DecidesWithinItsStepsACycle) {
-  ParameterTrial better = trial_of(slippery(), right_);
-  int cycles = 0;
-  while (better.verdict() == ParameterTrial::Verdict::undecided) {
-    std::size_t steps = 300;
-    better.advance(*trial_, known_, steps);
-    ++cycles;
-  }
-  EXPECT_EQ(better.verdict(), ParameterTrial::Verdict::good);
-  EXPECT_EQ(cycles, 7);  // a second, twice
-}
-
-TEST_F(ContactTrialTest, KnowsTheErrorsOfContactsThatWerePredictedBefore) {
-  ParameterTrial better = trial_of(slippery(), right_);
-  std::size_t steps = 2500;
-  better.advance(*trial_, known_, steps);
-  EXPECT_EQ(steps, 500U);
-  ParameterTrial worse = trial_of(right_, slippery());
-  steps = 0;
-  worse.advance(*trial_, known_, steps);
-  EXPECT_EQ(worse.verdict(), ParameterTrial::Verdict::worse);
-  known_.clear();
-  ParameterTrial again = trial_of(right_, slippery());
-  again.advance(*trial_, known_, steps);
-  EXPECT_EQ(again.verdict(), ParameterTrial::Verdict::undecided);
+TEST(CorrectionTrial, HasNoErrorOfAContactInWhichTheObjectWasNotSeen) {
+  const TeleopInput world = one_box_input();
+  const TeleopOptions options;
+  const BodyPhysics physics = physics_of(world.objects[0], options);
+  CorrectionTrial trial(world, {physics}, options);
+  EXPECT_FALSE(trial.error_of({}, physics));
 }
 
 }  // namespace

@@ -117,7 +117,6 @@ struct CorrectionSwitchOptions {
   double max_threshold_factor;  ///< of the thresholds beyond the byte budget
   double byte_budget;           ///< of the corrections, relative to streaming
   double burst_bytes;           ///< [bytes] that may be sent beyond the budget
-  int trial_steps;              ///< of prediction in one cycle, while parameters are tried
 };
 
 /// What a correction contains ("teleop.messages").
