@@ -21,9 +21,10 @@ bool soak(std::uint64_t seed, double minutes) {
   for (const auto& [name, count] : report.faults) faults += count;
   fmt::print(
       "seed {}: digest {:016x}, {} faults, {} sessions, {} commands, {} corrections, "
-      "path {:.1f} m, oldest command {:.3f} s, heap at most {:.1f} MB, {:.3f} MB at the end\n",
+      "path {:.1f} m, {} times too much force, oldest command {:.3f} s, heap at most {:.1f} MB, "
+      "{:.3f} MB at the end\n",
       seed, report.digest, faults, report.sessions, report.commands, report.corrections,
-      report.path, report.max_age, 1e-6 * static_cast<double>(report.heap_peak),
+      report.path, report.pressed, report.max_age, 1e-6 * static_cast<double>(report.heap_peak),
       1e-6 * static_cast<double>(report.heap_rest));
   for (const auto& [message, count] : report.endings) {
     fmt::print("  operator's site ended {} times: {}\n", count, message);

@@ -10,6 +10,7 @@
 
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
+#include "pcavr/pipeline/plugin_robot.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
 #include "pcavr/ros2/ros2_robot.hpp"
@@ -25,8 +26,9 @@ namespace {
 struct RobotSiteArguments {
   SiteArguments site;
   std::string authorized;
-  std::string plant;  ///< a case of pcavr simulate
-  std::string ros2;   ///< a setup of ROS 2 topics
+  std::string plant;   ///< a case of pcavr simulate
+  std::string ros2;    ///< a setup of ROS 2 topics
+  std::string plugin;  ///< FILE.so or FILE.so,OPTIONS
   std::uint64_t seed = 1;
   bool without_corrections = false;
   bool as_json = false;
@@ -141,6 +143,22 @@ Expected<RobotSource> connect_ros2(const RobotSiteArguments& arguments, const Sc
   return RobotSource{std::move(input), std::move(*robot)};
 }
 
+/// A robot behind a vendor's controller.
+Expected<RobotSource> load_plugin(const RobotSiteArguments& arguments, const SceneManifest& scene,
+                                  const ReplayOptions& options, const Observer& observer) {
+  Expected<TeleopInput> world = read_teleop_world(scene, options, observer);
+  if (!world) return world.error();
+  auto input = std::make_unique<TeleopInput>(std::move(*world));
+  const std::size_t comma = arguments.plugin.find(',');
+  PluginRobotOptions plugin;
+  if (comma != std::string::npos) plugin.text = arguments.plugin.substr(comma + 1);
+  for (const TeleopObject& object : input->objects) plugin.objects.push_back(object.name);
+  Expected<std::unique_ptr<RobotInterface>> robot =
+      make_plugin_robot(arguments.plugin.substr(0, comma), plugin);
+  if (!robot) return robot.error();
+  return RobotSource{std::move(input), std::move(*robot)};
+}
+
 /// The simulated plant of a case.
 Expected<RobotSource> simulate_robot(const RobotSiteArguments& arguments,
                                      const SceneManifest& scene, const ReplayOptions& options,
@@ -151,7 +169,7 @@ Expected<RobotSource> simulate_robot(const RobotSiteArguments& arguments,
   });
   if (chosen == cases.end()) {
     return Error{.message = arguments.plant.empty()
-                                ? "a robot is missing: --ros2, --plant or --recording"
+                                ? "a robot is missing: --ros2, --plugin, --plant or --recording"
                                 : arguments.plant + " is not a case with a tool",
                  .hint = "give --plant push, or another case of pcavr simulate with a tool"};
   }
@@ -171,6 +189,7 @@ Expected<RobotSource> read_robot(const RobotSiteArguments& arguments, const Scen
     return read_recorded(arguments, scene, options, configuration, observer);
   }
   if (!arguments.ros2.empty()) return connect_ros2(arguments, scene, options, observer);
+  if (!arguments.plugin.empty()) return load_plugin(arguments, scene, options, observer);
   return simulate_robot(arguments, scene, options, observer);
 }
 
@@ -223,12 +242,20 @@ void add_robot_site(CLI::App& app, Configuration& configuration, Action& action)
           ->add_option("--ros2", arguments->ros2,
                        "Connect to a robot by the ROS 2 topics that this YAML file names")
           ->excludes(recording);
+  CLI::Option* plugin =
+      command
+          ->add_option("--plugin", arguments->plugin,
+                       "Robot behind a vendor's controller: a shared library, FILE.so or "
+                       "FILE.so,OPTIONS")
+          ->excludes(recording)
+          ->excludes(ros2);
   command
       ->add_option("--plant", arguments->plant,
                    "Simulate a robot in real time that follows the commands: the case of pcavr "
                    "simulate that the scene was made from")
       ->excludes(recording)
-      ->excludes(ros2);
+      ->excludes(ros2)
+      ->excludes(plugin);
   add_seed(*command, arguments->seed, "Seed of the plant, as given to pcavr simulate")
       ->capture_default_str();
   command->add_option("--tracked", arguments->site.tracked,

@@ -12,6 +12,7 @@
 #include <dlfcn.h>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/shared_library.hpp"
 #include "pcavr/devices/device_plugin.h"
 
 #include "devices/clutch.hpp"
@@ -20,28 +21,6 @@ namespace pcavr {
 namespace {
 
 constexpr char kEntry[] = "pcavr_get_device_plugin";
-
-struct Unload {
-  void operator()(void* library) const { dlclose(library); }
-};
-using Library = std::unique_ptr<void, Unload>;
-
-Expected<Library> load(const std::filesystem::path& file) {
-  std::error_code unreadable;
-  if (!std::filesystem::exists(file, unreadable)) {
-    return Error{.message = "does not exist",
-                 .file = file.string(),
-                 .hint = "give the path of the plugin's .so"};
-  }
-  // Absolute: dlopen would search a bare name among the system's libraries.
-  const std::filesystem::path absolute = std::filesystem::absolute(file, unreadable);
-  Library library(dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL));
-  if (library) return library;
-  const char* reason = dlerror();
-  return Error{.message = std::string("can't be loaded as a library: ") + (reason ? reason : "?"),
-               .file = file.string(),
-               .hint = "build it as a shared library for this machine"};
-}
 
 Expected<const pcavr_device_plugin*> plugin_of(void* library, const std::string& file) {
   const auto get = reinterpret_cast<const pcavr_device_plugin* (*)()>(dlsym(library, kEntry));
@@ -90,7 +69,7 @@ struct PluginDevice::Content {
 
   PluginDeviceOptions options;
   Eigen::Quaterniond q_base_operator;
-  Library library;  // unloaded after the device was closed
+  SharedLibrary library;  // unloaded after the device was closed
   const pcavr_device_plugin* plugin = nullptr;
   void* device = nullptr;
   std::string name;
@@ -142,7 +121,7 @@ Expected<std::unique_ptr<PluginDevice>> PluginDevice::open(const std::filesystem
   PCAVR_REQUIRE(std::isfinite(options.facing), options.facing);
   PCAVR_REQUIRE(std::isfinite(options.max_speed) && options.max_speed > 0.0, options.max_speed);
   auto content = std::make_unique<Content>(options);
-  Expected<Library> loaded = load(library);
+  Expected<SharedLibrary> loaded = load_library(library);
   if (!loaded) return loaded.error();
   content->library = *std::move(loaded);
   const auto plugin = plugin_of(content->library.get(), library.string());

@@ -60,6 +60,14 @@ double braking_speed(double distance, double acceleration, double dt) {
   return (d / (cycles + 1.0) + 0.5 * cycles) * acceleration * dt;
 }
 
+/// The velocity without its parts that press on, axis by axis, against a force [N, base frame] that
+/// is too high. Not only its part along the force: friction turns this with each change of
+/// direction, and a wall takes what would have lifted the tool off, so that it would creep on.
+Eigen::Vector3d without_pressing(const Eigen::Vector3d& v_base, const Eigen::Vector3d& force_base) {
+  if (!force_base.allFinite()) return Eigen::Vector3d::Zero();
+  return (v_base.array() * force_base.array() > 0.0).select(0.0, v_base);
+}
+
 }  // namespace
 
 MotionLimits::MotionLimits() { set_defaults(*this, kLimitFields); }
@@ -96,14 +104,9 @@ const Eigen::Vector3d& MotionLimiter::step(const std::optional<Eigen::Vector3d>&
       if (speed > limits_.max_speed) note(LinkLimit::speed);
       wanted[axis] = std::copysign(std::min(speed, limits_.max_speed), ahead[axis]);
     }
-    const double force = force_base.norm();
-    if (!(force <= limits_.max_force)) {
-      // Away from what it presses it may move.
+    if (!(force_base.norm() <= limits_.max_force)) {
       note(LinkLimit::force);
-      const Eigen::Vector3d along = std::isfinite(force) ? Eigen::Vector3d(force_base / force)
-                                                         : Eigen::Vector3d(Eigen::Vector3d::Zero());
-      wanted -= std::max(0.0, wanted.dot(along)) * along;
-      if (!std::isfinite(force)) wanted.setZero();
+      wanted = without_pressing(wanted, force_base);
     }
   }
   for (int axis = 0; axis < 3; ++axis) {

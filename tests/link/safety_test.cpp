@@ -99,6 +99,35 @@ TEST(MotionLimiter, DoesNotPressOnBeyondTheForceButRetracts) {
   EXPECT_LT(limiter.p_base().x(), -0.01);
 }
 
+TEST(MotionLimiter, DoesNotPressOnWithFrictionThatTurns) {
+  MotionLimits limits = small_workspace();
+  limits.max_force = 10.0;
+  MotionLimiter limiter(limits, Eigen::Vector3d::Zero());
+  const Eigen::Vector3d command(0.05, 0.0, -0.02);
+  for (int i = 0; i < 600; ++i) {
+    const double friction = i / 10 % 2 == 0 ? 8.0 : -8.0;  // [N]
+    limiter.step(command, {friction, 0.0, -20.0}, kCycle);
+  }
+  EXPECT_EQ(limiter.p_base().z(), 0.0);
+}
+
+// The wall takes the part of the motion along x that would have lifted the tool off.
+TEST(MotionLimiter, DoesNotPressOnAlongAWall) {
+  MotionLimits limits = small_workspace();
+  limits.max_force = 10.0;
+  const Eigen::Vector3d at_wall(limits.max_x, 0.0, 0.0);
+  MotionLimiter limiter(limits, at_wall);
+  const Eigen::Vector3d pressing(-4.0, 0.0, -20.0);
+  const auto follow = [&](const Eigen::Vector3d& command) {
+    for (int i = 0; i < 300; ++i) limiter.step(command, pressing, kCycle);
+  };
+  follow(at_wall + Eigen::Vector3d(0.05, 0.0, -0.001));
+  EXPECT_NEAR((limiter.p_base() - at_wall).dot(pressing.normalized()), 0.0, 1e-6);
+  follow(at_wall + Eigen::Vector3d(0.05, 0.02, -0.001));  // beside it may move
+  EXPECT_NEAR(limiter.p_base().y(), 0.02, 1e-6);
+  EXPECT_NEAR(limiter.p_base().z(), 0.0, 1e-6);
+}
+
 LinkCommand command_for(double t) {
   LinkCommand command;
   command.t = t;

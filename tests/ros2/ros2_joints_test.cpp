@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ros2/planar_arm.hpp"
 #include "ros2/ros2_intake.hpp"
 #include "support/ros_encoder.hpp"
 #include "support/temporary_folder.hpp"
@@ -16,33 +17,8 @@
 namespace pcavr {
 namespace {
 
-// Two links in a plane, on a pedestal of 1 m, and a gripper.
-constexpr char kUrdf[] = R"(<robot name="planar">
-  <link name="world"/><link name="base_link"/><link name="upper"/><link name="fore"/>
-  <link name="tip"/><link name="finger"/>
-  <joint name="pedestal" type="fixed"><parent link="world"/><child link="base_link"/>
-    <origin xyz="0 0 1"/></joint>
-  <joint name="shoulder" type="revolute"><parent link="base_link"/><child link="upper"/>
-    <axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
-  <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/>
-    <origin xyz="0.4 0 0"/><axis xyz="0 0 1"/>
-    <limit lower="-2" upper="2" velocity="1" effort="1"/></joint>
-  <joint name="flange" type="fixed"><parent link="fore"/><child link="tip"/>
-    <origin xyz="0.3 0 0"/></joint>
-  <joint name="grip" type="prismatic"><parent link="tip"/><child link="finger"/>
-    <axis xyz="0 1 0"/><limit lower="0" upper="0.05" velocity="1" effort="1"/></joint>
-</robot>)";
-
 class Ros2JointsTest : public testing::Test {
  protected:
-  static Ros2Setup joint_setup(const std::filesystem::path& folder) {
-    Ros2Setup setup;
-    setup.tool_urdf = folder / "arm.urdf";
-    std::ofstream(setup.tool_urdf) << kUrdf;
-    setup.tool = {"/joint_states", "sensor_msgs/msg/JointState", {}};
-    setup.tool_link = "tip";
-    return setup;
-  }
   /// Sent at `t` [s]; the position of the tool that is passed on.
   std::optional<Eigen::Vector3d> pass(double t, const std::vector<std::string>& names,
                                       const std::vector<double>& position, std::size_t cut = 0) {
@@ -66,7 +42,7 @@ class Ros2JointsTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  Ros2Setup setup_ = joint_setup(folder_.path());
+  Ros2Setup setup_ = planar_arm_setup(folder_.path());
   RecordQueue samples_{1U << 16U};
   RecordQueue notices_{1U << 16U};
   Ros2Notices notes_{notices_};

@@ -149,6 +149,46 @@ TEST_F(SoakCheckerTest, NoticesExceededLimits) {
   EXPECT_TRUE(has("outside the workspace"));
 }
 
+TEST_F(SoakCheckerTest, NoticesThatTheToolPressesOn) {
+  const MotionLimits limits;
+  const Eigen::Vector3d force(limits.max_force + 1.0, 0.0, 0.0);
+  checker_.on_force(1.1, force);
+  const auto move = [this](double speed) {  // [m/s]
+    for (int i = 0; i < 200; ++i) {
+      checker_.on_setpoint(1.1 + 1e-3 * i, {1e-3 * speed * i, 0.0, 0.0});
+    }
+  };
+  move(-0.01);
+  EXPECT_TRUE(checker_.violations().empty()) << lines(checker_.violations());
+  checker_.on_robot_start(1.1);
+  checker_.on_force(1.1, force);
+  move(0.0015);
+  EXPECT_TRUE(has("presses on by 0.10 mm with 61.0 N"));
+}
+
+TEST_F(SoakCheckerTest, NoticesASpeedThatTheStepForbids) {
+  SoakChecker::Options options;
+  options.limits.max_step = 0.005;  // 0.22 m/s
+  checker_ = SoakChecker(options);
+  checker_.on_robot_start(1.0);
+  checker_.on_delivered(1.0, 1.0);
+  for (int i = 0; i < 90; ++i) checker_.on_setpoint(1.0 + 1e-3 * i, {2.2e-4 * i, 0.0, 0.0});
+  EXPECT_TRUE(checker_.violations().empty()) << lines(checker_.violations());
+  checker_.on_robot_start(1.1);
+  for (int i = 0; i < 90; ++i) checker_.on_setpoint(1.1 + 1e-3 * i, {2.5e-4 * i, 0.0, 0.0});
+  ASSERT_FALSE(checker_.violations().empty());
+  EXPECT_NE(checker_.violations().front().find("the setpoint moved"), std::string::npos);
+}
+
+TEST(SoakHeap, GrowsOrNot) {
+  std::vector<std::size_t> samples(90, 10'000'000);
+  samples[5] = 50'000'000;   // at the beginning
+  samples[80] = 12'000'000;  // restarts change it
+  EXPECT_FALSE(heap_grows(samples));
+  samples[85] = 13'100'000;
+  EXPECT_TRUE(heap_grows(samples));
+}
+
 // A hundred cycles at once, each of them within the limits.
 TEST_F(SoakCheckerTest, NoticesMotionThatIsMadeUpFor) {
   for (int i = 0; i < 100; ++i) checker_.on_setpoint(1.1 + 1e-6 * i, {4e-4 * i, 0.0, 0.0});

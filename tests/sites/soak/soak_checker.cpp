@@ -17,6 +17,7 @@ constexpr double kRest = 0.02;               // [s] without a setpoint, after wh
 constexpr double kRateTolerance = 2e-4;      // of the site's clock, which drifts
 constexpr double kDistanceTolerance = 1e-9;  // [m]
 constexpr std::size_t kMaxSessions = 8;      // that are remembered
+constexpr double kMaxPress = 1e-4;           // [m] against a force above its limit: its noise
 
 }  // namespace
 
@@ -127,6 +128,7 @@ void SoakChecker::on_delivered(double t, double sent) {
 
 void SoakChecker::on_robot_start(double t) {
   setpoints_.clear();
+  on_force(t, Eigen::Vector3d::Zero());
   last_fresh_delivery_ = std::max(last_fresh_delivery_, t - 1e-3);
   session_.reset();
 }
@@ -155,10 +157,11 @@ void SoakChecker::check_motion(double t, const Eigen::Vector3d& p_base) {
     violate(
         t, fmt::format("the tool moves {:.3f} s after the last message", t - last_fresh_delivery_));
   }
+  check_force(t, p_base - last.p_base);
   // By true time: also a site that makes up for missed cycles moves within its limits.
   const Setpoint& first = setpoints_.front();
   const double distance = (p_base - first.p_base).cwiseAbs().maxCoeff();
-  const double allowed = limits.max_speed * ((t - first.t) * (1.0 + kRateTolerance) + 1.5 * dt);
+  const double allowed = max_speed() * ((t - first.t) * (1.0 + kRateTolerance) + 1.5 * dt);
   if (distance > allowed) {
     violate(t, fmt::format("the setpoint moved {:.4f} m in {:.4f} s", distance, t - first.t));
   }
@@ -170,6 +173,34 @@ void SoakChecker::check_motion(double t, const Eigen::Vector3d& p_base) {
     violate(t, fmt::format("the setpoint's acceleration is {:.3f} m/s^2",
                            change.cwiseAbs().maxCoeff() / (dt * dt)));
   }
+}
+
+/// [m/s] A command that is at most `max_step` ahead permits no higher speed than the tool can brake
+/// from on this way.
+double SoakChecker::max_speed() const {
+  const MotionLimits& limits = options_.limits;
+  return std::min(limits.max_speed, std::sqrt(2.0 * limits.max_acceleration * limits.max_step) +
+                                        limits.max_acceleration * options_.cycle);
+}
+
+void SoakChecker::on_force(double t, const Eigen::Vector3d& force_base) {
+  force_base_ = force_base;
+  if (force_base.norm() <= options_.limits.max_force) return pressed_since_.reset();
+  if (pressed_since_) return;
+  pressed_since_ = t;
+  pressed_on_ = 0.0;
+  ++pressed_count_;
+}
+
+/// Above the limit of the force the tool comes to rest as in a hold, and does not press on.
+void SoakChecker::check_force(double t, const Eigen::Vector3d& motion_base) {
+  const double stop = options_.limits.max_hold_time() + 5.0 * options_.cycle;
+  if (!pressed_since_ || t < *pressed_since_ + stop) return;
+  pressed_on_ = std::max(0.0, pressed_on_ + motion_base.dot(force_base_.normalized()));
+  if (pressed_on_ <= kMaxPress) return;
+  violate(t, fmt::format("the tool presses on by {:.2f} mm with {:.1f} N", 1e3 * pressed_on_,
+                         force_base_.norm()));
+  pressed_on_ = 0.0;
 }
 
 void SoakChecker::check_recovered(double t) {

@@ -44,6 +44,8 @@ class SoakChecker {
                    const LinkCommand& command);
   void on_composed(double t, std::uint32_t session, const LinkCorrection& correction);
   void on_setpoint(double t, const Eigen::Vector3d& p_base);
+  /// The site measures the force [N] that the tool exerts.
+  void on_force(double t, const Eigen::Vector3d& force_base);
   /// The robot's process did not run until `t`, or begins: what it did before does not count.
   void on_robot_start(double t);
   // Keys.
@@ -65,6 +67,9 @@ class SoakChecker {
   [[nodiscard]] std::size_t applied() const { return applied_count_; }
   [[nodiscard]] double max_age() const { return max_age_; }  ///< [s] of an executed command
   [[nodiscard]] double path() const { return path_; }        ///< [m] of the setpoint
+  [[nodiscard]] std::size_t pressed() const {
+    return pressed_count_;
+  }  ///< times the force limit acted
 
  private:
   struct Sent {
@@ -87,6 +92,8 @@ class SoakChecker {
   void mix(double value);
   void check_key(double t, const std::string& key, const char* what);
   void check_motion(double t, const Eigen::Vector3d& p_base);
+  void check_force(double t, const Eigen::Vector3d& motion_base);
+  [[nodiscard]] double max_speed() const;
   void forget_sessions(std::uint32_t newest);
 
   Options options_;
@@ -100,6 +107,10 @@ class SoakChecker {
   double newest_delivered_sent_ = -1e9;
   double last_fresh_delivery_ = -1e9;
   std::deque<Setpoint> setpoints_;  ///< of the last tenth of a second
+  Eigen::Vector3d force_base_ = Eigen::Vector3d::Zero();
+  std::optional<double> pressed_since_;  ///< [s] the force is above its limit
+  double pressed_on_ = 0.0;              ///< [m] along the force since the tool had time to stop
+  std::size_t pressed_count_ = 0;
   std::size_t executed_count_ = 0;
   std::size_t applied_count_ = 0;
   double max_age_ = 0.0;

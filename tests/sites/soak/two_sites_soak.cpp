@@ -25,18 +25,23 @@
 namespace pcavr {
 namespace {
 
-constexpr double kFirstFault = 3.0;    // [s]
-constexpr double kMinFault = 0.02;     // [s] the shortest, and
-constexpr double kMaxFault = 10.0;     // the longest, evenly distributed by their logarithm
-constexpr double kRestartDelay = 0.5;  // [s] until an operator's program that has ended is started
-constexpr double kSleep = 0.05;        // [s] of a machine whose clock steps
-constexpr double kMinWait = 1e-7;      // [s] between two events of a site: rounding of its clock
+constexpr double kFirstFault = 3.0;     // [s]
+constexpr double kMinFault = 0.02;      // [s] the shortest, and
+constexpr double kMaxFault = 10.0;      // the longest, evenly distributed by their logarithm
+constexpr double kRestartDelay = 0.5;   // [s] until an operator's program that has ended is started
+constexpr double kSleep = 0.05;         // [s] of a machine whose clock steps
+constexpr double kMaxBoot = 60.0;       // [s] on the clock of a machine that has just been started
+constexpr double kMinHeapTime = 600.0;  // [s] from which on the use of memory shows its growth
+constexpr double kMinWait = 1e-7;       // [s] between two events of a site: rounding of its clock
 constexpr double kPeriodOfReplay = 0.003;    // [s] between two repeated messages
 constexpr double kPeriodOfIntruder = 0.007;  // [s]
 
-/// The workspace contains the plant's table; what an operator pushes can't leave it.
-MotionLimits soak_limits() {
+/// The workspace contains the plant's table; what an operator pushes can't leave it. The limits of
+/// step and force act often: the boxes slide at some 15 N.
+MotionLimits soak_limits(Random random) {
   MotionLimits limits;
+  limits.max_step = 0.005;
+  limits.max_force = random.uniform(8.0, 25.0);
   limits.min_x = limits.min_y = -0.6;
   limits.max_x = limits.max_y = 0.8;
   limits.min_z = 0.0;
@@ -60,7 +65,8 @@ TeleopInput soak_world(std::uint64_t seed) {
   return world;
 }
 
-/// A machine's clock: it drifts, and goes on while a process does not run.
+/// A machine's clock (CLOCK_BOOTTIME): it drifts, goes on while a process does not run, and goes
+/// back only when the machine is started anew.
 class MachineClock {
  public:
   MachineClock(const double& true_time, double offset, double drift)
@@ -68,6 +74,7 @@ class MachineClock {
   [[nodiscard]] double now() const { return offset_ + rate_ * true_time_; }
   [[nodiscard]] double true_duration(double duration) const { return duration / rate_; }
   void step(double by) { offset_ += by; }
+  void begin(double now) { offset_ = now - rate_ * true_time_; }
 
  private:
   const double& true_time_;
@@ -105,6 +112,7 @@ class SoakRobot final : public RobotInterface {
     std::erase_if(samples.tool, [](const auto& sample) { return sample.t <= 0.0; });
     std::erase_if(samples.wrench, [](const auto& sample) { return sample.t <= 0.0; });
     std::erase_if(samples.tracked, [](const auto& sample) { return sample.pose.t <= 0.0; });
+    if (!samples.wrench.empty()) checker_.on_force(true_time_, samples.wrench.back().force_base);
   }
 
  private:
@@ -136,7 +144,7 @@ class TwoSitesSoak final : private SiteLog {
     const char* name;
     Handler handler;
   };
-  static const std::array<FaultKind, 15> kFaults;
+  static const std::array<FaultKind, 17> kFaults;
 
   // Faults of `length` [s].
   void drop_both(double length);
@@ -148,6 +156,8 @@ class TwoSitesSoak final : private SiteLog {
   void reconnect(double) { network_.reconnect(); }
   void kill_robot(double length);
   void kill_operator(double length);
+  void reboot_robot(double length);
+  void reboot_operator(double length);
   void pause_robot(double length) { robot_site_.runs_from = t_ + length; }
   void pause_operator(double length) { operator_site_.runs_from = t_ + length; }
   void step_robot_clock(double length);
@@ -195,6 +205,7 @@ class TwoSitesSoak final : private SiteLog {
 
   SoakOptions options_;
   std::size_t heap_before_ = 0;
+  std::vector<std::size_t> heap_;  ///< in use above that, each second
   Random random_;
   double t_ = 0.0;  ///< [s] true time
   RobotSiteOptions robot_options_;
@@ -225,7 +236,7 @@ class TwoSitesSoak final : private SiteLog {
   SoakReport report_;
 };
 
-const std::array<TwoSitesSoak::FaultKind, 15> TwoSitesSoak::kFaults{{
+const std::array<TwoSitesSoak::FaultKind, 17> TwoSitesSoak::kFaults{{
     {"drop both", &TwoSitesSoak::drop_both},
     {"drop to robot", &TwoSitesSoak::drop_to_robot},
     {"drop to operator", &TwoSitesSoak::drop_to_operator},
@@ -233,6 +244,8 @@ const std::array<TwoSitesSoak::FaultKind, 15> TwoSitesSoak::kFaults{{
     {"reconnect", &TwoSitesSoak::reconnect},
     {"kill robot's site", &TwoSitesSoak::kill_robot},
     {"kill operator's site", &TwoSitesSoak::kill_operator},
+    {"start robot's machine anew", &TwoSitesSoak::reboot_robot},
+    {"start operator's machine anew", &TwoSitesSoak::reboot_operator},
     {"pause robot's site", &TwoSitesSoak::pause_robot},
     {"pause operator's site", &TwoSitesSoak::pause_operator},
     {"step robot's clock", &TwoSitesSoak::step_robot_clock},
@@ -254,9 +267,9 @@ LinkConditions::Options soak_conditions(Random random) {
   return options;
 }
 
-RobotSiteOptions soak_robot_options() {
+RobotSiteOptions soak_robot_options(std::uint64_t seed) {
   RobotSiteOptions options;
-  options.limits = soak_limits();
+  options.limits = soak_limits(Random(seed).fork(5));
   return options;
 }
 
@@ -279,7 +292,7 @@ TwoSitesSoak::TwoSitesSoak(const SoakOptions& options)
     : options_(options),
       heap_before_(options.heap_bytes ? options.heap_bytes() : 0),
       random_(Random(options.seed).fork(1)),
-      robot_options_(soak_robot_options()),
+      robot_options_(soak_robot_options(options.seed)),
       world_(soak_world(options.seed)),
       scene_(soak_scene(world_)),
       checker_({.commands = robot_options_.commands,
@@ -324,6 +337,16 @@ void TwoSitesSoak::kill_operator(double length) {
   operator_site_.steps.reset();
   operator_site_.starts_at = t_ + length;
   network_.set_running(SoakNetwork::to_operator, false);
+}
+
+/// The machine's clock begins again near zero.
+void TwoSitesSoak::reboot_robot(double length) {
+  kill_robot(length);
+  robot_clock_.begin(random_.uniform(0.0, kMaxBoot));
+}
+void TwoSitesSoak::reboot_operator(double length) {
+  kill_operator(length);
+  operator_clock_.begin(random_.uniform(0.0, kMaxBoot));
 }
 
 /// The machine sleeps for longer than the others' clocks show: CLOCK_BOOTTIME never goes back.
@@ -428,12 +451,14 @@ double TwoSitesSoak::next_event() const {
 
 void TwoSitesSoak::note_heap() {
   if (!options_.heap_bytes) return;
-  report_.heap_peak = std::max(report_.heap_peak, options_.heap_bytes() - heap_before_);
+  heap_.push_back(options_.heap_bytes() - heap_before_);
+  report_.heap_peak = std::max(report_.heap_peak, heap_.back());
 }
 
 SoakReport TwoSitesSoak::run() {
   const double last_fault = options_.duration - options_.quiet_end - kMaxFault;
   double next_heap = 0.0;
+  if (options_.heap_bytes) heap_.reserve(static_cast<std::size_t>(options_.duration) + 1);
   while (t_ < options_.duration) {
     t_ = network_.now = next_event();
     if (t_ >= next_fault_) {
@@ -455,6 +480,10 @@ SoakReport TwoSitesSoak::run() {
   }
   checker_.check_recovered(t_);
   report_.violations = checker_.violations();
+  if (options_.duration >= kMinHeapTime && heap_grows(heap_)) {
+    report_.violations.emplace_back("the use of memory grows");
+  }
+  report_.pressed = checker_.pressed();
   report_.digest = checker_.digest();
   report_.commands = checker_.executed();
   report_.corrections = checker_.applied();
@@ -466,6 +495,15 @@ SoakReport TwoSitesSoak::run() {
 }
 
 }  // namespace
+
+bool heap_grows(std::span<const std::size_t> samples) {
+  const std::size_t third = samples.size() / 3;
+  if (third == 0) return false;
+  const auto peak = [&](std::size_t first) {
+    return static_cast<double>(std::ranges::max(samples.subspan(first, third)));
+  };
+  return peak(samples.size() - third) > 1.2 * peak(samples.size() - 2 * third) + 1e6;
+}
 
 SoakReport run_two_sites_soak(const SoakOptions& options) {
   SoakReport report;
