@@ -6,12 +6,16 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
+
+#include <fmt/core.h>
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/signals.hpp"
 
 #include "identification/contact_samples.hpp"
+#include "identification/drifting_surface.hpp"
 
 namespace pcavr {
 namespace {
@@ -142,6 +146,21 @@ std::string proposal_for(const ContactIdentification& found) {
   return {};
 }
 
+/// Of the two hypotheses, a surface that stays and one that moves, the better one.
+void take_drifting_surface(std::span<const ForceMotion> presses, const ContactFitOptions& options,
+                           ContactIdentification& found) {
+  ContactFit drifting = fit_drifting_surface(presses, found.best(), options);
+  if (!drifting.is_valid) return;
+  found.proposal = fmt::format(
+      "the surface moves under the presses: a law of one that stays leaves {:.2f} N unexplained, "
+      "one about the moving mean {:.2f} N; the damping is not identified, as a clock offset of "
+      "some "
+      "milliseconds would look the same",
+      found.best().residual, drifting.residual);
+  found.mass_damper_spring = std::move(drifting);
+  found.chosen = ContactRegressor::mass_damper_spring;
+}
+
 }  // namespace
 
 ContactIdentification identify_contact(std::span<const ForceMotion> presses,
@@ -183,6 +202,7 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
     found.chosen = ContactRegressor::hunt_crossley;
   }
   found.proposal = proposal_for(found);
+  if (options.drift_half_width <= 0.0) take_drifting_surface(presses, options, found);
   return found;
 }
 

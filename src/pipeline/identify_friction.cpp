@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include <Eigen/Core>
 #include <fmt/core.h>
@@ -159,6 +160,13 @@ bool bound_by_sliding(ObjectIdentification& result) {
   return true;
 }
 
+/// An object that turns while it is pushed turned under the load, too, and seems softer than it is.
+bool is_mostly_turning(const std::vector<FrictionSample>& samples) {
+  const auto turning = std::count_if(samples.begin(), samples.end(),
+                                     [](const FrictionSample& one) { return one.is_turning; });
+  return 2 * turning > static_cast<std::ptrdiff_t>(samples.size());
+}
+
 /// F_M of each push: the limiting static friction without inertia, which needs the mass; else the
 /// force at the peak. F_M of all that count: with the scatter between pushes.
 void find_limits(const std::vector<IdentifiedContact*>& pushes,
@@ -251,6 +259,9 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
       friction_samples(body.tracked.empty() ? pushes : all, contact_law, body, tip, tool_radius);
   take_sliding(infer(result.slide_samples, known_mass, options), given_mass, result);
   find_limits(pushes, contact_law, options, result);
+  if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {
+    result.is_contact_off_centre = true;
+  }
 }
 
 }  // namespace pcavr

@@ -237,5 +237,36 @@ TEST(IdentifyContact, IsInvalidWithoutContact) {
   EXPECT_FALSE(found.proposal.empty());
 }
 
+/// A tip that presses a spring of 500 N/m by 1 mm at 2 Hz, for 20 s, while its surface moves.
+ContactIdentification press_moving_surface(double travel) {
+  Random random(11);
+  std::vector<double> t, tool, force;
+  for (int i = 0; i < 1320; ++i) {
+    const double now = i / 66.0;
+    const double depth = 0.003 + 0.001 * std::sin(4.0 * std::numbers::pi * now);
+    const double surface = travel * std::sin(0.25 * std::numbers::pi * now);
+    const double is_near = now > 0.5 && now < 19.5 ? 1.0 : 0.0;
+    t.push_back(now);
+    tool.push_back(surface + (is_near > 0.0 ? depth : -0.005) + 1e-5 * random.normal());
+    force.push_back(is_near * 500.0 * depth + 0.01 * random.normal());
+  }
+  const ForceMotion press{t, tool, force};
+  return identify_contact(std::span(&press, 1));
+}
+
+TEST(IdentifyContact, FindsTheStiffnessOfASurfaceThatMovesUnderThePress) {
+  const ContactIdentification found = press_moving_surface(0.004);
+  ASSERT_TRUE(found.best().is_valid);
+  EXPECT_NEAR(found.best().stiffness.value, 500.0, 0.03 * 500.0);
+  EXPECT_FALSE(found.best().damping.is_excited);
+  EXPECT_NE(found.proposal.find("the surface moves"), std::string::npos);
+}
+
+TEST(IdentifyContact, DoesNotTakeASurfaceThatStaysForOneThatMoves) {
+  const ContactIdentification found = press_moving_surface(0.0);
+  ASSERT_TRUE(found.best().is_valid);
+  EXPECT_EQ(found.proposal.find("the surface moves"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace pcavr

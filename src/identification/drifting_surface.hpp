@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "pcavr/identification/contact_fit.hpp"
+
+namespace pcavr {
+
+/// The linear law of a surface that moves while it is pressed, as when a tip travels over tissue
+/// that it presses periodically. Force and tip are taken about their moving means; windows of some
+/// periods each give a stiffness, and the mean over the windows, which scatter, is returned. Not
+/// valid where no press is long enough, or where `fixed`, the law of a surface that stays, explains
+/// the force better than a stated factor above what this one does.
+[[nodiscard]] ContactFit fit_drifting_surface(std::span<const ForceMotion> presses,
+                                              const ContactFit& fixed,
+                                              const ContactFitOptions& options);
+
+}  // namespace pcavr
