@@ -22,7 +22,7 @@ endfunction()
 
 pcavr_find(Eigen3 libeigen3-dev 3.4)
 pcavr_find(TBB libtbb-dev)
-pcavr_find(OpenCV libopencv-dev 4.6 COMPONENTS core imgproc imgcodecs videoio calib3d video features2d aruco)
+pcavr_find(OpenCV libopencv-dev 4.6 COMPONENTS core imgproc imgcodecs videoio calib3d video features2d aruco objdetect)
 pcavr_find(fmt libfmt-dev 9)
 pcavr_find(yaml-cpp libyaml-cpp-dev)
 pcavr_find(nlohmann_json nlohmann-json3-dev)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/devices/open_device.hpp"
@@ -160,6 +161,7 @@ Expected<void> print_startup_message(const LiveServer& server, const PageWorld& 
       .objects = world.names(),
       .triangles = triangles,
       .code = server.pairing_code(),
+      .is_terminal = isatty(STDOUT_FILENO) == 1,
       .is_local = server.pairing_code().empty(),
       .is_at_localhost = server.pairing_code().empty() || is_wildcard(arguments.server.host),
       .is_tls = arguments.server.tls.has_value(),

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "startup_message.hpp"
 
+#include "pcavr/serve/qr_code.hpp"
+
 namespace pcavr::app {
 namespace {
 
@@ -44,6 +46,10 @@ std::string startup_message(const StartupInfo& info) {
   if (!info.code.empty()) {
     text += "code       " + hyphenated(info.code) +
             "   pairing code, entered once per browser, not on this machine\n";
+  }
+  if (!info.code.empty() && info.is_terminal) {
+    text += "scan       opens the page with the code entered\n" +
+            qr_code_for_terminal(info.addresses.front() + "#code=" + info.code);
   }
   if (!info.fingerprint.empty()) text += "SHA-256    " + info.fingerprint + '\n';
   text += "scene      " + info.scene + ", " + std::to_string(info.triangles) +

@@ -20,6 +20,7 @@ struct StartupInfo {
   std::vector<std::string> objects;
   std::size_t triangles = 0;
   std::string code = {};         ///< pairing code; empty where none is needed
+  bool is_terminal = false;      ///< a QR code is readable
   std::string fingerprint = {};  ///< of the certificate; empty without TLS
   bool is_local = true;          ///< reachable from this machine only
   bool is_at_localhost = true;   ///< listens on localhost, which adb reverse forwards to

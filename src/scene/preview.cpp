@@ -45,7 +45,8 @@ class PreviewRenderer {
 
   ColorImage render() {
     draw_background(canvas_);
-    draw_static_mesh();
+    draw_static(scene_.mesh_base);
+    if (!scene_.unseen_support_base.triangles.empty()) draw_static(scene_.unseen_support_base);
     draw_objects();
     draw_base_axes();
     draw_contours(canvas_, kFirstObject);
@@ -70,10 +71,10 @@ class PreviewRenderer {
     return std::max(0.0F, normal.dot(to_light_base_));
   }
 
-  void draw_static_mesh() {
+  void draw_static(const TriangleMesh& mesh_base) {
     // The colours contain the scene's lighting; some additional shading shows the shape.
-    const bool is_uncolored = scene_.mesh_base.colors.empty();
-    draw(scene_.mesh_base, kStatic, [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
+    const bool is_uncolored = mesh_base.colors.empty();
+    draw(mesh_base, kStatic, [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
       const Eigen::Vector3f shaded = is_uncolored
                                          ? Eigen::Vector3f(color * (0.45F + 0.4F * lambert(n)))
                                          : Eigen::Vector3f(color * (0.88F + 0.24F * lambert(n)));

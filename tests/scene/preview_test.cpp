@@ -169,6 +169,18 @@ TEST(Preview, DrawsAnObjectInItsColour) {
   EXPECT_GT(blue, 2000);
 }
 
+TEST(Preview, FillsTheTableWhereOnlyABodyHidIt) {
+  Scene scene = a_box_on_a_table();
+  const auto red = [&] {
+    return std::ranges::count_if(render_preview(scene, {1}).pixels(),
+                                 [](const Rgb8& c) { return c.r > 150 && c.g < 60 && c.b < 60; });
+  };
+  const auto before = red();
+  scene.unseen_support_base = a_level_square({0.5, 0.0, 0.001}, 0.4, 4);
+  std::ranges::fill(scene.unseen_support_base.colors, Rgb8{220, 10, 10});
+  EXPECT_GT(red(), before + 2000);
+}
+
 TEST(Preview, DoesNotDependOnTheNumberOfThreads) {
   const Scene scene = a_box_on_a_table();
   const ColorImage once = render_preview(scene, {1});

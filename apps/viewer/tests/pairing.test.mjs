@@ -62,6 +62,16 @@ test('a wrong code is rejected, the right one pairs the page', limit, async () =
   await page.waitForFunction(() => window.__pcavr.state !== null);
 });
 
+test('the address of the QR code pairs, and the code leaves it', limit, async () => {
+  const { page } = await stage.open();
+  await page.context().clearCookies();
+  await page.goto(`${stage.server.url}#code=${stage.server.code}`);
+  await page.reload(); // a change of the fragment alone loads nothing
+  await loaded(page);
+  assert.equal(await page.locator('#pairing[open]').count(), 0);
+  assert.doesNotMatch(page.url(), /code/);
+});
+
 test(
   'pairing attempts are rate-limited, so that a pairing code cannot be guessed',
   limit,

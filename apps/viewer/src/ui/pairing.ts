@@ -5,8 +5,11 @@ import { byId } from './dom';
 
 /// Asks for the pairing code until the server accepts it; returns at once if already paired.
 export async function pair(): Promise<SessionInfo> {
+  const offered = takeCodeOfLink();
   const session = await fetchJson<SessionInfo>('/api/session');
   if (session.paired) return session;
+  if (offered !== null && (await tryCode(offered)) === '')
+    return fetchJson<SessionInfo>('/api/session');
   const dialog = byId('pairing', HTMLDialogElement);
   const code = byId('pairing-code', HTMLInputElement);
   const error = byId('pairing-error', HTMLParagraphElement);
@@ -21,6 +24,17 @@ export async function pair(): Promise<SessionInfo> {
       resolve(await fetchJson<SessionInfo>('/api/session'));
     };
   });
+}
+
+/// The code of the address that the server's QR code has; removed from it, as links are passed on.
+function takeCodeOfLink(): string | null {
+  const fields = new URLSearchParams(location.hash.slice(1));
+  const code = fields.get('code');
+  if (code === null) return null;
+  fields.delete('code');
+  const rest = `${fields}` === '' ? '' : `#${fields}`;
+  history.replaceState(null, '', location.pathname + location.search + rest);
+  return code;
 }
 
 /// Sends the code; returns the error message, empty on success.
