@@ -31,6 +31,38 @@ TEST(FitRobot, RecoversThePa10sFrictionFromNoisyTorques) {
   }
 }
 
+// The terms may be others, the curve is the same: three parameters and their stds say so.
+TEST(FitRobot, StatesThreeParametersThatDoNotDependOnTheTerms) {
+  const RobotModel model = pa10();
+  const JointSignals signals = joint_signals(simulated_log(model, {.duration = 60.0}), {});
+  RobotFitOptions plain;
+  plain.is_extended = false;
+  plain.smoothing_speed = 0.05;
+  for (const RobotFitOptions& options : {RobotFitOptions{}, plain}) {
+    const RobotFit fit = fit_robot(signals, model, options);
+    for (std::size_t j = 0; j < fit.joints.size(); ++j) {
+      const PlantFriction truth = plant_friction(static_cast<Eigen::Index>(j));
+      ASSERT_EQ(fit.joints[j].equivalent.size(), 3U);
+      EXPECT_NEAR(fit.joints[j].equivalent[1].value, truth.viscous, 0.05 * truth.viscous) << j;
+      EXPECT_NEAR(fit.joints[j].equivalent[2].value, truth.coulomb, 0.05 * truth.coulomb) << j;
+      EXPECT_LT(fit.joints[j].equivalent[2].std, 0.05 * truth.coulomb) << j;
+    }
+  }
+}
+
+TEST(FitRobot, LeavesOutEachStretchOfTheFittedPart) {
+  const RobotModel model = pa10();
+  const JointSignals signals = joint_signals(simulated_log(model), {});
+  const RobotFit fit = fit_robot(signals, model, {});
+  ASSERT_EQ(fit.left_out.size(), 5U);
+  EXPECT_EQ(fit.left_out.front().begin, signals.t.front());
+  EXPECT_NEAR(fit.left_out.back().end, signals.t[fit.train_rows - 1], 0.1);
+  for (const LeftOutFit& left_out : fit.left_out) {
+    EXPECT_GT((left_out.inertial_parameters - fit.inertial_parameters).norm(), 0.0);
+    EXPECT_EQ(left_out.joints[3].friction.size(), fit.joints[3].friction.size());
+  }
+}
+
 TEST(FitRobot, FitsPossibleBodiesAndReplaysTheMotion) {
   const RobotModel model = pa10();
   // At 200 Hz the instants of reversals are less certain: 0.8 degrees.
