@@ -20,8 +20,9 @@ namespace {
 constexpr Eigen::Index kHypothesisRows =
     400;  ///< of the log, equally spaced: 7 joints, 80 unknowns
 /// A hypothesis is decisive where it lowers the product of the joints' relative errors by this
-/// factor. In sound logs (fourteen of four arms) swaps raise it, and a sign of a wrist's joint, of
-/// which gravity shows little, lowers it by 1.15; logs of swapped wrists gain 1.3 to 2.3.
+/// factor. In four sound logs of three arms swaps raised it (by 1.04 at least), and a sign of a
+/// wrist's joint, of which gravity shows little, lowered it by up to 1.15; logs of swapped wrists
+/// gained 1.3 to 2.3.
 constexpr double kDecisiveSwap = 1.2;
 constexpr double kDecisive = 3.0;
 /// Signs and units are tried where they concern a joint with at least this relative error.
