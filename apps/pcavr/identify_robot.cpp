@@ -39,7 +39,7 @@ struct RobotArguments {
 std::string joint_line(const JointFit& joint) {
   std::string line = fmt::format("    {:<24} {:>7.3g} % {:>8.3g} N m  ", joint.name,
                                  joint.held_out.relative * 100.0, joint.held_out.rms);
-  for (const FittedTerm& term : joint.friction) {
+  for (const FittedTerm& term : joint.equivalent) {
     line += fmt::format(" {} {:.3g} +- {:.2g}", name_of(term.term), term.value, term.std);
   }
   return line + '\n';
@@ -56,11 +56,16 @@ nlohmann::ordered_json joint_json(const RobotIdentification& found, std::size_t 
     json[name_of(term.term)] = term.value;
     json[std::string(name_of(term.term)) + "_std"] = term.std;
   }
+  for (const FittedTerm& term : joint.equivalent) {
+    json[std::string("equivalent_") + name_of(term.term)] = term.value;
+    json[std::string("equivalent_") + name_of(term.term) + "_std"] = term.std;
+  }
   if (index < found.intervals.size()) {
     json["intervals_held_out_relative_error"] = found.intervals[index].held_out.relative;
   }
   if (found.replay.is_finite) {
     json["replay_after_1s"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
+    json["replay_kept"] = found.replay.kept[static_cast<Eigen::Index>(index)];
     json["replay_rms"] = found.replay.rms[static_cast<Eigen::Index>(index)];
   }
   return json;
@@ -141,7 +146,8 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
                   found.fit.base_parameters.size(),
                   found.fit.is_physical ? "physically possible" : "not physically possible");
   for (const std::string& note : found.notes) result.summary += "note: " + note + '\n';
-  result.summary += "    joint                    held-out torque error, friction\n";
+  result.summary +=
+      "    joint                    held-out torque error, friction as three parameters\n";
   result.json = {{"report", arguments.report.folder},
                  {"bandwidth_hz", found.signals.bandwidth},
                  {"torque_lag", found.fit.torque_lag},
@@ -156,9 +162,9 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
     const double degrees = 180.0 / std::numbers::pi;
     result.summary += fmt::format(
         "replay of held-out torques: position error after 1 s up to {:.2g} deg, rms "
-        "over {:.2g} s up to {:.2g} deg\n",
+        "over {:.2g} s up to {:.2g} deg, all joints within 3 deg for {:.2g} s\n",
         found.replay.after_1s.maxCoeff() * degrees, found.replay.t.back() - found.replay.t.front(),
-        found.replay.rms.maxCoeff() * degrees);
+        found.replay.rms.maxCoeff() * degrees, found.replay.kept.minCoeff());
   }
   describe_trial(found, result);
   describe_contacts(found, result);
@@ -207,6 +213,7 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
   options.is_trial_wanted = arguments.method == "grid";
   Expected<RobotIdentification> found = identify_robot(*log, *model, options, fitted);
   if (!found) return found.error();
+  for (const Error& warning : found->warnings) observer.on_warning(warning.to_string());
   if (!arguments.unloaded.empty()) {
     Expected<JointLog> loaded = read_joint_log(arguments.log, arguments.skip_bad);
     if (!loaded) return loaded.error();

@@ -84,12 +84,17 @@ std::vector<std::string> signal_notes(const JointSignals& signals, const SampleC
   return notes;
 }
 
+std::string lag_text(const RobotFit& fit) {
+  return fmt::format("torques are {:.3g} ± {:.1g} ms {} the positions",
+                     std::abs(fit.torque_lag) * 1e3, fit.torque_lag_std * 1e3,
+                     fit.torque_lag > 0.0 ? "after" : "before");
+}
+
 std::vector<std::string> fit_notes(const RobotIdentification& found) {
   std::vector<std::string> notes;
   const RobotFit& fit = found.fit;
   if (std::abs(fit.torque_lag) > 3.0 * fit.torque_lag_std) {
-    notes.push_back(fmt::format("torques are {:.2g} ± {:.1g} ms after the positions; removed",
-                                fit.torque_lag * 1e3, fit.torque_lag_std * 1e3));
+    notes.push_back(lag_text(fit) + "; removed");
   }
   const auto weak = std::count_if(fit.base_parameters.begin(), fit.base_parameters.end(),
                                   [](const BaseParameter& entry) { return !entry.is_excited; });
@@ -106,25 +111,47 @@ std::vector<std::string> fit_notes(const RobotIdentification& found) {
   return notes;
 }
 
-/// Velocities that are those of the positions times a constant of units.
-std::vector<Error> velocity_faults(const JointLog& log, const JointSignals& signals) {
-  constexpr double kDegrees = 180.0 / 3.14159265358979;
-  if (!signals.velocity_disagreement || *signals.velocity_disagreement < 0.5) return {};
-  const double ratio =
-      std::sqrt(log.velocity.squaredNorm() / double(log.velocity.rows()) /
-                (signals.velocity.squaredNorm() / double(signals.velocity.rows())));
-  if (std::abs(ratio / kDegrees - 1.0) > 0.2) return {};
-  return {{.message = fmt::format("velocities are {:.3g} times the positions' derivatives: degrees",
-                                  ratio),
-           .line = log.lines.front(),
-           .place = "dq",
-           .hint = "write radians per second"}};
-}
-
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// A lag beyond a drive's filter is named; it is removed where it is not too long.
+Expected<void> check_lag(const RobotFitOptions& options, const std::string& file,
+                         RobotIdentification& found) {
+  const double lag = std::abs(found.fit.torque_lag);
+  if (lag <= options.usual_torque_lag) return {};
+  Error late{.message = lag_text(found.fit),
+             .file = file,
+             .line = found.signals.lines.front(),
+             .place = "tau, all joints",
+             .hint = "shift their stamps"};
+  if (lag > options.max_torque_lag) {
+    late.hint += ", or accept the lag by robot_identification.fit: max_torque_lag in --config";
+    return late;
+  }
+  late.message += ": this lag is removed";
+  found.warnings.push_back(std::move(late));
+  return {};
+}
+
+/// Puts the fit of all rows in place of the one that was judged on the held-out ones, whose errors
+/// stay.
+void fit_all_rows(const RobotIdentificationOptions& options, RobotIdentification& found) {
+  RobotFit& judged = found.fit;
+  if (judged.train_rows == found.signals.t.size()) return;
+  RobotFitOptions of_all = options.fit;
+  of_all.train_share = 1.0;
+  RobotFit whole = fit_robot(found.signals, found.model, of_all);
+  for (std::size_t j = 0; j < whole.joints.size(); ++j) {
+    whole.joints[j].train = judged.joints[j].train;
+    whole.joints[j].held_out = judged.joints[j].held_out;
+    whole.joints[j].plain_held_out = judged.joints[j].plain_held_out;
+  }
+  whole.train_rows = judged.train_rows;
+  whole.fitted_torque = std::move(judged.fitted_torque);
+  found.fit = std::move(whole);
 }
 
 Expected<void> add_trial(const FrictionTrialOptions& options, const std::string& file,
@@ -184,6 +211,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
                             .trial = {},
                             .replay = {},
                             .notes = matched->notes,
+                            .warnings = {},
                             .configuration = {}};
   const LogFindings rows = check_rows(found.log, found.model, options.signals.max_gap);
   if (!rows.errors.empty()) return first_of(rows.errors, file);
@@ -195,10 +223,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
         .file = file,
         .hint = "record a longer motion without gaps"};
   }
-  LogFindings shown = check_hypotheses(found.signals, found.model);
-  for (const Error& fault : velocity_faults(found.log, found.signals)) {
-    shown.errors.insert(shown.errors.begin(), fault);
-  }
+  const LogFindings shown = check_hypotheses(found.signals, found.model);
   if (!shown.errors.empty()) return first_of(shown.errors, file);
   for (const LogFindings& findings : {rows, shown}) {
     for (const Error& warning : findings.warnings) found.notes.push_back(text_of(warning));
@@ -209,16 +234,8 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   const Clock::time_point before_fit = Clock::now();
   found.fit = fit_robot(found.signals, found.model, options.fit);
   found.fit_time = seconds_since(before_fit);
-  if (std::abs(found.fit.torque_lag) > options.fit.max_torque_lag) {
-    return Error{.message = fmt::format("torques are {:.0f} ms {} the positions",
-                                        std::abs(found.fit.torque_lag) * 1e3,
-                                        found.fit.torque_lag > 0.0 ? "after" : "before"),
-                 .file = file,
-                 .line = found.signals.lines.front(),
-                 .place = "tau, all joints",
-                 .hint =
-                     "shift their stamps, or accept the lag by "
-                     "robot_identification.fit: max_torque_lag in --config"};
+  if (Expected<void> checked = check_lag(options.fit, file, found); !checked) {
+    return checked.error();
   }
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
   found.intervals = friction_by_interval(found.signals, found.model, found.fit, options.intervals);
@@ -233,6 +250,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
     found.replay =
         replay_motion(found.log, found.signals, found.fit, found.model, first, kReplayDuration);
   }
+  fit_all_rows(options, found);
   return found;
 }
 

@@ -40,8 +40,9 @@ ReportTable error_table(const RobotFit& fit) {
                           readable(joint.plain_held_out.relative * kHundred)});
   }
   table.note = fmt::format(
-      "rms of measured less fitted torque over rms of the torque; the first {} of {} rows are "
-      "fitted. Plain: unweighted, without prior, Coulomb, viscous and offset alone.",
+      "rms of measured less fitted torque over rms of the torque, of a fit of the first {} of {} "
+      "rows; the parameters below are those of a fit of all rows. Plain: unweighted, without "
+      "prior, Coulomb, viscous and offset alone.",
       fit.train_rows, fit.fitted_torque.rows());
   return table;
 }
@@ -136,6 +137,12 @@ ReportTable friction_table(const JointFit& joint) {
   if (joint.stribeck_speed > 0.0) {
     table.note += fmt::format("; Stribeck speed {:.3g} rad/s", joint.stribeck_speed);
   }
+  table.note += ". As three parameters, with a sign that changes at once:";
+  for (const FittedTerm& term : joint.equivalent) {
+    table.note += fmt::format(" {} {} ± {:.2g} {}", name_of(term.term), short_number(term.value),
+                              term.std, unit_of(term.term));
+  }
+  table.note += ".";
   return table;
 }
 
@@ -297,6 +304,11 @@ void add_joint(Json& json, const RobotIdentification& found, std::size_t index) 
     json[key + name_of(term.term) + "_std"] = term.std;
     json[key + name_of(term.term) + ".is_excited"] = term.is_excited;
   }
+  for (const FittedTerm& term : joint.equivalent) {
+    const std::string name = key + "equivalent." + name_of(term.term);
+    json[name] = term.value;
+    json[name + "_std"] = term.std;
+  }
   json[key + "smoothing_speed"] = joint.smoothing_speed;
   if (joint.stribeck_speed > 0.0) json[key + "stribeck_speed"] = joint.stribeck_speed;
   json[key + "noise_std"] = joint.noise_std;
@@ -311,6 +323,7 @@ void add_joint(Json& json, const RobotIdentification& found, std::size_t index) 
   }
   if (!found.replay.is_finite) return;
   json[key + "replay.after_1s_rad"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
+  json[key + "replay.kept_s"] = found.replay.kept[static_cast<Eigen::Index>(index)];
   json[key + "replay.rms_rad"] = found.replay.rms[static_cast<Eigen::Index>(index)];
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,6 +22,7 @@ constexpr double kMissedTravel = 0.03;  ///< [rad] of some milliseconds that a l
 constexpr double kInMotion = 0.2;       ///< of the 95th percentile of steps: the joint moves
 constexpr Eigen::Index kStuckRows = 5;  ///< bit-identical rows in motion
 constexpr double kStuckJump = 3.0;      ///< [steps before] by which a stuck joint returns
+constexpr double kLongStuck = 0.1;      ///< [s] after which it may return on either side, or never
 constexpr Eigen::Index kSaturatedRows = 5;
 constexpr double kSaturatedShare = 0.6;  ///< of such an extreme's rows lie in runs
 
@@ -95,8 +97,39 @@ void check_jumps(JointLog& log, const RobotModel& model, LogFindings& findings) 
   }
 }
 
-/// A position that stays bit-identical in motion and then jumps to catch up.
+/// Rows that repeat a position bit by bit: `first` is the first repetition.
+struct Standstill {
+  Eigen::Index first = 0, last = 0;
+  double step = 0.0;  ///< [rad] a row before it
+};
+
+/// Whether the joint was in motion before, and is elsewhere after: by a jump in its direction, or
+/// after a long time by a jump to either side. No drive stops a moving joint between two rows, so
+/// that a long standstill right after motion is enough where the log ends with it.
+bool is_stuck(const JointLog& log, Eigen::Index j, const Standstill& still, double moving) {
+  if (!(std::abs(still.step) > moving)) return false;
+  const auto length = static_cast<double>(still.last - still.first + 1);
+  const bool is_long =
+      log.t[static_cast<std::size_t>(still.last)] - log.t[static_cast<std::size_t>(still.first)] >
+      kLongStuck;
+  if (still.last + 1 == log.position.rows()) return is_long;
+  const double jump = log.position(still.last + 1, j) - log.position(still.last, j);
+  if (!(std::abs(jump) > kStuckJump * std::abs(still.step))) return false;
+  return is_long || (still.step * jump > 0.0 && jump / still.step > 0.3 * length);
+}
+
+/// [rad] that the recorded velocity makes of a standstill; 0 without velocities.
+double missed_travel(const JointLog& log, Eigen::Index j, const Standstill& still) {
+  if (log.velocity.rows() == 0) return 0.0;
+  const double dt =
+      log.t[static_cast<std::size_t>(still.last)] - log.t[static_cast<std::size_t>(still.first)];
+  const Eigen::Index length = still.last - still.first + 1;
+  return std::abs(log.velocity.col(j).segment(still.first, length).mean()) * dt;
+}
+
+/// A position that stays bit-identical while the joint moves.
 std::optional<Error> stuck_joint(const JointLog& log, Eigen::Index j) {
+  constexpr double kMaxTravel = 0.02;  // [rad]
   const auto q = [&](Eigen::Index i) { return log.position(i, j); };
   const Eigen::Index rows = log.position.rows();
   std::vector<double> steps;
@@ -106,36 +139,20 @@ std::optional<Error> stuck_joint(const JointLog& log, Eigen::Index j) {
   const double moving = kInMotion * *high;
   for (Eigen::Index i = 2; i < rows; ++i) {
     if (q(i) != q(i - 1) || q(i - 1) == q(i - 2)) continue;
-    Eigen::Index end = i;
-    while (end + 1 < rows && q(end + 1) == q(i)) ++end;
-    const Eigen::Index length = end - i + 1;
-    if (length >= kStuckRows && end + 1 < rows) {
-      // The speed before, and the distance that it would have taken it.
-      const Eigen::Index back = std::max<Eigen::Index>(0, i - 6);
-      const double step = (q(i - 1) - q(back)) / static_cast<double>(i - 1 - back);
-      const double jump = q(end + 1) - q(end);
-      const bool catches_up = std::abs(jump) > kStuckJump * std::abs(step) &&
-                              std::abs(jump) > 0.3 * std::abs(step) * static_cast<double>(length);
-      if (catches_up && step * jump > 0.0 && std::abs(step) > moving) {
-        return finding(
-            log, j, i,
-            fmt::format("position does not change for {} rows while the joint moves", length + 1),
-            "remove these rows, or repair the encoder's connection");
-      }
-      const bool has_speed = log.velocity.rows() > 0;
-      if (has_speed) {
-        const double dt = log.t[static_cast<std::size_t>(end)] - log.t[static_cast<std::size_t>(i)];
-        const double travel = std::abs(log.velocity.col(j).segment(i, length).mean()) * dt;
-        if (travel > 0.02) {
-          return finding(log, j, i,
-                         fmt::format("position does not change for {} rows, in which its velocity "
-                                     "makes {:.3g} rad",
-                                     length + 1, travel),
-                         "remove these rows, or repair the encoder's connection");
-        }
-      }
-    }
-    i = end;
+    const Eigen::Index back = std::max<Eigen::Index>(0, i - 6);
+    Standstill still{i, i, (q(i - 1) - q(back)) / static_cast<double>(i - 1 - back)};
+    while (still.last + 1 < rows && q(still.last + 1) == q(i)) ++still.last;
+    i = still.last;
+    const Eigen::Index length = still.last - still.first + 1;
+    if (length < kStuckRows) continue;
+    const double travel = missed_travel(log, j, still);
+    if (travel <= kMaxTravel && !is_stuck(log, j, still, moving)) continue;
+    const std::string rest = travel > kMaxTravel
+                                 ? fmt::format(", in which its velocity makes {:.3g} rad", travel)
+                                 : std::string(" while the joint moves");
+    return finding(log, j, still.first,
+                   fmt::format("position does not change for {} rows", length + 1) + rest,
+                   "remove these rows, or repair the encoder's connection");
   }
   return std::nullopt;
 }
@@ -185,6 +202,31 @@ void check_saturation(const JointLog& log, const Eigen::MatrixXd& values, LogFin
   }
 }
 
+/// Velocities that are those of the positions times a constant of units.
+void check_velocities(const JointLog& log, LogFindings& findings) {
+  constexpr double kMinCorrelation = 0.5;
+  const Eigen::Index rows = log.position.rows();
+  for (Eigen::Index j = 0; j < log.velocity.cols(); ++j) {
+    double power = 0.0, product = 0.0, recorded_power = 0.0;
+    for (Eigen::Index i = 1; i < rows; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const double recorded = 0.5 * (log.velocity(i, j) + log.velocity(i - 1, j));
+      const double rate =
+          (log.position(i, j) - log.position(i - 1, j)) / (log.t[at] - log.t[at - 1]);
+      power += rate * rate;
+      product += rate * recorded;
+      recorded_power += recorded * recorded;
+    }
+    if (!(product > kMinCorrelation * std::sqrt(power * recorded_power))) continue;
+    const double ratio = std::sqrt(recorded_power / power);
+    if (std::abs(ratio * kDegree - 1.0) > 0.2) continue;
+    findings.errors.push_back(finding(
+        log, j, 0,
+        fmt::format("velocities are {:.3g} times the positions' derivatives: degrees", ratio),
+        "write radians per second"));
+  }
+}
+
 void check_gaps(const JointLog& log, double max_gap, LogFindings& findings) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < log.t.size(); ++i) intervals.push_back(log.t[i] - log.t[i - 1]);
@@ -208,11 +250,18 @@ void check_gaps(const JointLog& log, double max_gap, LogFindings& findings) {
 
 LogFindings check_rows(JointLog& log, const RobotModel& model, double max_gap) {
   LogFindings findings;
-  check_degrees(log, model, findings);
+  // Full turns leave the limits, too.
+  JointLog unwrapped = log;
+  LogFindings jumps;
+  check_jumps(unwrapped, model, jumps);
+  check_degrees(jumps.errors.empty() ? unwrapped : log, model, findings);
   if (!findings.errors.empty()) return findings;
   // First: a stuck joint ends with a jump.
   check_stuck(log, findings);
-  check_jumps(log, model, findings);
+  findings.errors.insert(findings.errors.end(), jumps.errors.begin(), jumps.errors.end());
+  findings.warnings.insert(findings.warnings.end(), jumps.warnings.begin(), jumps.warnings.end());
+  log.position = std::move(unwrapped.position);
+  check_velocities(log, findings);
   if (log.torque.rows() > 0) check_saturation(log, log.torque, findings);
   check_gaps(log, max_gap, findings);
   return findings;

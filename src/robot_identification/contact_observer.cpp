@@ -25,7 +25,8 @@ ContactObserver::ContactObserver(const RobotModel& robot, const std::vector<Join
     : dynamics_(robot), friction_(friction), gain_(options.gain) {
   const auto dof = static_cast<Eigen::Index>(dynamics_.dof());
   for (Eigen::VectorXd* vector : {&external_, &integral_, &momentum_, &start_, &rate_, &ahead_,
-                                  &behind_, &zero_, &gravity_, &bias_, &q_shifted_}) {
+                                  &behind_, &zero_, &gravity_, &bias_, &q_shifted_, &unresolved_,
+                                  &last_momentum_, &last_rate_, &last_step_, &last_rate_step_}) {
     vector->setZero(dof);
   }
 }
@@ -41,6 +42,30 @@ void ContactObserver::reset(const Vector& q, const Vector& dq) {
   compute_momentum(q, dq, start_);
   integral_.setZero();
   external_.setZero();
+  unresolved_.setZero();
+  samples_ = 0;
+}
+
+/// Of the straight continuation of the last two samples: the step of the momentum, and half of the
+/// step of the torque over the interval.
+void ContactObserver::update_unresolved(double dt) {
+  // Single changes count fully, noise by the root of its squares' sum.
+  if (samples_ > 1) {
+    const double decay = 1.0 / (1.0 + gain_ * dt);
+    unresolved_ =
+        decay * (unresolved_.array().square() +
+                 (gain_ * ((momentum_ - last_momentum_ - last_step_).array().abs() +
+                           0.5 * dt * (rate_ - last_rate_ - last_rate_step_).array().abs()))
+                     .square())
+                    .sqrt();
+  }
+  if (samples_ > 0) {
+    last_step_ = momentum_ - last_momentum_;
+    last_rate_step_ = rate_ - last_rate_;
+  }
+  last_momentum_ = momentum_;
+  last_rate_ = rate_;
+  ++samples_;
 }
 
 const Eigen::VectorXd& ContactObserver::update(const Vector& q, const Vector& dq, const Vector& tau,
@@ -55,6 +80,7 @@ const Eigen::VectorXd& ContactObserver::update(const Vector& q, const Vector& dq
   for (Eigen::Index j = 0; j < rate_.size(); ++j) {
     rate_[j] -= friction_torque(friction_[static_cast<std::size_t>(j)], q[j], dq[j], bias_[j]);
   }
+  update_unresolved(dt);
   integral_ += dt * rate_;
   // Implicit in the external torque: stable for any interval.
   external_ = (gain_ / (1.0 + gain_ * dt)) * (momentum_ - start_ - integral_);
@@ -78,6 +104,7 @@ namespace {
 /// The observer's rows, and where it started anew.
 struct ObservedRows {
   Eigen::MatrixXd external;
+  Eigen::MatrixXd unresolved;
   std::vector<bool> is_settled;
 };
 
@@ -89,20 +116,24 @@ double usual_interval(const std::vector<double>& t) {
   return *middle;
 }
 
-ObservedRows observe_rows(const JointLog& log, ContactObserver& observer, double sign,
+/// Rows `begin` to `end`; the others stay 0.
+ObservedRows observe_rows(const JointLog& log, std::size_t begin, std::size_t end,
+                          ContactObserver observer, double sign,
                           const ContactObserverOptions& options) {
   const Eigen::Index rows = log.position.rows();
   ObservedRows observed{Eigen::MatrixXd::Zero(rows, log.position.cols()),
+                        Eigen::MatrixXd::Zero(rows, log.position.cols()),
                         std::vector<bool>(static_cast<std::size_t>(rows), false)};
   const bool has_velocity = log.velocity.rows() == rows;
   const double max_interval = kGapIntervals * usual_interval(log.t);
-  double started = log.t.front();
-  Eigen::VectorXd q = log.position.row(0).transpose();
+  double started = log.t[begin];
+  const auto first = static_cast<Eigen::Index>(begin);
+  Eigen::VectorXd q = log.position.row(first).transpose();
   Eigen::VectorXd dq = Eigen::VectorXd::Zero(q.size());
-  if (has_velocity) dq = log.velocity.row(0).transpose();
+  if (has_velocity) dq = log.velocity.row(first).transpose();
   observer.reset(q, dq);
-  for (Eigen::Index i = 1; i < rows; ++i) {
-    const auto row = static_cast<std::size_t>(i);
+  for (std::size_t row = begin + 1; row < end; ++row) {
+    const auto i = static_cast<Eigen::Index>(row);
     const double dt = log.t[row] - log.t[row - 1];
     q = log.position.row(i).transpose();
     dq = (log.position.row(i) - log.position.row(i - 1)).transpose() / dt;
@@ -114,9 +145,21 @@ ObservedRows observe_rows(const JointLog& log, ContactObserver& observer, double
     }
     observed.external.row(i) =
         observer.update(q, dq, sign * log.torque.row(i).transpose(), dt).transpose();
+    observed.unresolved.row(i) = observer.unresolved().transpose();
     observed.is_settled[row] = log.t[row] - started > kSettlingTimes / options.gain;
   }
   return observed;
+}
+
+/// The largest external torques [N m] by joint of the rows that the observer's start left.
+Eigen::VectorXd largest_of(const ObservedRows& observed, std::size_t begin, std::size_t end) {
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(observed.external.cols());
+  for (std::size_t row = begin; row < end; ++row) {
+    if (!observed.is_settled[row]) continue;
+    largest = largest.cwiseMax(
+        observed.external.row(static_cast<Eigen::Index>(row)).transpose().cwiseAbs());
+  }
+  return largest;
 }
 
 /// Onsets of rows above a threshold; the arm is free again after the same time below all of them.
@@ -127,10 +170,14 @@ void find_touches(const JointLog& log, const ObservedRows& observed, double min_
   bool is_above = false;
   bool is_touching = false;
   for (std::size_t row = found.first_judged; row < log.t.size(); ++row) {
-    const Eigen::VectorXd ratio = observed.external.row(static_cast<Eigen::Index>(row))
-                                      .transpose()
-                                      .cwiseAbs()
-                                      .cwiseQuotient(found.thresholds);
+    const auto i = static_cast<Eigen::Index>(row);
+    // Unresolved torques count where they alone would be a touch.
+    const Eigen::VectorXd unresolved = observed.unresolved.row(i).transpose();
+    const Eigen::ArrayXd is_unresolved =
+        (unresolved.array() > found.thresholds.array()).cast<double>();
+    const Eigen::VectorXd ratio = (observed.external.row(i).transpose().cwiseAbs().array() -
+                                   is_unresolved * unresolved.array()) /
+                                  found.thresholds.array();
     Eigen::Index joint = 0;
     const bool exceeds = observed.is_settled[row] && ratio.maxCoeff(&joint) > 1.0;
     if (exceeds && !is_above) above_since = log.t[row];
@@ -183,18 +230,26 @@ void add_forces(const JointLog& log, const RobotModel& model, std::size_t tip,
 ObservedContacts observe_contacts(const JointLog& log, const RobotModel& described,
                                   const RobotFit& fit, bool is_sign_changed, double calibration_end,
                                   std::size_t tip, const ContactObserverOptions& options) {
-  ContactObserver observer(fit.robot(described), fit.joints, options);
-  ObservedRows observed = observe_rows(log, observer, is_sign_changed ? -1.0 : 1.0, options);
+  const double sign = is_sign_changed ? -1.0 : 1.0;
+  const auto row_at = [&](double t) {
+    return static_cast<std::size_t>(std::lower_bound(log.t.begin(), log.t.end(), t) -
+                                    log.t.begin());
+  };
+  ObservedRows observed =
+      observe_rows(log, 0, log.t.size(), ContactObserver(fit.robot(described), fit.joints, options),
+                   sign, options);
   ObservedContacts found;
-  found.thresholds = Eigen::VectorXd::Zero(log.position.cols());
-  while (found.first_judged + 1 < log.t.size() && log.t[found.first_judged] < calibration_end) {
-    if (observed.is_settled[found.first_judged]) {
-      found.thresholds = found.thresholds.cwiseMax(
-          observed.external.row(static_cast<Eigen::Index>(found.first_judged))
-              .transpose()
-              .cwiseAbs());
-    }
-    ++found.first_judged;
+  found.first_judged = std::min(row_at(calibration_end), log.t.size() - 1);
+  found.thresholds = largest_of(observed, 0, found.first_judged);
+  for (const LeftOutFit& left_out : fit.left_out) {
+    const std::size_t begin = row_at(left_out.begin);
+    const std::size_t end = std::min(row_at(left_out.end), found.first_judged);
+    if (begin >= end) continue;
+    const ContactObserver observer(
+        fitted_robot(described, left_out.inertial_parameters, left_out.joints), left_out.joints,
+        options);
+    found.thresholds = found.thresholds.cwiseMax(
+        largest_of(observe_rows(log, begin, end, observer, sign, options), begin, end));
   }
   // Never 0, which no torque could stay below.
   found.thresholds = (options.margin * found.thresholds).cwiseMax(1e-6);

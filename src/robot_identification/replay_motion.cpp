@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pcavr/core/check.hpp"
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kMaxStep =
     0.5e-3;  ///< [s] the error of the first-order steps is some millidegrees
+constexpr double kKept = 3.0 * std::numbers::pi / 180.0;  ///< [rad] an error that is accepted
 
 Eigen::VectorXd torque_at(const JointLog& log, double t) {
   const auto after = std::upper_bound(log.t.begin() + 1, log.t.end() - 1, t);
@@ -65,6 +67,12 @@ MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, con
   replay.rms = (error.colwise().squaredNorm() / double(rows)).cwiseSqrt().transpose();
   const auto second = static_cast<Eigen::Index>(std::lround(1.0 / signals.interval));
   replay.after_1s = error.row(std::min(rows - 1, second)).cwiseAbs().transpose();
+  replay.kept.resize(error.cols());
+  for (Eigen::Index j = 0; j < error.cols(); ++j) {
+    Eigen::Index row = 0;
+    while (row + 1 < rows && std::abs(error(row + 1, j)) < kKept) ++row;
+    replay.kept[j] = replay.t[static_cast<std::size_t>(row)] - replay.t.front();
+  }
   return replay;
 }
 

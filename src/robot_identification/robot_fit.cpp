@@ -3,9 +3,13 @@
 #include "pcavr/robot_identification/robot_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
+
+#include <Eigen/Cholesky>
 
 #include "robot_identification/base_parameters.hpp"
 #include "robot_identification/physical_fit.hpp"
@@ -18,6 +22,12 @@ namespace {
 constexpr std::size_t kFolds = 5;
 constexpr double kPlainSmoothing = 0.05;  ///< [rad/s] of plain least squares, as published fits use
 constexpr double kUnknownMass = 3.0;      ///< [kg] prior of a body without mass in the description
+
+std::vector<bool> without_fold(const BlockSystem& system, std::size_t fold) {
+  std::vector<bool> use(system.blocks.size());
+  for (std::size_t b = 0; b < use.size(); ++b) use[b] = b * kFolds / use.size() != fold;
+  return use;
+}
 
 }  // namespace
 
@@ -112,8 +122,7 @@ Eigen::VectorXd RobotFitter::cross_validate(const BlockSystem& system, const Sel
                                             const FitPrior& prior) const {
   Eigen::VectorXd error = Eigen::VectorXd::Zero(at(joints_.size())), count = error;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
-    std::vector<bool> use(system.blocks.size());
-    for (std::size_t b = 0; b < use.size(); ++b) use[b] = b * kFolds / use.size() != fold;
+    const std::vector<bool> use = without_fold(system, fold);
     const FitSolution solution = solve(system, use, selection, variance_, prior);
     for (std::size_t b = 0; b < use.size(); ++b) {
       if (use[b]) continue;
@@ -136,34 +145,92 @@ TorqueError RobotFitter::error_of(std::size_t joint, const Eigen::VectorXd& resi
   return {std::sqrt(error / static_cast<double>(count)), std::sqrt(error / torque)};
 }
 
+/// The terms of friction that are used, without stds.
+void RobotFitter::set_friction(const FitSolution& solution, std::size_t index,
+                               JointFit& joint) const {
+  for (const int column : selection_[index]) {
+    const LibraryColumn& entry = full_library()[static_cast<std::size_t>(column)];
+    joint.friction.push_back({entry.term, solution.library[index][column]});
+    if (entry.term == FrictionTerm::stribeck) {
+      joint.stribeck_speed = kStribeckSpeeds[entry.candidate];
+    }
+  }
+}
+
+/// Projects the friction that is fitted onto offset, viscous and Coulomb friction. `covariance`: of
+/// the joint's terms.
+void RobotFitter::set_equivalent(std::size_t index, const Eigen::MatrixXd& covariance,
+                                 JointFit& joint) const {
+  constexpr std::array<FrictionTerm, 3> kTerms{FrictionTerm::offset, FrictionTerm::viscous,
+                                               FrictionTerm::coulomb};
+  const Eigen::VectorXd speed = signals_.velocity.col(at(index)).head(train_);
+  Eigen::MatrixXd plain(train_, kTerms.size());
+  plain << Eigen::VectorXd::Ones(train_), speed, speed.cwiseSign();
+  Eigen::MatrixXd used(train_, at(joint.friction.size()));
+  Eigen::VectorXd values(used.cols());
+  for (Eigen::Index k = 0; k < used.cols(); ++k) {
+    const FittedTerm& term = joint.friction[static_cast<std::size_t>(k)];
+    const bool is_friction = term.term != FrictionTerm::motor_inertia;
+    values[k] = is_friction ? term.value : 0.0;
+    used.col(k) =
+        joints_[index].library.col(selection_[index][static_cast<std::size_t>(k)]).head(train_);
+    if (!is_friction) used.col(k).setZero();
+  }
+  const Eigen::MatrixXd projection =
+      (plain.transpose() * plain).ldlt().solve(plain.transpose() * used);
+  const Eigen::VectorXd found = projection * values;
+  const Eigen::MatrixXd spread = projection * covariance * projection.transpose();
+  for (std::size_t k = 0; k < kTerms.size(); ++k) {
+    joint.equivalent.push_back({kTerms[k], found[at(k)], std::sqrt(spread(at(k), at(k))), true});
+  }
+}
+
+/// Solves anew without each fold of the training part, with the terms that were selected.
+void RobotFitter::leave_out(const BlockSystem& system) {
+  for (std::size_t fold = 0; fold < kFolds; ++fold) {
+    const FitSolution solution = solve(system, without_fold(system, fold), selection_, variance_,
+                                       scaled_prior(prior_scale_));
+    const auto begin = static_cast<std::size_t>(train_) * fold / kFolds;
+    const auto end = static_cast<std::size_t>(train_) * (fold + 1) / kFolds - 1;
+    LeftOutFit& left_out =
+        left_out_.emplace_back(LeftOutFit{signals_.t[begin], signals_.t[end], {}, solution.rigid});
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      JointFit& joint = left_out.joints.emplace_back();
+      joint.name = model_.joints[j].name;
+      joint.smoothing_speed = smoothing_[j];
+      set_friction(solution, j, joint);
+    }
+  }
+}
+
 void RobotFitter::finish(RobotFit& fit) {
-  const std::vector<LibraryColumn>& library = full_library();
   fit.train_rows = static_cast<std::size_t>(train_);
   fit.inertial_parameters = solution_.rigid;
   fit.fitted_torque.resize(rows_, at(joints_.size()));
-  Eigen::Index place = solution_.rigid.size();
+  Eigen::Index first = solution_.rigid.size();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     JointFit& joint = fit.joints[j];
     joint.name = model_.joints[j].name;
     joint.smoothing_speed = smoothing_[j];
     joint.noise_std = noise_[at(j)];
     joint.correlated_rows = correlated_rows_[at(j)];
-    for (const int column : selection_[j]) {
-      const LibraryColumn& entry = library[static_cast<std::size_t>(column)];
-      const double std = std::sqrt(solution_.covariance(place, place));
-      joint.friction.push_back(
-          {entry.term, solution_.ordered[place], std, std < 0.3 * prior_.library_std[j][column]});
-      if (entry.term == FrictionTerm::stribeck) {
-        joint.stribeck_speed = kStribeckSpeeds[entry.candidate];
-      }
-      ++place;
+    set_friction(solution_, j, joint);
+    for (std::size_t k = 0; k < joint.friction.size(); ++k) {
+      const Eigen::Index place = first + at(k);
+      joint.friction[k].std = std::sqrt(solution_.covariance(place, place));
+      joint.friction[k].is_excited =
+          joint.friction[k].std < 0.3 * prior_.library_std[j][selection_[j][k]];
     }
+    const Eigen::Index count = at(joint.friction.size());
+    set_equivalent(j, solution_.covariance.block(first, first, count, count), joint);
+    first += count;
     const Eigen::VectorXd r = residual(j, solution_);
     joint.train = error_of(j, r, false);
     joint.held_out = error_of(j, r, true);
     fit.fitted_torque.col(at(j)) = joints_[j].torque - r;
   }
   fit.prior_scale = prior_scale_;
+  fit.left_out = std::move(left_out_);
   fit.is_physical = true;
   for (Eigen::Index body = 0; body < at(joints_.size()); ++body) {
     fit.is_physical &= physical_margin(solution_.rigid.segment<10>(10 * body)) > 0.0;
@@ -177,12 +244,17 @@ void RobotFitter::finish(RobotFit& fit) {
 
 }  // namespace detail
 
-RobotModel RobotFit::robot(const RobotModel& described) const {
+RobotModel fitted_robot(const RobotModel& described, const Eigen::VectorXd& inertial_parameters,
+                        const std::vector<JointFit>& joints) {
   RobotModel model = with_inertial_parameters(described, inertial_parameters);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     model.joints[j].armature = joints[j].value_of(FrictionTerm::motor_inertia);
   }
   return model;
+}
+
+RobotModel RobotFit::robot(const RobotModel& described) const {
+  return fitted_robot(described, inertial_parameters, joints);
 }
 
 RobotFit fit_robot(const JointSignals& signals, const RobotModel& model,

@@ -145,6 +145,7 @@ void RobotFitter::fit_friction_terms() {
     system = train_system();
   }
   solution_ = solve(system, all, selection_, variance_, scaled_prior(prior_scale_), true);
+  leave_out(system);
   if (options_.is_physical && !options_.known_body) make_physical(system);
 }
 

@@ -49,6 +49,9 @@ class RobotFitter {
                                     std::size_t joint) const;
   void choose_prior_scale(const BlockSystem& system);
   void make_physical(const BlockSystem& system);
+  void set_friction(const FitSolution& solution, std::size_t index, JointFit& joint) const;
+  void set_equivalent(std::size_t index, const Eigen::MatrixXd& covariance, JointFit& joint) const;
+  void leave_out(const BlockSystem& system);
   void finish(RobotFit& fit);
   [[nodiscard]] FitPrior scaled_prior(double scale) const;
   [[nodiscard]] TorqueError error_of(std::size_t joint, const Eigen::VectorXd& residuals,
@@ -68,6 +71,7 @@ class RobotFitter {
   Eigen::VectorXd noise_;            ///< std by joint
   Eigen::VectorXd correlated_rows_;  ///< by joint
   FitSolution solution_;
+  std::vector<LeftOutFit> left_out_;
 };
 
 }  // namespace pcavr::detail

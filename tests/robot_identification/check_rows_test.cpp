@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/recording/import_joint_log.hpp"
 #include "pcavr/robot_identification/log_checks.hpp"
 #include "pcavr/robot_identification/robot_fit.hpp"
 
 #include "robot_identification/simulated_arm.hpp"
+#include "support/shared_data.hpp"
 
 namespace pcavr {
 namespace {
@@ -43,6 +45,33 @@ TEST(CheckRows, UnwrapsFullTurnsAndNamesJointAndRow) {
   EXPECT_LT((log.position - before).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+// Two turns away from the limits, where degrees would be inside them.
+TEST(CheckRows, FullTurnsAreNotTakenForDegrees) {
+  JointLog log = short_log();
+  for (Eigen::Index i = 700; i < log.position.rows(); ++i) {
+    log.position(i, 1) += 4.0 * std::numbers::pi;
+  }
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  EXPECT_TRUE(rows.errors.empty()) << rows.errors.front().to_string();
+  ASSERT_FALSE(rows.warnings.empty());
+  EXPECT_NE(rows.warnings.back().message.find("full turns"), std::string::npos);
+}
+
+TEST(CheckRows, FindsVelocitiesInDegrees) {
+  JointLog log = short_log();
+  log.velocity = log.position;
+  for (Eigen::Index j = 0; j < log.position.cols(); ++j) {
+    log.velocity.col(j) = differentiate(log.position.col(j), log.t[1] - log.t[0]);
+  }
+  JointLog sound = log;
+  EXPECT_TRUE(check_rows(sound, pa10(), kMaxGap).errors.empty());
+  log.velocity *= 180.0 / std::numbers::pi;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_FALSE(rows.errors.empty());
+  EXPECT_NE(rows.errors[0].message.find("velocities"), std::string::npos);
+  EXPECT_NE(rows.errors[0].place.find(log.joints[0]), std::string::npos);
+}
+
 TEST(CheckRows, FindsAJump) {
   JointLog log = short_log();
   for (Eigen::Index i = 900; i < log.position.rows(); ++i) log.position(i, 2) += 0.4;
@@ -58,6 +87,25 @@ TEST(CheckRows, FindsAStuckJoint) {
   ASSERT_FALSE(rows.errors.empty());
   EXPECT_NEAR(rows.errors[0].line, 803, 2);
   EXPECT_NE(rows.errors[0].place.find(log.joints[1]), std::string::npos);
+}
+
+/// The log with joint 1 stuck between two rows.
+LogFindings found_stuck(Eigen::Index from, Eigen::Index to) {
+  JointLog log = short_log();
+  for (Eigen::Index i = from; i < to; ++i) log.position(i, 1) = log.position(from, 1);
+  return check_rows(log, pa10(), kMaxGap);
+}
+
+// Long enough for the joint to come back from the other side, or until the log ends.
+TEST(CheckRows, FindsAJointThatIsStuckForLong) {
+  const Eigen::Index end = short_log().position.rows();
+  for (const Eigen::Index to : {Eigen::Index{1300}, end}) {
+    const LogFindings rows = found_stuck(800, to);
+    ASSERT_FALSE(rows.errors.empty()) << to;
+    EXPECT_NE(rows.errors[0].message.find("does not change"), std::string::npos)
+        << rows.errors[0].to_string();
+    EXPECT_NEAR(rows.errors[0].line, 803, 2);
+  }
 }
 
 TEST(CheckRows, FindsSaturatedTorques) {
@@ -103,6 +151,23 @@ TEST(CheckHypotheses, FindsSwappedPositions) {
   ASSERT_EQ(shown.errors.size(), 1U);
   EXPECT_NE(shown.errors[0].message.find("positions of " + log.joints[1] + " and " + log.joints[2]),
             std::string::npos);
+}
+
+// Free bodies fit either order within 30 % of each torque: a swap shows against the right order.
+TEST(CheckHypotheses, FindsSwappedJointsThatBothFit) {
+  PCAVR_NEEDS_SHARED_DATA("real/franka_dynamics");
+  JointLog read = import_joint_log(shared_data("real/franka_dynamics"), {}).value().log;
+  const MatchedRobot matched =
+      match_joints(read, read_urdf(shared_data("real/robots/panda/panda.urdf")).value()).value();
+  for (Eigen::MatrixXd* columns : {&read.position, &read.velocity, &read.torque}) {
+    columns->col(3).swap(columns->col(4));
+  }
+  JointSignals signals = joint_signals(read, {});
+  const LogFindings shown = check_hypotheses(signals, matched.model);
+  ASSERT_EQ(shown.errors.size(), 1U);
+  EXPECT_NE(shown.errors[0].message.find("panda_joint4 and panda_joint5 are swapped"),
+            std::string::npos)
+      << shown.errors[0].to_string();
 }
 
 TEST(CheckHypotheses, FindsTheSignOfOneJoint) {

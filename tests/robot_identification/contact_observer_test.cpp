@@ -72,6 +72,36 @@ TEST(ContactObserver, FollowsAStepWithItsTimeConstant) {
   }
 }
 
+// A joint stops between two samples, by a torque that they do not show.
+TEST(ContactObserver, AStopBetweenTwoSamplesIsUnresolved) {
+  const RobotModel model = pa10();
+  ContactObserver observer(model, without_friction(model));
+  constexpr double kInterval = 0.01, kSpeed = 0.1;
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(7), dq = Eigen::VectorXd::Zero(7);
+  Eigen::VectorXd tau(7);
+  RobotDynamics dynamics(model);
+  dq[0] = kSpeed;
+  observer.reset(q, dq);
+  for (int i = 1; i <= 200; ++i) {
+    if (i == 100) dq.setZero();
+    q += kInterval * dq;
+    dynamics.inverse_dynamics(q, dq, Eigen::VectorXd::Zero(7), tau);
+    const double external = std::abs(observer.update(q, dq, tau, kInterval)[0]);
+    const double unresolved = observer.unresolved()[0];
+    if (i < 100) {
+      ASSERT_LT(unresolved, 1e-3) << i;
+    } else {
+      ASSERT_LT(external, unresolved + 0.05) << i;
+    }
+    if (i == 100) {
+      EXPECT_GT(external, 0.2);
+    }
+    if (i == 150) {
+      EXPECT_LT(unresolved, 1e-3);
+    }
+  }
+}
+
 TEST(TipForce, IsRecoveredFromItsJointTorques) {
   const RobotModel model = pa10();
   RobotDynamics kinematics(model);
@@ -230,6 +260,20 @@ TEST(RealContacts, AreFoundOnAUr10eWithoutFalseAlarms) {
   expect_touches_found(real_log("ur10e/identification_data/ur-20_02_12-50sec_12harm.csv",
                                 "ur10e/ur10e.urdf", {10.0, 10.6956, 8.4566, 9.0029, 9.48, 10.1232},
                                 {}));
+}
+
+// Logs of 20 s: little to fit, and arms that stop at once at the end. Not 20_02_05-20sec_12harm,
+// whose stop raises one alarm still.
+TEST(RealContacts, ShortRunsRaiseNoAlarm) {
+  PCAVR_NEEDS_SHARED_DATA("real/ur10e");
+  for (const char* run : {"20_02_05-20sec_8harm", "20_02_06-20sec_10harm", "20_02_06-20sec_5harm",
+                          "20_02_10-20sec_7harm"}) {
+    const RealLog real =
+        real_log(std::string("ur10e/identification_data/ur-") + run + ".csv", "ur10e/ur10e.urdf",
+                 {10.0, 10.6956, 8.4566, 9.0029, 9.48, 10.1232}, {});
+    const ObservedContacts free = observe(real, real.log);
+    EXPECT_TRUE(free.touches.empty()) << run << ": " << free.touches.front().t << " s";
+  }
 }
 
 }  // namespace

@@ -31,6 +31,38 @@ TEST(FitRobot, RecoversThePa10sFrictionFromNoisyTorques) {
   }
 }
 
+// The terms may be others, the curve is the same.
+TEST(FitRobot, StatesThreeParametersThatDoNotDependOnTheTerms) {
+  const RobotModel model = pa10();
+  const JointSignals signals = joint_signals(simulated_log(model, {.duration = 60.0}), {});
+  RobotFitOptions plain;
+  plain.is_extended = false;
+  const RobotFit extended_fit = fit_robot(signals, model, {});
+  const RobotFit plain_fit = fit_robot(signals, model, plain);
+  for (std::size_t j = 0; j < extended_fit.joints.size(); ++j) {
+    const std::vector<FittedTerm>& found = extended_fit.joints[j].equivalent;
+    const std::vector<FittedTerm>& expected = plain_fit.joints[j].equivalent;
+    ASSERT_EQ(found.size(), 3U);
+    for (const std::size_t k : {1U, 2U}) {
+      EXPECT_NEAR(found[k].value, expected[k].value, 0.04 * expected[k].value) << j;
+      EXPECT_GT(found[k].std, 0.0) << j;
+    }
+  }
+}
+
+TEST(FitRobot, LeavesOutEachStretchOfTheFittedPart) {
+  const RobotModel model = pa10();
+  const JointSignals signals = joint_signals(simulated_log(model), {});
+  const RobotFit fit = fit_robot(signals, model, {});
+  ASSERT_EQ(fit.left_out.size(), 5U);
+  EXPECT_EQ(fit.left_out.front().begin, signals.t.front());
+  EXPECT_NEAR(fit.left_out.back().end, signals.t[fit.train_rows - 1], 0.1);
+  for (const LeftOutFit& left_out : fit.left_out) {
+    EXPECT_GT((left_out.inertial_parameters - fit.inertial_parameters).norm(), 0.0);
+    EXPECT_EQ(left_out.joints[3].friction.size(), fit.joints[3].friction.size());
+  }
+}
+
 TEST(FitRobot, FitsPossibleBodiesAndReplaysTheMotion) {
   const RobotModel model = pa10();
   // At 200 Hz the instants of reversals are less certain: 0.8 degrees.

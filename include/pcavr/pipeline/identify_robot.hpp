@@ -39,6 +39,8 @@ struct RobotIdentification {
   JointLog log;      ///< as fitted: in the chain's order, torques from currents, unwrapped
   SampleClock clock;
   JointSignals signals;
+  /// Of all rows; its errors and fitted torque are those of the fit of the first part alone, as
+  /// are contacts, intervals, trial and replay.
   RobotFit fit;
   /// Of the held-out rows, with thresholds from the fitted ones; empty where the bodies aren't
   /// possible.
@@ -49,6 +51,7 @@ struct RobotIdentification {
   double fit_time = 0.0, trial_time = 0.0;     ///< [s] computing time
   MotionReplay replay;  ///< of the first held-out rows; empty where the bodies aren't possible
   std::vector<std::string> notes;
+  std::vector<Error> warnings = {};  ///< faults of the log that were removed
   std::vector<std::pair<std::string, std::string>> configuration;  ///< changed options
 };
 

@@ -36,7 +36,8 @@ struct LogFindings {
 };
 
 /// Faults that rows show by themselves: jumps by full turns (unwrapped in `log`), other jumps,
-/// positions that stand still while the joint moves, saturated torques, gaps, degrees. The model
+/// positions that stand still while the joint moves, saturated torques, gaps, degrees in positions
+/// and velocities. The model
 /// has the log's joints in their order.
 [[nodiscard]] LogFindings check_rows(JointLog& log, const RobotModel& model, double max_gap);
 

@@ -20,6 +20,7 @@ struct MotionReplay {
   Eigen::MatrixXd simulated;  ///< [rad]
   Eigen::VectorXd rms;        ///< [rad] by joint, over the stretch
   Eigen::VectorXd after_1s;   ///< [rad] absolute error 1 s after the start
+  Eigen::VectorXd kept;       ///< [s] by joint: within 3 degrees from the start on
   bool is_finite = false;     ///< false: the simulation diverged
 };
 

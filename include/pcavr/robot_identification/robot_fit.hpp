@@ -23,6 +23,7 @@ struct RobotFitOptions {
   double prior_mass_std;    ///< [kg] of each body about the model's, before the data
   double prior_offset_std;  ///< [m] of each centre of mass
   double min_gain;          ///< relative decrease of the error for a further friction term
+  double usual_torque_lag;  ///< [s] a longer one is a warning of identify_robot
   double max_torque_lag;    ///< [s] that is removed; a longer one is an Error of identify_robot
   double smoothing_speed;   ///< [rad/s] of Coulomb friction's sign; 0: by cross-validation
   bool known_body;          ///< inertias are the model's; friction alone is fitted [paper A]
@@ -70,6 +71,9 @@ struct JointFit {
   double correlated_rows = 1.0;      ///< rows that count as one independent one
   TorqueError train, held_out;
   TorqueError plain_held_out;  ///< of plain least squares: unweighted, no prior, plain friction
+  /// Offset, viscous and Coulomb friction with a sign that changes at once, next to the fitted
+  /// curve over the fitted motion: comparable among fits with different terms, and with others'.
+  std::vector<FittedTerm> equivalent;
 
   [[nodiscard]] double value_of(FrictionTerm term) const;  ///< 0 where it is not used
 };
@@ -83,21 +87,35 @@ struct BaseParameter {
   bool is_excited = false;
 };
 
+/// The fit without the rows of a stretch of time: its errors there are those of a motion that it
+/// has not seen.
+struct LeftOutFit {
+  double begin = 0.0, end = 0.0;  ///< [s] of the signals: the stretch
+  std::vector<JointFit> joints;   ///< with the whole fit's terms of friction
+  Eigen::VectorXd inertial_parameters;
+};
+
 struct RobotFit {
   std::vector<JointFit> joints;
   Eigen::VectorXd inertial_parameters;  ///< as RobotModel: see inertial_parameters()
   std::vector<BaseParameter> base_parameters;
-  bool is_physical = false;       ///< every body's pseudo-inertia is positive definite
-  std::size_t train_rows = 0;     ///< the first rows of the signals
-  Eigen::MatrixXd fitted_torque;  ///< [N m] row by row of the signals
-  double torque_lag = 0.0;        ///< [s] of the torques after the positions; was removed
-  double torque_lag_std = 0.0;    ///< [s]
-  Eigen::VectorXd prior_std;      ///< of the inertial parameters
-  double prior_scale = 1.0;       ///< factor of the prior's std that cross-validation chose
+  bool is_physical = false;          ///< every body's pseudo-inertia is positive definite
+  std::size_t train_rows = 0;        ///< the first rows of the signals
+  Eigen::MatrixXd fitted_torque;     ///< [N m] row by row of the signals
+  double torque_lag = 0.0;           ///< [s] of the torques after the positions; was removed
+  double torque_lag_std = 0.0;       ///< [s]
+  Eigen::VectorXd prior_std;         ///< of the inertial parameters
+  double prior_scale = 1.0;          ///< factor of the prior's std that cross-validation chose
+  std::vector<LeftOutFit> left_out;  ///< of stretches that make up the fitted part
 
   /// The model with these inertias, for dynamics; armature is the motor inertia.
   [[nodiscard]] RobotModel robot(const RobotModel& described) const;
 };
+
+/// The model with fitted inertias; armature is the motor inertia.
+[[nodiscard]] RobotModel fitted_robot(const RobotModel& described,
+                                      const Eigen::VectorXd& inertial_parameters,
+                                      const std::vector<JointFit>& joints);
 
 /// Friction torque of a joint at position q [rad], speed v [rad/s], without motor inertia. `load`:
 /// the rigid-body torque [N m].
