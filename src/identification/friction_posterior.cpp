@@ -347,8 +347,11 @@ FrictionPosterior infer_friction(std::span<const FrictionSample> samples,
   }
   const double uniform_std = priors.max_viscous / std::sqrt(12.0);
   result.viscous.is_excited = result.viscous.std * kIdentifiedFactor < uniform_std;
+  // In slow pushes friction that varies with the place goes with the speed as inertia would. The
+  // coefficient that follows, of whatever unit the force is, shows whether it is a true mass.
   result.mass.is_excited =
-      !priors.mass && result.mass.std < kMaxPosteriorMassStd * result.mass.value;
+      !priors.mass && result.mass.std < kMaxPosteriorMassStd * result.mass.value &&
+      result.coulomb.value > priors.min_coefficient * result.mass.value * priors.gravity;
   result.coulomb.is_excited = result.coulomb.std * kIdentifiedFactor < result.coulomb.value;
   set_covariance(posterior, result);
   set_coefficient(priors, result);

@@ -261,6 +261,11 @@ constexpr auto kFrictionPriorFields = std::to_array<OptionField<FrictionPriors>>
     {"support_size_share", &FrictionPriors::support_size_share, 0.25, 1e-3, 10.0, "",
      "std of the support's size about that of the CAD body's lowest face",
      "lower: too confident where only the rim bears; higher: turning objects say less of friction"},
+    {"min_coefficient", &FrictionPriors::min_coefficient, 0.02, 0.0, 1.0, "",
+     "friction coefficient below which a mass by accelerations is not identified: no support "
+     "without rollers or air has less",
+     "lower: friction that varies during slow pushes resembles a large mass; higher: greased "
+     "supports have no mass"},
     {"mass_share", &FrictionPriors::mass_share, 0.005, 1e-6, 1.0, "",
      "std of a weighed mass, as a share",
      "lower: too confident for a bad scale; higher: the coefficient is less certain"},

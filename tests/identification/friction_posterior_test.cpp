@@ -142,5 +142,16 @@ TEST(FrictionPosterior, IsNeverCertain) {
 
 TEST(FrictionPosterior, IsInvalidWithoutSamples) { EXPECT_FALSE(infer_friction({}).is_valid); }
 
+TEST(FrictionPosterior, DoesNotIdentifyAMassThatNoFrictionAllows) {
+  // Friction that varies with the speed as if a body of 30 kg slid at a coefficient of 0.014.
+  Random random(7);
+  const Body body{.mass = 30.0, .coulomb = 4.2, .viscous = 0.0, .scatter = 0.01};
+  const std::vector<FrictionSample> samples = pushes_of(body, {0.06, 0.06, 0.06}, 0.003, random);
+  FrictionPriors priors;
+  EXPECT_FALSE(infer_friction(samples, priors).mass.is_excited);
+  priors.min_coefficient = 0.0;
+  EXPECT_TRUE(infer_friction(samples, priors).mass.is_excited);
+}
+
 }  // namespace
 }  // namespace pcavr

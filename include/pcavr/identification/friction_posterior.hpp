@@ -54,6 +54,7 @@ struct FrictionPriors {
   double stribeck_speed;       ///< [m/s] over which it falls off, as exp(-v / stribeck_speed)
   double support_size_share;   ///< std of the support's size about the supposed one
   double mass_share;           ///< std of the weighed mass, as a share
+  double min_coefficient;      ///< of friction: a mass that would need less is not identified
   std::optional<double> mass;  ///< [kg] weighed
   double gravity;              ///< [m/s^2]
 };
