@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -135,13 +136,17 @@ Targets scaled(std::span<const PushSample> samples, double force, double length)
   return targets;
 }
 
-/// Samples of wrench and twist over the whole ellipsoid: the prior of the quartic.
-Targets targets_on(const Eigen::Matrix3d& a, double total_weight, const Vectors& directions) {
+/// Samples of wrench and twist over a whole surface, in units of the scales: the prior of the
+/// quartic.
+Targets targets_on(const LimitSurface& prior, double total_weight, const Vectors& directions,
+                   double force, double length) {
   Targets targets;
+  const Eigen::Vector3d scale(force, force, force * length);
   for (const Eigen::Vector3d& direction : directions) {
+    const Eigen::Vector3d wrench = direction.cwiseProduct(scale);
     Target target;
-    target.u = direction / std::sqrt(direction.dot(a * direction));
-    target.twist = (a * target.u).normalized();
+    target.u = direction / level(prior, wrench);
+    target.twist = sliding_direction(prior, wrench).cwiseProduct(scale).normalized();
     target.weight = total_weight / static_cast<double>(directions.size());
     targets.push_back(target);
   }
@@ -157,12 +162,12 @@ Eigen::Matrix3d fit_ellipsoid(const Targets& pushes, const LimitSurfaceFitOption
   return a;
 }
 
-LimitSurface fit_quartic(const Targets& pushes, const Eigen::Matrix3d& ellipsoid,
+LimitSurface fit_quartic(const Targets& pushes, const LimitSurface& prior, double weight,
                          const LimitSurfaceFitOptions& options, const Vectors& forms, double force,
                          double length) {
-  const double prior_weight = options.prior_weight * static_cast<double>(pushes.size());
+  const double prior_weight = weight * static_cast<double>(pushes.size());
   const auto coefficients =
-      fit<4>(pushes, targets_on(ellipsoid, prior_weight, forms), options, forms);
+      fit<4>(pushes, targets_on(prior, prior_weight, forms, force, length), options, forms);
   LimitSurface surface{force, length, {}};
   std::copy(coefficients.begin(), coefficients.end(), surface.coefficients.begin());
   return surface;
@@ -208,7 +213,8 @@ double median_of(std::span<const PushSample> samples, double (*measure)(const Pu
 }  // namespace
 
 LimitSurfaceFit fit_limit_surface(std::span<const PushSample> all,
-                                  const LimitSurfaceFitOptions& options) {
+                                  const LimitSurfaceFitOptions& options,
+                                  const std::optional<LimitSurface>& given) {
   LimitSurfaceFit result;
   std::vector<PushSample> samples;
   std::copy_if(all.begin(), all.end(), std::back_inserter(samples), is_usable);
@@ -234,9 +240,17 @@ LimitSurfaceFit fit_limit_surface(std::span<const PushSample> all,
   length *= std::sqrt((ellipsoid(0, 0) + ellipsoid(1, 1)) / (2.0 * ellipsoid(2, 2)));
   pushes = scaled(samples, force, length);
   ellipsoid = fit_ellipsoid(pushes, options, forms);
-  result.surface = options.shape == SurfaceShape::ellipsoid
-                       ? quadratic_surface(force, length, ellipsoid)
-                       : fit_quartic(pushes, ellipsoid, options, forms, force, length);
+  const LimitSurface own = quadratic_surface(force, length, ellipsoid);
+  if (options.shape == SurfaceShape::ellipsoid) {
+    result.surface = own;
+  } else if (given) {
+    LimitSurface prior = *given;
+    prior.force *= median_level(samples, prior);
+    result.surface =
+        fit_quartic(pushes, prior, options.given_prior_weight, options, forms, force, length);
+  } else {
+    result.surface = fit_quartic(pushes, own, options.prior_weight, options, forms, force, length);
+  }
   result.surface.force *= median_level(samples, result.surface);
   result.status = LimitSurfaceFitStatus::fitted;
   result.median_angle = median_angle(samples, result.surface);

@@ -166,6 +166,21 @@ std::optional<ParameterValue> radius_of(const std::vector<PushSample>& samples) 
                         1.2533 * std_of_radius / std::sqrt(static_cast<double>(radii.size()))};
 }
 
+/// Maximum friction moment over maximum friction force [m].
+double radius_of(const LimitSurface& surface) {
+  const double force = 0.5 * (sliding_load(surface, {1.0, 0.0, 0.0}).x() +
+                              sliding_load(surface, {0.0, 1.0, 0.0}).y());
+  return sliding_load(surface, {0.0, 0.0, 1.0}).z() / force;
+}
+
+/// That of uniform pressure on the body's support, scaled to a friction radius [m].
+LimitSurface surface_of_support(const BodyMotion& body, double radius) {
+  ObjectParameters known;
+  known.friction_radius = ParameterValue{radius, {}};
+  return *complete_physics(known, body.model, body.tracked.front().T_base_object)
+              .physics.limit_surface;
+}
+
 }  // namespace
 
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
@@ -186,15 +201,17 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   }
   result.surface = fit_limit_surface(result.turning);
   if (result.surface.status != LimitSurfaceFitStatus::fitted) return;
-  const LimitSurface& surface = result.surface.surface;
-  result.parameters.limit_surface = surface;
-  if (!result.friction_radius) return;
-  // The ellipsoid's radius from nearly straight pushes is biased: a quarter too small for a square
-  // patch. The radius of the fitted surface is used instead.
-  const double force = 0.5 * (sliding_load(surface, {1.0, 0.0, 0.0}).x() +
-                              sliding_load(surface, {0.0, 1.0, 0.0}).y());
-  result.friction_radius->value = sliding_load(surface, {0.0, 0.0, 1.0}).z() / force;
-  result.parameters.friction_radius = result.friction_radius;
+  if (result.friction_radius) {
+    // The ellipsoid's radius from nearly straight pushes is biased: a quarter too small for a
+    // square patch. The radius of the fitted surface is used instead.
+    result.friction_radius->value = radius_of(result.surface.surface);
+    result.parameters.friction_radius = result.friction_radius;
+    // Its shape: fifteen coefficients also follow the errors of the contact point and of few
+    // pushes, which the support's shape does not have.
+    result.surface = fit_limit_surface(result.turning, {},
+                                       surface_of_support(body, result.friction_radius->value));
+  }
+  result.parameters.limit_surface = result.surface.surface;
 }
 
 }  // namespace pcavr

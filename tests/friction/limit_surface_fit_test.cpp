@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/friction/limit_surface_fit.hpp"
 
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <numbers>
@@ -72,6 +73,30 @@ TEST(LimitSurfaceFit, QuarticFitsAQuarticBetterThanAnEllipsoid) {
   EXPECT_LT(median_angle(quartic.surface, held_out, 0.05), 2.0 * kDegree);
   EXPECT_LT(median_angle(quartic.surface, held_out, 0.05),
             0.5 * median_angle(ellipsoid.surface, held_out, 0.05));
+}
+
+TEST(LimitSurfaceFit, IsNearerToTheTruthByASupportThatIsKnown) {
+  const LimitSurface truth = ellipsoid_surface(4.2, 0.25, {0.005, -0.003});
+  LimitSurface larger = truth;
+  larger.force *= 10.0;
+  double angle = 0.0, angle_by_prior = 0.0;
+  for (const std::uint64_t seed : {24, 25, 26, 27}) {
+    Random random(seed);
+    auto samples = pushes_on(truth, 20, random);
+    for (PushSample& sample : samples) {
+      sample.wrench += 0.2 * random_vector(random).cwiseProduct(detail::scale_of(truth));
+    }
+    const LimitSurfaceFit fit = fit_limit_surface(samples);
+    const LimitSurfaceFit by_prior = fit_limit_surface(samples, {}, truth);
+    const LimitSurfaceFit by_larger = fit_limit_surface(samples, {}, larger);
+    const auto held_out = pushes_on(truth, 200, random);
+    angle += median_angle(fit.surface, held_out, 0.06);
+    angle_by_prior += median_angle(by_prior.surface, held_out, 0.06);
+    // Only the prior's shape counts.
+    EXPECT_NEAR(level(by_prior.surface, {1.0, 2.0, 0.1}), level(by_larger.surface, {1.0, 2.0, 0.1}),
+                1e-6);
+  }
+  EXPECT_LT(angle_by_prior, 0.6 * angle);
 }
 
 TEST(LimitSurfaceFit, StaysConvexOnNoise) {

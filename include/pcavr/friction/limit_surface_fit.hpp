@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include <Eigen/Core>
@@ -34,6 +35,8 @@ struct LimitSurfaceFitOptions {
   double level_weight;
   /// Weight of the ellipsoid (the prior) relative to all pushes together; 0: the pushes alone.
   double prior_weight;
+  /// The same of a prior that is given.
+  double given_prior_weight;
   double min_angle;   ///< [rad] of error below which a sample gains no more weight: its noise
   double min_spread;  ///< of wrenches and twists out of a plane, to be excited
 };
@@ -56,9 +59,10 @@ struct LimitSurfaceFit {
 /// powers of linear forms with weights >= 0, so that it is convex by construction, where the paper
 /// solves a semidefinite programme; the weights are a non-negative least squares problem (NNLS) in
 /// the twist's component across the surface's normal, iteratively reweighted (IRLS) so that
-/// outliers count by their angle. Samples that are zero or not finite are ignored. Deterministic;
-/// allocates.
+/// outliers count by their angle. Samples that are zero or not finite are ignored. `prior` takes
+/// the place of the ellipsoid; its size does not count. Deterministic; allocates.
 [[nodiscard]] LimitSurfaceFit fit_limit_surface(std::span<const PushSample> samples,
-                                                const LimitSurfaceFitOptions& options = {});
+                                                const LimitSurfaceFitOptions& options = {},
+                                                const std::optional<LimitSurface>& prior = {});
 
 }  // namespace pcavr
