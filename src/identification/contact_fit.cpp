@@ -146,17 +146,23 @@ std::string proposal_for(const ContactIdentification& found) {
   return {};
 }
 
-/// Of the two hypotheses, a surface that stays and one that moves, the better one.
-void take_drifting_surface(std::span<const ForceMotion> presses, const ContactFitOptions& options,
-                           ContactIdentification& found) {
-  ContactFit drifting = fit_drifting_surface(presses, found.best(), options);
-  if (!drifting.is_valid) return;
+/// Of the two hypotheses, a surface that stays and one that moves, the better one: on the same
+/// presses, as along the local direction the force itself differs.
+void take_drifting_surface(std::span<const ForceMotion> presses, std::span<const ForceMotion> local,
+                           const ContactFitOptions& options, ContactIdentification& found) {
+  const ContactFit fixed = found.best();
+  ContactFit drifting = fit_drifting_surface(presses, options);
+  const bool is_fixed =
+      fixed.is_valid && fixed.residual < options.min_moving_gain * drifting.residual;
+  if (!drifting.is_valid || is_fixed) return;
   found.proposal = fmt::format(
       "the surface moves under the presses: a law of one that stays leaves {:.2f} N unexplained, "
       "one about the moving mean {:.2f} N; the damping is not identified, as a clock offset of "
-      "some "
-      "milliseconds would look the same",
-      found.best().residual, drifting.residual);
+      "some milliseconds would look the same",
+      fixed.residual, drifting.residual);
+  ContactFit along = fit_drifting_surface(local, options);
+  if (along.is_valid) drifting = std::move(along);
+  drifting.surface = fixed.surface;
   found.mass_damper_spring = std::move(drifting);
   found.chosen = ContactRegressor::mass_damper_spring;
 }
@@ -164,8 +170,10 @@ void take_drifting_surface(std::span<const ForceMotion> presses, const ContactFi
 }  // namespace
 
 ContactIdentification identify_contact(std::span<const ForceMotion> presses,
-                                       const ContactFitOptions& options) {
+                                       const ContactFitOptions& options,
+                                       std::span<const ForceMotion> local) {
   PCAVR_REQUIRE(options.exponent.value_or(1.0) >= 1.0, *options.exponent);
+  PCAVR_REQUIRE(local.empty() || local.size() == presses.size(), local.size());
   ContactIdentification found;
   std::vector<PressSamples> samples;
   for (std::size_t i = 0; i < presses.size(); ++i) {
@@ -202,7 +210,7 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
     found.chosen = ContactRegressor::hunt_crossley;
   }
   found.proposal = proposal_for(found);
-  if (options.drift_half_width <= 0.0) take_drifting_surface(presses, options, found);
+  if (options.drift_half_width <= 0.0) take_drifting_surface(presses, local, options, found);
   return found;
 }
 

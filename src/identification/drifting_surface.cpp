@@ -14,16 +14,14 @@
 namespace pcavr {
 namespace {
 
-/// Half width of the moving mean [s]: it removes what is slower than 1 Hz.
-constexpr double kDriftHalfWidth = 0.5;
-constexpr double kDriftWindow = 2.0;  // [s] of one stiffness: some periods
-/// A drift must leave a residual smaller by this factor: it has more freedom.
-constexpr double kMinDriftGain = 2.0;
 constexpr double kMinExplained = 0.9;   // share of a window's force about its mean
 constexpr std::size_t kMinWindows = 3;  // whose scatter is known
-constexpr double kWindowScatter = 0.05, kWindowScatterFactor = 2.0;  // of tissue, from place to place
-/// Error of the stiffness, as a share, as the surface's normal changes under a travelling tip: tilted
-/// by 15 degrees, it gives by 7 % less along the press's mean direction.
+constexpr std::size_t kMinWindowSamples = 3;
+/// Of tissue, from place to place.
+constexpr double kWindowScatter = 0.05, kWindowScatterFactor = 2.0;
+/// Error of the stiffness, as a share, by a direction that is not the surface's normal: along the
+/// force, a tip that slides with a friction of 0.2 gives by 4 % more; along one direction, a
+/// surface tilted by 15 degrees by 7 % less.
 constexpr double kNormalShare = 0.05;
 constexpr double kMinPositionNoises = 10.0;  // smoothed, of the oscillation
 
@@ -47,8 +45,7 @@ WindowFit fit_window(std::span<const ContactSample> samples, const PressSamples&
   const double k = (xf * vv - vf * xv) / determinant;
   const double b = (vf * xx - xf * xv) / determinant;
   fit.explained = (k * xf + b * vf) / ff;
-  const double independent =
-      std::max(3.0, count * press.interval / (2.0 * press.half_width));
+  const double independent = std::max(3.0, count * press.interval / (2.0 * press.half_width));
   const double variance = std::max(0.0, ff - k * xf - b * vf) / count;
   fit.stiffness = {k, std::sqrt(variance * vv / determinant * count / independent),
                    fit.explained > kMinExplained && k > 0.0};
@@ -57,17 +54,18 @@ WindowFit fit_window(std::span<const ContactSample> samples, const PressSamples&
 
 }  // namespace
 
-ContactFit fit_drifting_surface(std::span<const ForceMotion> presses, const ContactFit& fixed,
+ContactFit fit_drifting_surface(std::span<const ForceMotion> presses,
                                 const ContactFitOptions& options) {
   ContactFit result;
   ContactFitOptions drifting = options;
-  drifting.drift_half_width = kDriftHalfWidth;
+  drifting.drift_half_width = options.moving_half_width;
   std::vector<IdentifiedParameter> windows;
   double unexplained = 0.0, count = 0.0, energy = 0.0;
   for (const ForceMotion& series : presses) {
     const PressSamples press = press_samples(series, drifting);
     if (press.samples.empty()) continue;
-    const auto length = static_cast<std::size_t>(kDriftWindow / press.interval);
+    const auto length = std::max(kMinWindowSamples,
+                                 static_cast<std::size_t>(options.moving_window / press.interval));
     for (const ContactSample& sample : press.raw) energy += sample.force * sample.force;
     result.samples += press.raw.size();
     for (std::size_t i = 0; i + length <= press.samples.size(); i += length) {
@@ -82,10 +80,7 @@ ContactFit fit_drifting_surface(std::span<const ForceMotion> presses, const Cont
   }
   if (windows.size() < kMinWindows) return result;
   result.residual = std::sqrt(unexplained / count);
-  result.relative_error =
-      result.residual / std::sqrt(energy / static_cast<double>(result.samples));
-  if (fixed.is_valid && fixed.residual < kMinDriftGain * result.residual) return result;
-  result.surface = fixed.surface;
+  result.relative_error = result.residual / std::sqrt(energy / static_cast<double>(result.samples));
   result.stiffness = combine_limits(windows, kWindowScatter, kWindowScatterFactor).limit;
   result.stiffness.std = std::hypot(result.stiffness.std, kNormalShare * result.stiffness.value);
   result.exponent = {1.0, kExponentStd, true};

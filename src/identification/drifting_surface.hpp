@@ -10,11 +10,9 @@ namespace pcavr {
 
 /// The linear law of a surface that moves while it is pressed, as when a tip travels over tissue
 /// that it presses periodically. Force and tip are taken about their moving means; windows of some
-/// periods each give a stiffness, and the mean over the windows, which scatter, is returned. Not
-/// valid where no press is long enough, or where `fixed`, the law of a surface that stays, explains
-/// the force better than a stated factor above what this one does.
+/// periods each give a stiffness, and the mean over the windows, which scatter, is returned,
+/// without a surface. Not valid where there are too few windows.
 [[nodiscard]] ContactFit fit_drifting_surface(std::span<const ForceMotion> presses,
-                                              const ContactFit& fixed,
                                               const ContactFitOptions& options);
 
 }  // namespace pcavr

@@ -167,7 +167,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     if (object.is_movable) leave_out_moved_presses(result.contacts, i, tracked, tip);
     const bool has_contact_law = found.parameters.contact_stiffness.has_value();
     if (goal == IdentificationGoal::contact || !has_contact_law) {
-      identify_contact_of(result.contacts, i, options, found);
+      identify_contact_of(result.contacts, i, tip, options, found);
       identify_surface_offset(result.contacts, i, object, input.tool_radius, tip, found);
     }
     if (goal == IdentificationGoal::friction && object.is_movable) {

@@ -6,6 +6,8 @@
 #include <span>
 #include <string_view>
 
+#include "pcavr/identification/local_direction.hpp"
+
 #include "identify_parts.hpp"
 
 namespace pcavr {
@@ -83,19 +85,23 @@ void add_change(const ContactFit& moved, ContactFit& fit) {
 }
 
 /// Adds to the stds what an error of the tip by one std changes, the same in all contacts: the tip
-/// is less deep than it seems, as what carries it gives way.
+/// is less deep than it seems, as what carries it gives way. `local` as of identify_contact.
 void add_tip_uncertainty(const std::vector<ForceMotion>& series,
+                         const std::vector<ForceMotion>& local,
                          const std::vector<const IdentifiedContact*>& contacts,
                          const ContactFitOptions& options, ContactIdentification& found) {
   const bool is_known = std::all_of(contacts.begin(), contacts.end(),
                                     [](const auto* contact) { return contact->tip_std.empty(); });
   if (is_known) return;
-  std::vector<std::vector<double>> tools(series.size());
-  std::vector<ForceMotion> moved;
+  std::vector<std::vector<double>> tools(series.size()), local_tools(local.size());
+  std::vector<ForceMotion> moved, moved_local;
   for (std::size_t i = 0; i < series.size(); ++i) {
     moved.push_back(shallower(series[i], contacts[i]->tip_std, tools[i]));
   }
-  const ContactIdentification shallow = identify_contact(moved, options);
+  for (std::size_t i = 0; i < local.size(); ++i) {
+    moved_local.push_back(shallower(local[i], contacts[i]->tip_std, local_tools[i]));
+  }
+  const ContactIdentification shallow = identify_contact(moved, options, moved_local);
   add_change(shallow.hunt_crossley, found.hunt_crossley);
   add_change(shallow.mass_damper_spring, found.mass_damper_spring);
 }
@@ -147,13 +153,32 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
   options.exponent = exponent;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     faces[i].contact = identify_contact(series[i], options);
-    add_tip_uncertainty(series[i], sources[i], options, faces[i].contact);
+    add_tip_uncertainty(series[i], {}, sources[i], options, faces[i].contact);
     IdentifiedParameter& stiffness = faces[i].contact.hunt_crossley.stiffness;
     const double share = std::hypot(kCreep, stiffness_scatter(series[i], options));
     stiffness.std = std::hypot(stiffness.std, stiffness.value * share);
     stiffness.is_excited = stiffness.value > kMinStds * stiffness.std;
   }
   return faces;
+}
+
+/// The contact law of presses on what stays, or moves under them while the tip travels.
+ContactIdentification identify_presses(const std::vector<IdentifiedContact*>& presses,
+                                       const std::vector<ForceMotion>& series, const PathView& tip,
+                                       ContactFitOptions options) {
+  options.is_surface_shared = options.is_surface_shared && is_one_surface(presses);
+  std::vector<LocalContact> contacts;
+  std::vector<ForceMotion> local;
+  contacts.reserve(presses.size());
+  for (const IdentifiedContact* press : presses) {
+    const ContactEpisode& episode = press->episode;
+    contacts.push_back(
+        along_local_force(episode.t, press->force_base, tip, options.moving_half_width));
+    local.push_back(contacts.back().series(episode.tool_noise));
+  }
+  ContactIdentification found = identify_contact(series, options, local);
+  add_tip_uncertainty(series, local, {presses.begin(), presses.end()}, options, found);
+  return found;
 }
 
 }  // namespace
@@ -176,7 +201,8 @@ std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& cont
 }
 
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         const IdentificationOptions& options, ObjectIdentification& result) {
+                         const PathView& tip, const IdentificationOptions& options,
+                         ObjectIdentification& result) {
   auto presses = contacts_of(contacts, object, true);
   auto pushes = contacts_of(contacts, object, false);
   if (!result.is_movable) {
@@ -189,11 +215,8 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   series.reserve(presses.size());
   for (const IdentifiedContact* press : presses) series.push_back(press->episode.series());
   result.press_count = static_cast<int>(presses.size());
-  ContactFitOptions fit_options = options.contact_fit;
-  fit_options.is_surface_shared = fit_options.is_surface_shared && is_one_surface(presses);
   if (!series.empty()) {
-    result.presses = identify_contact(series, fit_options);
-    add_tip_uncertainty(series, {presses.begin(), presses.end()}, fit_options, result.presses);
+    result.presses = identify_presses(presses, series, tip, options.contact_fit);
   }
   const ParameterValue exponent = result.parameters.contact_exponent.value_or(
       ParameterValue{kGivenExponent, kGivenExponentStd});

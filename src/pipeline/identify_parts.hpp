@@ -28,7 +28,8 @@ void withhold_contact_off_centre(ObjectIdentification& result);
 
 /// Presses, faces and impacts, and the estimators' comparison.
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         const IdentificationOptions& options, ObjectIdentification& result);
+                         const PathView& tip, const IdentificationOptions& options,
+                         ObjectIdentification& result);
 /// Where the presses met the surface, beside the CAD body's at its first pose: the law is rendered
 /// from there. For presses on one flat face.
 void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size_t index,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/identification/contact_fit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/identification/local_direction.hpp"
 #include "pcavr/identification/signals.hpp"
 
 #include "identification/plant.hpp"
@@ -266,6 +268,75 @@ TEST(IdentifyContact, DoesNotTakeASurfaceThatStaysForOneThatMoves) {
   const ContactIdentification found = press_moving_surface(0.0);
   ASSERT_TRUE(found.best().is_valid);
   EXPECT_EQ(found.proposal.find("the surface moves"), std::string::npos);
+}
+
+/// A tip that travels over a cylinder, whose normal tilts by 20 degrees to either side, and presses
+/// along z like the one above.
+struct TravellingTip {
+  std::vector<double> t, tool, force;
+  std::vector<Eigen::Vector3d> p_base_tip, force_base;
+};
+
+TravellingTip travel_over_cylinder(double stiffness) {
+  constexpr double kRadius = 0.05;
+  const double reach = kRadius * std::sin(20.0 * std::numbers::pi / 180.0);
+  Random random(12);
+  const auto noise = [&](double std) {
+    return Eigen::Vector3d(std * random.normal(), std * random.normal(), std * random.normal());
+  };
+  TravellingTip tip;
+  for (int i = 0; i < 2640; ++i) {
+    const double now = i / 66.0;
+    const bool is_near = now > 0.5 && now < 39.5;
+    const double depth = 0.003 + 0.001 * std::sin(4.0 * std::numbers::pi * now);
+    const double x = reach * std::sin(0.125 * std::numbers::pi * now);
+    const Eigen::Vector3d p(x, 0.0,
+                            std::sqrt(kRadius * kRadius - x * x) - (is_near ? depth : -0.005));
+    const double penetration = std::max(0.0, kRadius - p.norm());
+    tip.t.push_back(now);
+    tip.p_base_tip.emplace_back(p + noise(1e-5));
+    tip.force_base.emplace_back(-stiffness * penetration * p.normalized() + noise(0.01));
+    tip.tool.push_back(-tip.p_base_tip.back().z());
+    tip.force.push_back(-tip.force_base.back().z());
+  }
+  return tip;
+}
+
+TEST(IdentifyContact, FollowsTheNormalOfACurvedSurfaceUnderATravellingTip) {
+  const TravellingTip tip = travel_over_cylinder(500.0);
+  const ForceMotion press{tip.t, tip.tool, tip.force};
+  const ContactFitOptions options;
+  const LocalContact contact = along_local_force(
+      tip.t, tip.force_base, PathView(tip.t, tip.p_base_tip), options.moving_half_width);
+  const ForceMotion local = contact.series({});
+  const ContactFit along_z = identify_contact(std::span(&press, 1)).best();
+  const ContactIdentification found =
+      identify_contact(std::span(&press, 1), options, std::span(&local, 1));
+  ASSERT_TRUE(found.best().is_valid);
+  EXPECT_NE(found.proposal.find("the surface moves"), std::string::npos);
+  EXPECT_NEAR(found.best().stiffness.value, 500.0, 0.03 * 500.0);
+  EXPECT_LT(along_z.stiffness.value, 0.96 * 500.0);
+  RecordProperty("local", std::to_string(found.best().stiffness.value));
+  RecordProperty("along_z", std::to_string(along_z.stiffness.value));
+}
+
+TEST(IdentifyContact, AppliesTheOptionsOfASurfaceThatMoves) {
+  const TravellingTip tip = travel_over_cylinder(500.0);
+  const ForceMotion press{tip.t, tip.tool, tip.force};
+  const auto is_taken_as_moving = [&](const ContactFitOptions& options) {
+    const ContactIdentification found = identify_contact(std::span(&press, 1), options);
+    return found.proposal.find("the surface moves") != std::string::npos;
+  };
+  ContactFitOptions options;
+  EXPECT_TRUE(is_taken_as_moving(options));
+  options.min_moving_gain = 100.0;
+  EXPECT_FALSE(is_taken_as_moving(options));
+  options = {};
+  options.moving_window = 20.0;  // one window, whose scatter is not known
+  EXPECT_FALSE(is_taken_as_moving(options));
+  options = {};
+  options.moving_half_width = 30.0;  // longer than the press
+  EXPECT_FALSE(is_taken_as_moving(options));
 }
 
 }  // namespace

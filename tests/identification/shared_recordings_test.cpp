@@ -12,6 +12,7 @@
 
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
+#include "pcavr/identification/local_direction.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/signals.hpp"
 #include "pcavr/identification/sliding.hpp"
@@ -91,6 +92,53 @@ TEST(Palpation, HasTheKnownStiffnessAndADampingWithItsStd) {
   EXPECT_NEAR(quantile(stiffness, 0.5), 483.0, 0.05 * 483.0);
   EXPECT_NEAR(quantile(damping, 0.5), 2.0, 1.0);
   EXPECT_LT(quantile(damping_std, 0.5), 1.0);
+}
+
+/// A palpation run as logged: one long travel in contact, cut only where the tip leaves the tissue.
+struct Travel {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force_base, p_base_tip;
+};
+
+Travel palpation_travel(const std::vector<std::vector<double>>& rows) {
+  Travel travel;
+  for (const auto& row : rows) {
+    if (!travel.t.empty() && row[1] <= travel.t.back()) continue;
+    travel.t.push_back(row[1]);
+    travel.p_base_tip.push_back(1e-3 * Eigen::Vector3d(row[2], row[3], row[4]));
+    travel.force_base.push_back(-Eigen::Vector3d(row[5], row[6], row[7]));
+  }
+  return travel;
+}
+
+TEST(Palpation, HasTheKnownStiffnessWithoutBeingCutIntoWindows) {
+  PCAVR_NEEDS_SHARED_DATA("real/palpation/ContPalpRAL18T1.csv");
+  const Travel travel =
+      palpation_travel(read_numbers(shared_data("real/palpation/ContPalpRAL18T1.csv")));
+  const Segmentation cut =
+      segment_contacts(travel.t, travel.force_base, travel.t, travel.p_base_tip);
+  const PathView tip(travel.t, travel.p_base_tip);
+  const ContactFitOptions options;
+  std::vector<LocalContact> contacts;
+  std::vector<ForceMotion> presses, local;
+  contacts.reserve(cut.contacts.size());
+  for (const ContactEpisode& episode : cut.contacts) {
+    if (episode.kind != ContactKind::press || episode.impact) continue;
+    const auto first = std::lower_bound(travel.t.begin(), travel.t.end(), episode.t.front());
+    const auto begin = static_cast<std::size_t>(first - travel.t.begin());
+    contacts.push_back(along_local_force(episode.t,
+                                         std::span(cut.force_base).subspan(begin, episode.t.size()),
+                                         tip, options.moving_half_width));
+    presses.push_back(episode.series());
+    local.push_back(contacts.back().series(episode.tool_noise));
+  }
+  const ContactIdentification found = identify_contact(presses, options, local);
+  const IdentifiedParameter& stiffness = found.best().stiffness;
+  RecordProperty("stiffness", std::to_string(stiffness.value));
+  RecordProperty("stiffness_std", std::to_string(stiffness.std));
+  EXPECT_NE(found.proposal.find("the surface moves"), std::string::npos);
+  EXPECT_NEAR(stiffness.value, 483.0, 0.05 * 483.0);
+  EXPECT_LT(stiffness.std, 0.1 * 483.0);
 }
 
 /// One segment of a palpation run, along its mean force.

@@ -30,6 +30,11 @@ struct ContactFitOptions {
   /// and only the linear law is fitted. For a tip that drifts over a surface while it oscillates,
   /// so that the penetration is not known. About one period of the oscillation.
   double drift_half_width;
+  /// [s] half width of the moving mean about which a surface that moves under a modulated press is
+  /// fitted, and of the force's local direction there. About one period.
+  double moving_half_width;
+  double moving_window;    ///< [s] of one stiffness of such a surface: some periods
+  double min_moving_gain;  ///< of the residual force, for the surface to be taken as moving
   double max_exponent;     ///< of the Hunt-Crossley law
   double min_mass_stds;    ///< mass over its std: below, the contact's mass is not fitted
   double min_improvement;  ///< of the misfit, as a share, for the Hunt-Crossley law to be chosen
@@ -76,7 +81,10 @@ struct ContactIdentification {
 /// residual is chosen, the linear law where they are within `min_improvement` of each other (paper
 /// C always takes the linear one: on a Hunt-Crossley contact that costs a few per cent of force).
 /// Remove the time offset between force and tool first: it shifts the surface with the speed.
+/// `local`: the same presses along the local direction of the force (along_local_force), by which a
+/// surface that moves under them is fitted; where empty, along the one direction of `presses`.
 [[nodiscard]] ContactIdentification identify_contact(std::span<const ForceMotion> presses,
-                                                     const ContactFitOptions& options = {});
+                                                     const ContactFitOptions& options = {},
+                                                     std::span<const ForceMotion> local = {});
 
 }  // namespace pcavr
