@@ -87,38 +87,6 @@ TEST(FrictionAtBreakaway, IsCloserToTheStaticLimitThanThePeakOfAFastPush) {
   }
 }
 
-TEST(FrictionAtBreakaway, HasLittleBiasOnStiffContactsWherePeaksAreHigh) {
-  Random random(731);
-  double error = 0.0, peak_error = 0.0;
-  constexpr int kPlants = 12;
-  for (std::uint64_t seed = 1; seed <= kPlants; ++seed) {
-    Plant plant;
-    plant.mass = random.uniform(1.0, 4.0);
-    plant.breakaway = plant.mass * random.uniform(3.0, 7.0);
-    plant.coulomb = plant.breakaway * random.uniform(0.75, 0.9);
-    plant.stribeck_speed = random.uniform(0.002, 0.006);
-    plant.stiffness = random.uniform(5e4, 2.5e5);
-    plant.damping = 3.0 * plant.stiffness;
-    plant.bristle = plant.breakaway / random.uniform(4e-6, 1.2e-5);
-    Sensors sensors;
-    sensors.force_noise = random.uniform(0.08, 0.25);
-    sensors.tool_noise = 5e-5;
-    const auto path = [](double t) { return 0.01 * (t - 0.3); };
-    const Trial trial = run(plant, sensors, 1.2, 880 + seed, path);
-    const Breakaway found = find_breakaway(trial.series());
-    ASSERT_TRUE(found.is_found) << seed;
-    const IdentifiedParameter friction = friction_at_breakaway(
-        trial.series(), found, {plant.stiffness, plant.damping, plant.exponent}, plant.mass);
-    ASSERT_TRUE(friction.is_excited) << seed;
-    EXPECT_NEAR(friction.value, plant.breakaway, 3.0 * friction.std) << seed;
-    error += (friction.value / plant.breakaway - 1.0) / kPlants;
-    peak_error += (found.force / plant.breakaway - 1.0) / kPlants;
-  }
-  RecordProperty("error_percent", std::to_string(100.0 * error));
-  RecordProperty("peak_error_percent", std::to_string(100.0 * peak_error));
-  EXPECT_LT(std::abs(error), 0.02);
-}
-
 TEST(FindBreakaway, ReportsAnObjectThatStayedAtRest) {
   Plant plant;
   plant.is_fixed = true;

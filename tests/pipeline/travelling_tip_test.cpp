@@ -15,7 +15,7 @@
 namespace pcavr {
 namespace {
 
-constexpr double kTop = 0.05;         // [m] of the box, and the radius of the cylinder that it is
+constexpr double kTop = 0.05;  // [m] of the box, and the radius of the cylinder that it is
 constexpr double kTissueStiffness = 500.0;  // [N/m]
 
 /// A tip travels over an object that is a cylinder where its CAD model is flat, its normal tilted
@@ -23,10 +23,12 @@ constexpr double kTissueStiffness = 500.0;  // [N/m]
 IdentificationInput travel_over_cylinder() {
   IdentificationInput input;
   input.tool_radius = 0.003;
-  input.objects.push_back({.name = "tissue",
-                           .model = make_cad_model(test::box_mesh(Eigen::Vector3f::Constant(0.1F)), "tissue", "tissue").value(),
-                           .T_base_object = Pose(),
-                           .is_movable = false});
+  input.objects.push_back(
+      {.name = "tissue",
+       .model = make_cad_model(test::box_mesh(Eigen::Vector3f::Constant(0.1F)), "tissue", "tissue")
+                    .value(),
+       .T_base_object = Pose(),
+       .is_movable = false});
   const double reach = kTop * std::sin(20.0 * std::numbers::pi / 180.0);
   Random random(13);
   const auto noise = [&](double std) {

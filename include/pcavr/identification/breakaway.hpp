@@ -52,41 +52,40 @@ struct Breakaway {
 [[nodiscard]] Breakaway find_breakaway(const ForceMotion& push,
                                        const BreakawayOptions& options = {});
 
-/// How the friction's own limit is found in a push: what is fitted, and what is known before.
+/// How the friction's own limit is found in a push.
 struct OnsetOptions {
   OnsetOptions();
-  double loading_time;       ///< [s] before the peak that is fitted, at most from the touch on
-  double sliding_time;       ///< [s] after the peak that is fitted
-  double half_width;         ///< [s] of the smoothing of the tip's position
-  double limit_share;        ///< std of the limit about the peak, as a share
-  double stiffness_share;    ///< std of the contact law's stiffness in one push, as a share
-  double drop;               ///< share by which sliding friction is below the limit, median ...
-  double drop_factor;        ///< ... and the std of its logarithm
-  double drop_speed;         ///< [m/s] over which it drops, median ...
-  double drop_speed_factor;  ///< ... and the std of its logarithm
-  double creep_share;        ///< std by what the model lacks, as a share of peak minus limit
-  double max_misfit;         ///< of a sample's squared residual over its variance, mean
+  double min_displacement;  ///< [m] the object is surely moving: several position noises
+  double rest_time;         ///< [s] of rest that the fit uses, and of candidates for the onset
+  double moving_time;       ///< [s] of motion beyond `min_displacement` that the fit uses
+  double half_width;        ///< [s] of the smoothing of position, and of the force at the onset
+  /// Error of the onset's force, as a share of peak minus onset, where the object creeps before it
+  /// slides.
+  double creep_share;
+  /// Share of the force due to acceleration above which the onset is searched.
+  double max_acceleration_share;
 };
 [[nodiscard]] OptionSection section_of(OnsetOptions& options);
 
-/// The friction's own limit [N], which in a fast push is well below the peak, because the object
-/// has to be accelerated. The push is simulated along the tip's measured path: the contact law
-/// loads an object of known mass until its friction's limit, which drops while it starts to slide;
-/// the limit, the drop, its speed, the surface and the stiffness in this push, with their priors,
-/// are fitted to the measured force (maximum a posteriori, Levenberg-Marquardt). Not excited where
-/// the push does not fit, or says no more than the prior. mass [kg].
+/// The friction's own limit [N]: the force at the instant the object began to move, which in a fast
+/// push is well below the peak, because the object has to be accelerated. The onset is the one from
+/// which M s'' = F - friction, with the measured force integrated twice, fits the object's
+/// displacement best; nothing is differentiated. An object that creeps before it slides makes the
+/// onset early and the force a few per cent low: the std includes that. Assign it to
+/// Breakaway::force before limiting_friction() where pushes were fast. Not excited where there is
+/// no clear onset. mass [kg].
 [[nodiscard]] IdentifiedParameter friction_at_breakaway(const ForceMotion& push,
                                                         const Breakaway& breakaway,
                                                         const HuntCrossley& contact_law,
                                                         double mass,
                                                         const OnsetOptions& options = {});
 
-/// Friction's own limit of one push [N], whatever its speed: friction_at_breakaway(), and where
-/// that does not fit, the force at the peak less what accelerated the object. While a contact of
-/// stiffness k is loaded at a rate r, an object under constant friction overshoots by
-/// r sqrt(M / k) of force; friction that drops at once makes the force drop, too. The truth lies
-/// between: the middle is returned, with the std of a uniform distribution over that range. Not
-/// excited where no breakaway was found. mass [kg] > 0.
+/// Friction's own limit of one push [N], whatever its speed: the force at the peak less what
+/// accelerated the object. While a contact of stiffness k is loaded at a rate r, an object under
+/// constant friction overshoots by r sqrt(M / k) of force; friction that drops at once makes the
+/// force drop, too. The truth lies between: the middle is returned, with the std of a uniform
+/// distribution over that range. Where it is more than `max_acceleration_share` of the force,
+/// friction_at_breakaway is more accurate. Not excited where no breakaway was found. mass [kg] > 0.
 [[nodiscard]] IdentifiedParameter limit_of_push(const ForceMotion& push, const Breakaway& breakaway,
                                                 const HuntCrossley& contact_law, double mass,
                                                 const OnsetOptions& options = {});
