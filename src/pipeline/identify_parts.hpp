@@ -63,8 +63,9 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
                          const BodyMotion& body, const PathView& tip, double tool_radius,
                          ObjectIdentification& result);
 
-/// Friction between tip and object, where the tip slid along one flat face, as in a slot or an
-/// oblique hole: the force along its path over that along the face's normal. Needs tracking.
+/// Friction between tip and object, where the tip slid along one flat face, as in a slot, an
+/// oblique hole or a push beside the centre, at any speed: the force along the slip over that along
+/// the face's normal. Needs tracking.
 void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
                                const BodyMotion& body, const PathView& tip, double tool_radius,
                                ObjectIdentification& result);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pcavr/core/median.hpp"
@@ -14,80 +15,117 @@
 namespace pcavr {
 namespace {
 
-/// Path of the tip along the face for one sample of the friction: many times the noise of tracking,
-/// and of the tangential deflection; and the longest time for it [s], beyond which the tip may have
-/// stuck meanwhile.
+/// Slip along the face for one sample of the friction: many times the noise of tracking, and of the
+/// tangential deflection.
 constexpr double kMinSlip = 0.003;  // [m]
-constexpr double kMaxSlipTime = 0.4;
+/// Share of the tip's path in base that must be slip: a tip that sticks is carried along, and seems
+/// to slip by the share that an error of its radius is of the lever that it turns the object by.
+constexpr double kMinSlipShare = 0.25;
+constexpr double kMaxPath = kMinSlip / kMinSlipShare;  // [m] for one sample
 /// On the path ahead and behind [m], the face must go on: elsewhere the tip touches another, too.
 constexpr double kFreePath = 0.001;
 constexpr double kSameNormal = 0.999;    // cosine: flat faces only
-constexpr double kMinNormalForce = 2.0;  // [N] ten times the noise of an ordinary sensor
+constexpr double kMinNormalForce = 1.0;  // [N] ten times the offset of an ordinary sensor
 /// Of the normal force, across face and path: up to the one share by the path's uncertain
 /// direction; beyond, it is the normal force of a second face, at right angles, that the tip slides
 /// along, too; and up to the other, that face is not the main one.
 constexpr double kMinAcross = 0.05, kMaxAcross = 0.5;
 constexpr std::size_t kMinSamples = 4;
+/// Share of the samples in which the force opposes the slip: fewer are no friction.
+constexpr double kMinOpposing = 0.75;
 
-/// The tip's centre in the object's frame, at a tracked pose.
-struct TipInObject {
+/// The tip's centre at a tracked pose.
+struct TipAtPose {
   double t = 0.0;  ///< [s]
-  Eigen::Vector3d p_object;
+  Eigen::Vector3d p_base, p_object;
+  Eigen::Quaterniond R_base_object;
 };
 
-/// A tip that slides along a face.
+/// A tip that slides along a face. The tool itself is not expected to turn.
 class Rubbing {
  public:
   Rubbing(const BodyMotion& body, const PathView& tip, const BodySurface& surface, double radius)
       : body_(body), tip_(tip), surface_(surface), radius_(radius) {}
 
   void add(const IdentifiedContact& contact, std::vector<double>& coefficients) const {
-    std::optional<TipInObject> from;
-    for (const TrackedPose& pose : body_.tracked) {
-      if (pose.t < contact.episode.begin || pose.t > contact.episode.end) continue;
-      const TipInObject to{pose.t, pose.T_base_object.inverse() * tip_.at(pose.t)};
-      if (!from || to.t - from->t > kMaxSlipTime) from = to;
-      if ((to.p_object - from->p_object).norm() < kMinSlip) continue;
-      if (const auto coefficient = between(contact, *from, to))
+    const std::vector<TipAtPose> tips = tips_during(contact.episode);
+    std::size_t from = 0;
+    for (std::size_t to = 0; to < tips.size(); ++to) {
+      while ((tips[to].p_base - tips[from].p_base).norm() > kMaxPath) ++from;
+      if (!has_slipped(tips[from], tips[to])) continue;
+      if (const auto coefficient = during(contact, std::span(tips).subspan(from, to - from + 1)))
         coefficients.push_back(*coefficient);
       from = to;
     }
   }
 
  private:
-  [[nodiscard]] std::optional<double> between(const IdentifiedContact& contact,
-                                              const TipInObject& from,
-                                              const TipInObject& to) const {
-    const Eigen::Vector3d normal = normal_at(0.5 * (from.p_object + to.p_object));
-    Eigen::Vector3d path = to.p_object - from.p_object;
-    path -= normal.dot(path) * normal;
-    if (path.norm() < kMinSlip) return std::nullopt;
-    path.normalize();
+  [[nodiscard]] std::vector<TipAtPose> tips_during(const ContactEpisode& episode) const {
+    std::vector<TipAtPose> tips;
+    for (const TrackedPose& pose : body_.tracked) {
+      if (pose.t < episode.begin || pose.t > episode.end) continue;
+      const Eigen::Vector3d p_base = tip_.at(pose.t);
+      tips.push_back(
+          {pose.t, p_base, pose.T_base_object.inverse() * p_base, pose.T_base_object.rotation()});
+    }
+    return tips;
+  }
+
+  /// Of the tip's material along the face, in the object's frame [m]: without what the tip rolls.
+  [[nodiscard]] Eigen::Vector3d slip_between(const TipAtPose& from, const TipAtPose& to,
+                                             const Eigen::Vector3d& normal) const {
+    const Eigen::AngleAxisd turn(from.R_base_object.inverse() * to.R_base_object);
+    const Eigen::Vector3d slip =
+        to.p_object - from.p_object + radius_ * turn.angle() * turn.axis().cross(normal);
+    return slip - normal.dot(slip) * normal;
+  }
+
+  [[nodiscard]] bool has_slipped(const TipAtPose& from, const TipAtPose& to) const {
+    const double rolled = radius_ * from.R_base_object.angularDistance(to.R_base_object);
+    if ((to.p_object - from.p_object).norm() + rolled < kMinSlip) return false;
+    return slip_between(from, to, normal_between(from, to)).norm() >= kMinSlip;
+  }
+
+  /// The work of the force's parts over the slip: so a pause has no weight.
+  [[nodiscard]] std::optional<double> during(const IdentifiedContact& contact,
+                                             std::span<const TipAtPose> tips) const {
+    const TipAtPose &from = tips.front(), &to = tips.back();
+    const Eigen::Vector3d normal = normal_between(from, to);
+    const Eigen::Vector3d path = slip_between(from, to, normal).normalized();
     for (const Eigen::Vector3d& end : {Eigen::Vector3d(from.p_object - kFreePath * path),
                                        Eigen::Vector3d(to.p_object + kFreePath * path)}) {
       if (!(normal_at(end).dot(normal) > kSameNormal)) return std::nullopt;
     }
-    const std::optional<Eigen::Vector3d> force = mean_force(contact, from.t, to.t);
-    if (!force) return std::nullopt;
-    const double pressed = -force->dot(normal);
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    double slip = 0.0;
+    for (std::size_t i = 1; i < tips.size(); ++i) {
+      const double step = slip_between(tips[i - 1], tips[i], normal).dot(path);
+      force += step * mean_force(contact, tips[i - 1].t, tips[i].t);
+      slip += step;
+    }
+    force /= slip;
+    const double pressed = -force.dot(normal);
+    double across = std::abs(force.dot(normal.cross(path)));
     if (pressed < kMinNormalForce) return std::nullopt;
-    double across = std::abs(force->dot(normal.cross(path)));
     if (across > kMaxAcross * pressed) return std::nullopt;
     if (across < kMinAcross * pressed) across = 0.0;
-    return force->dot(path) / (pressed + across);
+    return force.dot(path) / (pressed + across);
   }
 
+  [[nodiscard]] Eigen::Vector3d normal_between(const TipAtPose& from, const TipAtPose& to) const {
+    return normal_at(0.5 * (from.p_object + to.p_object));
+  }
   [[nodiscard]] Eigen::Vector3d normal_at(const Eigen::Vector3d& p_object) const {
     return surface_.touch(Pose(), p_object, radius_).normal_object;
   }
 
-  /// In the object's frame.
-  [[nodiscard]] std::optional<Eigen::Vector3d> mean_force(const IdentifiedContact& contact,
-                                                          double begin, double end) const {
+  /// In the object's frame; that of the next sample where none lies between.
+  [[nodiscard]] Eigen::Vector3d mean_force(const IdentifiedContact& contact, double begin,
+                                           double end) const {
     const std::vector<double>& t = contact.episode.t;
-    const auto first = std::lower_bound(t.begin(), t.end(), begin) - t.begin();
-    const auto last = std::upper_bound(t.begin(), t.end(), end) - t.begin();
-    if (last - first < 3) return std::nullopt;
+    const auto first = std::min<std::ptrdiff_t>(
+        std::lower_bound(t.begin(), t.end(), begin) - t.begin(), std::ssize(t) - 1);
+    const auto last = std::max(std::upper_bound(t.begin(), t.end(), end) - t.begin(), first + 1);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
       sum += pose_at(body_.tracked, t[i]).rotation().inverse() * contact.force_base[i];
@@ -125,8 +163,11 @@ void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, s
     count += coefficients.size() > before ? 1 : 0;
   }
   if (coefficients.size() < kMinSamples) return;
+  const auto opposing = std::count_if(coefficients.begin(), coefficients.end(),
+                                      [](double coefficient) { return coefficient > 0.0; });
+  if (static_cast<double>(opposing) < kMinOpposing * static_cast<double>(coefficients.size()))
+    return;
   const double middle = median(coefficients);
-  if (!(middle > 0.0)) return;
   std::vector<double> residuals;
   residuals.reserve(coefficients.size());
   for (const double value : coefficients) residuals.push_back(std::abs(value - middle));
