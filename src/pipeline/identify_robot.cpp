@@ -136,6 +136,26 @@ Expected<void> check_lag(const RobotFitOptions& options, const std::string& file
   return {};
 }
 
+/// Names joints whose torques are out of step with the others': friction may look like it, too, so
+/// that nothing is removed.
+void check_joint_lags(const RobotFitOptions& options, const std::string& file,
+                      RobotIdentification& found) {
+  for (const JointFit& joint : found.fit.joints) {
+    const double lag = std::abs(joint.torque_lag);
+    if (lag <= std::max(options.usual_torque_lag, 3.0 * joint.torque_lag_std)) continue;
+    found.warnings.push_back(
+        {.message = fmt::format("torques are {:.3g} ± {:.1g} ms {} those of all joints; this is "
+                                "not removed",
+                                lag * 1e3, joint.torque_lag_std * 1e3,
+                                joint.torque_lag > 0.0 ? "after" : "before"),
+         .file = file,
+         .line = found.signals.lines.front(),
+         .place = "joint " + joint.name,
+         .hint = "check that they are from the same cycle of the controller; friction may look so, "
+                 "too"});
+  }
+}
+
 /// Puts the fit of all rows in place of the one that was judged on the held-out ones, whose errors
 /// stay.
 void fit_all_rows(const RobotIdentificationOptions& options, RobotIdentification& found) {
@@ -237,6 +257,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   if (Expected<void> checked = check_lag(options.fit, file, found); !checked) {
     return checked.error();
   }
+  check_joint_lags(options.fit, file, found);
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
   found.intervals = friction_by_interval(found.signals, found.model, found.fit, options.intervals);
   if (options.is_trial_wanted) {

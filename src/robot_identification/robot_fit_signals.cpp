@@ -12,7 +12,8 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr double kWide = 1e4;  ///< std that leaves a parameter to the data
+constexpr double kWide = 1e4;      ///< std that leaves a parameter to the data
+constexpr double kLagPrior = 0.1;  ///< [s] std: wider than any lag that is looked for
 
 }  // namespace
 
@@ -54,7 +55,6 @@ void RobotFitter::fit_plainly(RobotFit& fit) {
 /// Torques that are late by L are tau(t - L), about tau - L dtau/dt: one further unknown that all
 /// joints share.
 void RobotFitter::remove_torque_lag(RobotFit& fit) {
-  constexpr double kLagPrior = 0.1;  // [s] std: wider than any lag that is looked for
   std::vector<JointRows> extended = joints_;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Eigen::MatrixXd& rigid = extended[j].rigid;
@@ -92,6 +92,33 @@ void RobotFitter::remove_torque_lag(RobotFit& fit) {
     return;
   }
   for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].torque = extended[j].torque;
+}
+
+/// The lag of one joint's torques after those of all: one further unknown of each joint.
+void RobotFitter::find_joint_lags(RobotFit& fit) const {
+  const auto lag = static_cast<int>(full_library().size());  // its column
+  std::vector<JointRows> extended = joints_;
+  FitPrior prior = prior_;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Eigen::VectorXd fitted =
+        joints_[j].rigid * solution_.rigid + joints_[j].library * solution_.library[j];
+    Eigen::MatrixXd& library = extended[j].library;
+    library.conservativeResize(Eigen::NoChange, lag + 1);
+    library.rightCols<1>() = -differentiate(fitted, signals_.interval);
+    prior.library_std[j].conservativeResize(lag + 1);
+    prior.library_std[j][lag] = kLagPrior;
+  }
+  const std::vector<int> columns{column_of(full_library(), FrictionTerm::offset),
+                                 column_of(full_library(), FrictionTerm::viscous),
+                                 column_of(full_library(), FrictionTerm::coulomb), lag};
+  const FitSolution solution =
+      solve(block_system(extended, train_, kBlocks), std::vector<bool>(kBlocks, true),
+            Selection(joints_.size(), columns), variance_, prior, true);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Eigen::Index place = solution.rigid.size() + at((j + 1) * columns.size() - 1);
+    fit.joints[j].torque_lag = solution.library[j][lag];
+    fit.joints[j].torque_lag_std = std::sqrt(solution.covariance(place, place));
+  }
 }
 
 void RobotFitter::choose_smoothing() {
