@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "robot_identification/robot_fitter.hpp"
@@ -53,7 +54,7 @@ void RobotFitter::fit_plainly(RobotFit& fit) {
 }
 
 /// Torques that are late by L are tau(t - L), about tau - L dtau/dt: one further unknown that all
-/// joints share.
+/// joints share. Only what predicts rows that were left out better is removed.
 void RobotFitter::remove_torque_lag(RobotFit& fit) {
   std::vector<JointRows> extended = joints_;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -87,11 +88,18 @@ void RobotFitter::remove_torque_lag(RobotFit& fit) {
     }
   }
   // What friction's model does not reproduce at reversals looks like a small lag, too.
-  if (std::abs(fit.torque_lag) < 3.0 * fit.torque_lag_std) {
+  const bool is_certain = std::abs(fit.torque_lag) >= 3.0 * fit.torque_lag_std;
+  std::vector<JointRows> moved = joints_;
+  for (std::size_t j = 0; j < joints_.size(); ++j) moved[j].torque = extended[j].torque;
+  const auto left_out_error = [&](const std::vector<JointRows>& rows) {
+    const BlockSystem system = block_system(rows, train_, kBlocks);
+    return cross_validate(system, selection, prior_).array().log().sum();
+  };
+  if (is_certain && left_out_error(moved) < left_out_error(joints_)) {
+    joints_ = std::move(moved);
+  } else {
     fit.torque_lag = 0.0;
-    return;
   }
-  for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].torque = extended[j].torque;
 }
 
 /// The lag of one joint's torques after those of all: one further unknown of each joint.
