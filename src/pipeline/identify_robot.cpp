@@ -85,9 +85,15 @@ std::vector<std::string> signal_notes(const JointSignals& signals, const SampleC
 }
 
 std::string lag_text(const RobotFit& fit) {
-  return fmt::format("torques are {:.3g} ± {:.1g} ms {} the positions",
+  return fmt::format("torques are {:.3g} ± {:.2g} ms {} the positions",
                      std::abs(fit.torque_lag) * 1e3, fit.torque_lag_std * 1e3,
                      fit.torque_lag > 0.0 ? "after" : "before");
+}
+
+std::size_t excited_parameters(const RobotFit& fit) {
+  return static_cast<std::size_t>(
+      std::count_if(fit.base_parameters.begin(), fit.base_parameters.end(),
+                    [](const BaseParameter& entry) { return entry.is_excited; }));
 }
 
 std::vector<std::string> fit_notes(const RobotIdentification& found) {
@@ -96,12 +102,12 @@ std::vector<std::string> fit_notes(const RobotIdentification& found) {
   if (std::abs(fit.torque_lag) > 3.0 * fit.torque_lag_std) {
     notes.push_back(lag_text(fit) + "; removed");
   }
-  const auto weak = std::count_if(fit.base_parameters.begin(), fit.base_parameters.end(),
-                                  [](const BaseParameter& entry) { return !entry.is_excited; });
+  const std::size_t weak = fit.base_parameters.size() - excited_parameters(fit);
   if (weak > 0) {
-    notes.push_back(fmt::format(
-        "{} of {} base parameters are not excited by this motion: their values are the prior's",
-        weak, fit.base_parameters.size()));
+    notes.push_back(
+        fmt::format("{} of {} base parameters are not excited by the fitted part of the motion: "
+                    "their values are the prior's",
+                    weak, fit.base_parameters.size()));
   }
   if (!found.model.has_inertia()) {
     notes.emplace_back(
@@ -134,6 +140,26 @@ Expected<void> check_lag(const RobotFitOptions& options, const std::string& file
   late.message += ": this lag is removed";
   found.warnings.push_back(std::move(late));
   return {};
+}
+
+/// Names joints whose torques are out of step with the others': friction may look like it, too, so
+/// that nothing is removed.
+void check_joint_lags(const RobotFitOptions& options, const std::string& file,
+                      RobotIdentification& found) {
+  for (const JointFit& joint : found.fit.joints) {
+    const double lag = std::abs(joint.torque_lag);
+    if (lag <= std::max(options.usual_torque_lag, 3.0 * joint.torque_lag_std)) continue;
+    found.warnings.push_back(
+        {.message = fmt::format("torques are {:.3g} ± {:.2g} ms {} those of all joints; this is "
+                                "not removed",
+                                lag * 1e3, joint.torque_lag_std * 1e3,
+                                joint.torque_lag > 0.0 ? "after" : "before"),
+         .file = file,
+         .line = found.signals.lines.front(),
+         .place = "joint " + joint.name,
+         .hint = "check that they are from the same cycle of the controller; friction may look so, "
+                 "too"});
+  }
 }
 
 /// Puts the fit of all rows in place of the one that was judged on the held-out ones, whose errors
@@ -237,13 +263,20 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   if (Expected<void> checked = check_lag(options.fit, file, found); !checked) {
     return checked.error();
   }
+  check_joint_lags(options.fit, file, found);
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
   found.intervals = friction_by_interval(found.signals, found.model, found.fit, options.intervals);
   if (options.is_trial_wanted) {
     if (Expected<void> tried = add_trial(options.trial, file, found); !tried) return tried.error();
   }
   const std::size_t first = std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
-  if (found.fit.is_physical) {
+  const bool is_excited = excited_parameters(found.fit) > 0;
+  if (!is_excited) {
+    found.notes.emplace_back(
+        "contacts are not looked for: the motion excites no base parameter, so that no torque is "
+        "predicted");
+  }
+  if (found.fit.is_physical && is_excited) {
     found.contacts =
         observe_contacts(found.log, found.model, found.fit, found.signals.is_sign_changed,
                          found.signals.t[first], default_tip(found.model), options.contact);

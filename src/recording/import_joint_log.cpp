@@ -17,7 +17,8 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kGroups = 5;  ///< of columns in a file without header
+/// Groups of columns in a file without header, the first that fits: desired values may be left out.
+constexpr std::array<std::size_t, 2> kGroups{5, 3};
 constexpr std::size_t kMaxJoints = 20;
 
 std::vector<std::string_view> comma_fields(std::string_view line) {
@@ -28,6 +29,14 @@ std::vector<std::string_view> comma_fields(std::string_view line) {
     if (comma == line.npos) return fields;
     line.remove_prefix(comma + 1);
   }
+}
+
+/// Joints of a row of `columns` numbers without header; 0 where no layout fits.
+std::size_t joints_of(std::size_t columns) {
+  for (const std::size_t groups : kGroups) {
+    if (columns > groups && columns % groups == 1) return columns / groups;
+  }
+  return 0;
 }
 
 std::vector<std::string> numbered(std::size_t joints) {
@@ -99,11 +108,11 @@ Expected<ImportedJointLog> import_without_header(const fs::path& file, const std
     if (trimmed(*line).empty()) continue;
     const std::vector<std::string_view> fields = comma_fields(*line);
     if (columns == 0) columns = fields.size();
-    if (fields.size() != columns || columns % kGroups != 1 || columns == 1) {
+    if (fields.size() != columns || joints_of(columns) == 0) {
       return Error{.message = fmt::format("has {} columns", fields.size()),
                    .file = file.string(),
                    .line = lines.line(),
-                   .hint = "each row has a stamp and five numbers for each joint"};
+                   .hint = "each row has a stamp and five or three numbers for each joint"};
     }
     const std::optional<double> t = number_in_range(fields[0], ranges::kStamp);
     if (!t) return not_a_number(file, lines.line(), fields[0]);
@@ -115,7 +124,7 @@ Expected<ImportedJointLog> import_without_header(const fs::path& file, const std
     }
     rows.add(Stamp::from_seconds(*t), lines.line(), std::move(numbers));
   }
-  const std::size_t joints = columns / kGroups;
+  const std::size_t joints = joints_of(columns);
   ImportedJointLog imported = log_with_stamps(numbered(joints), rows);
   imported.log.position = matrix_of(rows, 0, joints);
   imported.log.velocity = matrix_of(rows, joints, joints);
@@ -240,7 +249,7 @@ bool has_joint_log(const fs::path& source) {
   const std::string line = first_line(source);
   const std::vector<std::string_view> fields = comma_fields(line);
   const bool is_numbers = parse_number(fields[0]).has_value();
-  return is_numbers ? fields.size() > kGroups && fields.size() % kGroups == 1
+  return is_numbers ? joints_of(fields.size()) > 0
                     : line.starts_with("q") || line.find(",q_") != line.npos;
 }
 

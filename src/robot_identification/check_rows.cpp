@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -23,8 +24,8 @@ constexpr double kInMotion = 0.2;       ///< of the 95th percentile of steps: th
 constexpr Eigen::Index kStuckRows = 5;  ///< bit-identical rows in motion
 constexpr double kStuckJump = 3.0;      ///< [steps before] by which a stuck joint returns
 constexpr double kLongStuck = 0.1;      ///< [s] after which it may return on either side, or never
-constexpr Eigen::Index kSaturatedRows = 5;
-constexpr double kSaturatedShare = 0.6;  ///< of such an extreme's rows lie in runs
+constexpr Eigen::Index kSaturatedRows = 5;   ///< at exactly the extreme
+constexpr Eigen::Index kSaturatedRatio = 4;  ///< of those rows to those at the next value
 
 Error finding(const JointLog& log, Eigen::Index joint, Eigen::Index row, std::string message,
               std::string hint) {
@@ -167,37 +168,52 @@ void check_stuck(const JointLog& log, LogFindings& findings) {
   }
 }
 
-/// Torques that stay at exactly their own extreme for several rows.
+/// Rows at exactly the largest value of a column.
+struct ExtremeRows {
+  double value = 0.0;
+  Eigen::Index count = 0;               ///< with this value
+  Eigen::Index next_count = 0;          ///< with the next smaller one
+  Eigen::Index first = 0, longest = 0;  ///< of the longest run of such rows
+
+  explicit ExtremeRows(const Eigen::VectorXd& column) : value(column.maxCoeff()) {
+    double next = -std::numeric_limits<double>::infinity();
+    Eigen::Index run = 0;
+    for (Eigen::Index i = 0; i < column.size(); ++i) {
+      run = column[i] == value ? run + 1 : 0;
+      if (run > longest) {
+        longest = run;
+        first = i - run + 1;
+      }
+      if (run > 0) {
+        ++count;
+      } else if (column[i] >= next) {
+        next_count = column[i] > next ? 1 : next_count + 1;
+        next = column[i];
+      }
+    }
+  }
+};
+
+/// Torques that were cut off at a limit: far more rows have exactly their extreme than the value
+/// next to it, whether noise leaves them in runs or not. Rounded peaks of a sine have up to 2.4
+/// times as many; a logger that reads a slow controller repeats all values equally.
 void check_saturation(const JointLog& log, const Eigen::MatrixXd& values, LogFindings& findings) {
   for (Eigen::Index j = 0; j < values.cols(); ++j) {
     for (const double sign : {1.0, -1.0}) {
-      const Eigen::VectorXd column = sign * values.col(j);
-      const double extreme = column.maxCoeff();
-      const double spread = extreme - column.minCoeff();
-      if (spread <= 0.0) continue;
-      Eigen::Index run = 0, longest = 0, in_runs = 0, count = 0, first = 0;
-      for (Eigen::Index i = 0; i < column.size(); ++i) {
-        run = column[i] == extreme ? run + 1 : 0;
-        if (run > 0) ++count;
-        if (run == kSaturatedRows) in_runs += kSaturatedRows;
-        if (run > kSaturatedRows) ++in_runs;
-        if (run > longest) {
-          longest = run;
-          first = i - run + 1;
-        }
+      const ExtremeRows extreme(sign * values.col(j));
+      if (extreme.count < kSaturatedRows || extreme.value == 0.0 || extreme.next_count == 0 ||
+          extreme.count <= kSaturatedRatio * extreme.next_count) {
+        continue;
       }
-      const bool is_saturated =
-          longest >= kSaturatedRows &&
-          static_cast<double>(in_runs) > kSaturatedShare * static_cast<double>(count);
       // A joint at rest may repeat a torque; at its extreme, with others moving, it is a limit.
-      if (!is_saturated || column.cwiseAbs().maxCoeff() == 0.0) continue;
-      const Eigen::Index from = std::max<Eigen::Index>(0, first - 20);
-      const Eigen::Index to = std::min(values.rows() - 1, first + longest + 20);
+      const Eigen::Index from = std::max<Eigen::Index>(0, extreme.first - 20);
+      const Eigen::Index to = std::min(values.rows() - 1, extreme.first + extreme.longest + 20);
       if ((log.position.row(to) - log.position.row(from)).norm() < 1e-3) continue;
-      findings.errors.push_back(finding(
-          log, j, first,
-          fmt::format("torque or current saturates at {:.4g} in {} rows", sign * extreme, in_runs),
-          "repeat the motion more slowly, or remove these rows"));
+      findings.errors.push_back(finding(log, j, extreme.first,
+                                        fmt::format("torque or current saturates at {:.4g} in {} "
+                                                    "rows",
+                                                    sign * extreme.value, extreme.count),
+                                        "repeat the motion more slowly, or remove these rows"));
     }
   }
 }

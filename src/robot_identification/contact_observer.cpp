@@ -171,13 +171,13 @@ void find_touches(const JointLog& log, const ObservedRows& observed, double min_
   bool is_touching = false;
   for (std::size_t row = found.first_judged; row < log.t.size(); ++row) {
     const auto i = static_cast<Eigen::Index>(row);
-    // Unresolved torques count where they alone would be a touch.
-    const Eigen::VectorXd unresolved = observed.unresolved.row(i).transpose();
-    const Eigen::ArrayXd is_unresolved =
-        (unresolved.array() > found.thresholds.array()).cast<double>();
-    const Eigen::VectorXd ratio = (observed.external.row(i).transpose().cwiseAbs().array() -
-                                   is_unresolved * unresolved.array()) /
-                                  found.thresholds.array();
+    // Unresolved torques count from half a threshold on, and fully where they alone would be a
+    // touch.
+    const Eigen::ArrayXd unresolved =
+        observed.unresolved.row(i).transpose().array() / found.thresholds.array();
+    const Eigen::ArrayXd external =
+        observed.external.row(i).transpose().array().abs() / found.thresholds.array();
+    const Eigen::ArrayXd ratio = external - (2.0 * unresolved - 1.0).max(0.0).min(unresolved);
     Eigen::Index joint = 0;
     const bool exceeds = observed.is_settled[row] && ratio.maxCoeff(&joint) > 1.0;
     if (exceeds && !is_above) above_since = log.t[row];

@@ -48,6 +48,7 @@ RobotFit RobotFitter::run() {
   fit.joints.resize(joints_.size());
   fit_plainly(fit);
   remove_torque_lag(fit);
+  find_joint_lags(fit);
   choose_smoothing();
   fit_friction_terms();
   finish(fit);

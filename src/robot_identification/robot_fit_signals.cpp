@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "robot_identification/robot_fitter.hpp"
@@ -12,7 +13,8 @@
 namespace pcavr::detail {
 namespace {
 
-constexpr double kWide = 1e4;  ///< std that leaves a parameter to the data
+constexpr double kWide = 1e4;      ///< std that leaves a parameter to the data
+constexpr double kLagPrior = 0.1;  ///< [s] std: wider than any lag that is looked for
 
 }  // namespace
 
@@ -52,9 +54,8 @@ void RobotFitter::fit_plainly(RobotFit& fit) {
 }
 
 /// Torques that are late by L are tau(t - L), about tau - L dtau/dt: one further unknown that all
-/// joints share.
+/// joints share. Only what predicts rows that were left out better is removed.
 void RobotFitter::remove_torque_lag(RobotFit& fit) {
-  constexpr double kLagPrior = 0.1;  // [s] std: wider than any lag that is looked for
   std::vector<JointRows> extended = joints_;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     Eigen::MatrixXd& rigid = extended[j].rigid;
@@ -87,11 +88,45 @@ void RobotFitter::remove_torque_lag(RobotFit& fit) {
     }
   }
   // What friction's model does not reproduce at reversals looks like a small lag, too.
-  if (std::abs(fit.torque_lag) < 3.0 * fit.torque_lag_std) {
+  const bool is_certain = std::abs(fit.torque_lag) >= 3.0 * fit.torque_lag_std;
+  std::vector<JointRows> moved = joints_;
+  for (std::size_t j = 0; j < joints_.size(); ++j) moved[j].torque = extended[j].torque;
+  const auto left_out_error = [&](const std::vector<JointRows>& rows) {
+    const BlockSystem system = block_system(rows, train_, kBlocks);
+    return cross_validate(system, selection, prior_).array().log().sum();
+  };
+  if (is_certain && left_out_error(moved) < left_out_error(joints_)) {
+    joints_ = std::move(moved);
+  } else {
     fit.torque_lag = 0.0;
-    return;
   }
-  for (std::size_t j = 0; j < joints_.size(); ++j) joints_[j].torque = extended[j].torque;
+}
+
+/// The lag of one joint's torques after those of all: one further unknown of each joint.
+void RobotFitter::find_joint_lags(RobotFit& fit) const {
+  const auto lag = static_cast<int>(full_library().size());  // its column
+  std::vector<JointRows> extended = joints_;
+  FitPrior prior = prior_;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Eigen::VectorXd fitted =
+        joints_[j].rigid * solution_.rigid + joints_[j].library * solution_.library[j];
+    Eigen::MatrixXd& library = extended[j].library;
+    library.conservativeResize(Eigen::NoChange, lag + 1);
+    library.rightCols<1>() = -differentiate(fitted, signals_.interval);
+    prior.library_std[j].conservativeResize(lag + 1);
+    prior.library_std[j][lag] = kLagPrior;
+  }
+  const std::vector<int> columns{column_of(full_library(), FrictionTerm::offset),
+                                 column_of(full_library(), FrictionTerm::viscous),
+                                 column_of(full_library(), FrictionTerm::coulomb), lag};
+  const FitSolution solution =
+      solve(block_system(extended, train_, kBlocks), std::vector<bool>(kBlocks, true),
+            Selection(joints_.size(), columns), variance_, prior, true);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Eigen::Index place = solution.rigid.size() + at((j + 1) * columns.size() - 1);
+    fit.joints[j].torque_lag = solution.library[j][lag];
+    fit.joints[j].torque_lag_std = std::sqrt(solution.covariance(place, place));
+  }
 }
 
 void RobotFitter::choose_smoothing() {

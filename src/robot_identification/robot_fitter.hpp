@@ -40,6 +40,7 @@ class RobotFitter {
                                                const FitPrior& prior) const;
   void fit_plainly(RobotFit& fit);
   void remove_torque_lag(RobotFit& fit);
+  void find_joint_lags(RobotFit& fit) const;
   void choose_smoothing();
   void set_variance();
   void fit_friction_terms();

@@ -69,6 +69,17 @@ TEST(IdentifyRobot, NamesLateTorques) {
   EXPECT_NE(late.standard_error.find("ms after the positions"), std::string::npos);
 }
 
+// Thresholds from a model that is the prior's would be those of chance.
+TEST(IdentifyRobot, LooksForNoContactsWhereNothingIsExcited) {
+  const TemporaryFolder folder;
+  const std::string log = write_log(folder, simulated_log(pa10(), {.duration = 1.2}));
+  const nlohmann::json found = run_json({"identify", "robot", log, "--robot", pa10_file(), "-o",
+                                         (folder.path() / "report").string()});
+  EXPECT_FALSE(found.contains("contact"));
+  EXPECT_NE(found["notes"].dump().find("contacts are not looked for"), std::string::npos)
+      << found["notes"].dump();
+}
+
 TEST(IdentifyRobot, NeedsGainsForCurrents) {
   const TemporaryFolder folder;
   JointLog log = simulated_log(pa10(), {.duration = 12.0});

@@ -51,6 +51,18 @@ TEST(JointLog, NamesWhatTheHeaderLacks) {
   }
 }
 
+TEST(ImportJointLog, ReadsRowsWithoutDesiredValues) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "log.csv";
+  ASSERT_TRUE(write_file(file, "0.1,1,2,3,4,5,6\n0.2,1,2,3,4,7,8\n"));
+  ASSERT_TRUE(has_joint_log(file));
+  const auto imported = import_joint_log(file, {});
+  ASSERT_TRUE(imported) << imported.error().to_string();
+  ASSERT_EQ(imported->log.joints.size(), 2U);
+  EXPECT_EQ(imported->log.velocity(1, 1), 4.0);
+  EXPECT_EQ(imported->log.current(1, 1), 8.0);
+}
+
 TEST(ImportJointLog, ReadsRowsWithoutHeader) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "log.csv";

@@ -1,9 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/random.hpp"
 #include "pcavr/recording/import_joint_log.hpp"
 #include "pcavr/robot_identification/log_checks.hpp"
 #include "pcavr/robot_identification/robot_fit.hpp"
@@ -118,6 +121,28 @@ TEST(CheckRows, FindsSaturatedTorques) {
   EXPECT_NE(rows.errors[0].place.find(log.joints[1]), std::string::npos);
 }
 
+// A wrist whose torque is mostly noise reaches its limit in single rows.
+TEST(CheckRows, FindsSaturationInSingleRows) {
+  JointLog log = short_log();
+  Random random(3);
+  for (Eigen::Index i = 0; i < log.torque.rows(); ++i) log.torque(i, 6) += 3.0 * random.normal();
+  log.torque.col(6) = log.torque.col(6).cwiseMax(0.7 * log.torque.col(6).minCoeff());
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_EQ(rows.errors.size(), 1U);
+  EXPECT_NE(rows.errors[0].place.find(log.joints[6]), std::string::npos);
+}
+
+TEST(CheckRows, DoesNotTakeRoundedOrRepeatedTorquesForSaturation) {
+  JointLog rounded = short_log();
+  rounded.torque = (2.0 * rounded.torque).array().round() / 2.0;
+  EXPECT_TRUE(check_rows(rounded, pa10(), kMaxGap).errors.empty());
+  JointLog repeated = short_log();
+  for (Eigen::Index i = 0; i < repeated.torque.rows(); ++i) {
+    repeated.torque.row(i) = repeated.torque.row(i - i % 8);
+  }
+  EXPECT_TRUE(check_rows(repeated, pa10(), kMaxGap).errors.empty());
+}
+
 TEST(CheckRows, FindsAGap) {
   JointLog log = short_log();
   for (std::size_t i = 1000; i < log.t.size(); ++i) log.t[i] += 0.3;
@@ -195,6 +220,25 @@ TEST(CheckHypotheses, FindsCurrentsInPlaceOfTorques) {
   const LogFindings shown = shown_by(log);
   ASSERT_FALSE(shown.errors.empty());
   EXPECT_NE(shown.errors[0].message.find("currents"), std::string::npos);
+}
+
+TEST(FitRobot, FindsTheJointWhoseTorquesAreLate) {
+  JointLog log = simulated_log(pa10(), {.duration = 20.0});
+  const RobotFit in_step = fit_robot(joint_signals(log, {}), pa10(), {});
+  for (const JointFit& joint : in_step.joints) {
+    EXPECT_LT(std::abs(joint.torque_lag), std::max(0.012, 3.0 * joint.torque_lag_std))
+        << joint.name;
+  }
+  constexpr Eigen::Index kLate = 3;
+  const Eigen::VectorXd torque = log.torque.col(kLate);
+  const double interval = log.t[1] - log.t[0];
+  const auto rows = static_cast<Eigen::Index>(std::lround(0.02 / interval));
+  for (Eigen::Index i = 0; i < torque.size(); ++i) {
+    log.torque(i, kLate) = torque[std::max<Eigen::Index>(0, i - rows)];
+  }
+  const RobotFit late = fit_robot(joint_signals(log, {}), pa10(), {});
+  EXPECT_NEAR(late.joints[kLate].torque_lag + late.torque_lag, 0.02, 0.004);
+  EXPECT_GT(late.joints[kLate].torque_lag, 5.0 * late.joints[kLate].torque_lag_std);
 }
 
 TEST(FitRobot, MeasuresTorquesThatAreLate) {

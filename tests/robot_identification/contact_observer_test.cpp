@@ -262,12 +262,11 @@ TEST(RealContacts, AreFoundOnAUr10eWithoutFalseAlarms) {
                                 {}));
 }
 
-// Logs of 20 s: little to fit, and arms that stop at once at the end. Not 20_02_05-20sec_12harm,
-// whose stop raises one alarm still.
+// Logs of 20 s: little to fit, and arms that stop at once at the end.
 TEST(RealContacts, ShortRunsRaiseNoAlarm) {
   PCAVR_NEEDS_SHARED_DATA("real/ur10e");
-  for (const char* run : {"20_02_05-20sec_8harm", "20_02_06-20sec_10harm", "20_02_06-20sec_5harm",
-                          "20_02_10-20sec_7harm"}) {
+  for (const char* run : {"20_02_05-20sec_8harm", "20_02_05-20sec_12harm", "20_02_06-20sec_10harm",
+                          "20_02_06-20sec_5harm", "20_02_10-20sec_7harm"}) {
     const RealLog real =
         real_log(std::string("ur10e/identification_data/ur-") + run + ".csv", "ur10e/ur10e.urdf",
                  {10.0, 10.6956, 8.4566, 9.0029, 9.48, 10.1232}, {});

@@ -24,8 +24,8 @@ struct ImportedJointLog {
 [[nodiscard]] bool has_joint_log(const std::filesystem::path& source);
 
 /// Reads the log of an arm from
-///  - a CSV file without header: t, then five groups of n columns: q [rad], dq [rad/s], motor
-///    current [A], desired current, desired torque (both left out);
+///  - a CSV file without header: t, then five or three groups of n columns: q [rad], dq [rad/s],
+///    motor current [A], and where there are five, desired current and torque (both left out);
 ///  - a folder with four files of one number a line: *positions.txt, *velocity.txt, *torques.txt
 ///    with n consecutive numbers a sample, and *time.txt with one [s];
 ///  - a CSV file with a header of q_NAME and tau_NAME, without t: needs the period.

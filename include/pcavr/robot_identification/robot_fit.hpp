@@ -69,6 +69,8 @@ struct JointFit {
   double stribeck_speed = 0.0;       ///< [rad/s] where the term is used
   double noise_std = 0.0;            ///< [N m] of the residual, training part
   double correlated_rows = 1.0;      ///< rows that count as one independent one
+  double torque_lag = 0.0;           ///< [s] of its torques after all joints'; not removed
+  double torque_lag_std = 0.0;       ///< [s]
   TorqueError train, held_out;
   TorqueError plain_held_out;  ///< of plain least squares: unweighted, no prior, plain friction
   /// Offset, viscous and Coulomb friction with a sign that changes at once, next to the fitted
