@@ -266,7 +266,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         measurement_.add({command.t, session()->commands.last_arrival(), now});
         safety_.command(command);
         log_.on_executed(session()->id, session()->key, command);
-        site_.add_predictions(command.t - *start_, command.predictions);
+        site_.add_predictions(command.t - *start_, command.predictions, command.correction_delay);
       }
     }
     safety_.step(session() != nullptr, measurement_.force_base(), options_.cycle);
@@ -279,13 +279,15 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   }
 
   void correct(double now) {
-    for (LiveCorrection& correction : site_.advance()) {
+    if (!start_) return;
+    for (LiveCorrection& correction : site_.advance(now - *start_)) {
       has_composed_ = true;
       if (session()->corrections.is_full()) continue;  // then the silence ends this session
       report_.correction_bytes += correction.bytes.size();
-      const double t = *start_ + correction.sent.t;
-      const std::uint32_t number = session()->corrections.push(t, correction.bytes);
-      log_.on_composed(session()->id, {number, t, std::move(correction.bytes)});
+      LinkCorrection sent{0, *start_ + correction.sent.t, *start_ + correction.due,
+                          std::move(correction.bytes)};
+      sent.number = session()->corrections.push(sent);
+      log_.on_composed(session()->id, sent);
       if (report_.corrections.size() < kMaxReportedCorrections) {
         report_.corrections.push_back(correction.sent);
       }

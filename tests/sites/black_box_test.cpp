@@ -144,7 +144,8 @@ TEST(BlackBox, WritesWhatASiteDoesWithTypesThatOtherToolsKnow) {
   state.objects[0].is_tracked = true;
   state.objects[0].age = 0.125F;
   log.on_received(11.5, encode(LinkMessage{{2, 7, 111.0}, state}));
-  log.on_received(12.0, encode(LinkMessage{{3, 7, 111.5}, LinkCorrection{1, 110.0, {1, 2, 255}}}));
+  log.on_received(12.0,
+                  encode(LinkMessage{{3, 7, 111.5}, LinkCorrection{1, 110.0, 110.5, {1, 2, 255}}}));
   log.on_applied(12.0, 7, {1, 110.0, {}}, false);
   log.on_delays(12.5, {{}, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5});
   const auto summary = (*box)->close();
