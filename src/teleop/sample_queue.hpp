@@ -16,9 +16,9 @@
 namespace pcavr {
 
 /// Samples that a robot's site has received, until the cycle to which they belong: tool and force
-/// by their stamps, tracked poses a latency later, as RecordingFeed. So what a site decides does not
-/// depend on how late its cycles run. A sample whose stamp is later than its arrival, by a sensor's
-/// wrong clock, belongs to its arrival.
+/// by their stamps, tracked poses a latency later, as RecordingFeed. So what a site decides does
+/// not depend on how late its cycles run. A sample whose stamp is later than its arrival, by a
+/// sensor's wrong clock, belongs to its arrival.
 class SampleQueue {
  public:
   explicit SampleQueue(double tracking_latency) : tracking_latency_(tracking_latency) {}

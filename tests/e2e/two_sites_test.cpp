@@ -172,6 +172,51 @@ TEST_F(TwoSites, CorrectTheOperatorsWorldOverADelayedLink) {
   EXPECT_NEAR(at_operator["round_trip_s"].get<double>(), 0.4, 0.05);
 }
 
+// One code path: a recording that passes through both programs in real time gives the corrections
+// of a replay with the same delays. The margins are those of a loaded machine.
+TEST_F(TwoSites, SendTheCorrectionsOfAReplay) {
+  std::ofstream(folder() / "loaded.yaml")
+      << R"(operator_site: {lead_margin: 0.05, correction_margin: 0.15, timeout: 2}
+robot_site.link: {timeout: 2, max_age: 1}
+)";
+  const std::vector<std::string> config{"--config", path("loaded.yaml")};
+  std::vector<std::string> robot_site = robot_arguments();
+  robot_site.insert(robot_site.end(), config.begin(), config.end());
+  RunningCommand robot(robot_site, folder(), "robot_replayed");
+  const int port = port_of(robot);
+  ASSERT_GT(port, 0) << robot.errors();
+  std::vector<std::string> arguments = operator_arguments(port, "alice");
+  arguments.insert(arguments.end(), {"--forward-delay", "0.2", "--backward-delay", "0.2"});
+  arguments.insert(arguments.end(), config.begin(), config.end());
+  const CommandOutcome outcome = run_pcavr(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  ASSERT_EQ(robot.wait(), 0) << robot.errors();
+  const json at_operator = json::parse(outcome.standard_output);
+  const json live = result_of(robot)["corrections"];
+  const auto lead = at_operator["lead_s"].get<double>();
+  const double back = at_operator["correction_delay_s"].get<double>() - lead;
+  ASSERT_EQ(
+      run_pcavr({"replay", path("recording"), "--scene", path("scene"), "-o", path("run"),
+                 "--forward-delay", std::to_string(lead), "--backward-delay", std::to_string(back)})
+          .exit_code,
+      0);
+  std::ifstream replayed(folder() / "run/corrections.csv");
+  std::string line;
+  std::getline(replayed, line);  // the header
+  std::size_t rows = 0;
+  for (; std::getline(replayed, line); ++rows) {
+    ASSERT_LT(rows, live.size()) << line;
+    const json& sent = live[rows];
+    EXPECT_NEAR(sent["t"].get<double>(), std::stod(line), 0.005) << line;
+    const std::string object = "box_" + std::to_string(sent["object"].get<int>() + 1);
+    const std::string rest = "," + object + "," + sent["case"].get<std::string>() + "," +
+                             sent["what"].get<std::string>() + ",";
+    EXPECT_NE(line.find(rest), std::string::npos) << line << " live: " << rest;
+  }
+  EXPECT_EQ(rows, live.size());
+  EXPECT_GE(rows, 8U);
+}
+
 // A robot on ROS 2 topics, here one that reaches each setpoint at once, moves as the operator does.
 TEST_F(TwoSites, MoveARobotOnRos2Topics) {
   const pcavr::DdsOptions dds = pcavr::loopback_options();
