@@ -61,6 +61,10 @@ std::optional<SentCorrection> decode_correction(std::span<const std::uint8_t> by
   return correction;
 }
 
+std::size_t streaming_bytes_of(std::size_t wrench_samples, std::size_t tracked_poses) {
+  return wrench_samples * bytes_of_wrench_sample() + tracked_poses * bytes_of_tracked_pose();
+}
+
 Pose predicted_pose(const LinkPrediction& prediction, const Pose& T_base_start) {
   return pose_at(prediction_of(prediction).pose, T_base_start);
 }

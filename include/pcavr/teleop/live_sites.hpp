@@ -34,6 +34,8 @@ struct LiveCorrection {
 /// that it corrects.
 [[nodiscard]] std::optional<SentCorrection> decode_correction(std::span<const std::uint8_t> bytes,
                                                               double t);
+/// What sending every wrench sample and every tracked pose would have cost, as in TeleopRun.
+[[nodiscard]] std::size_t streaming_bytes_of(std::size_t wrench_samples, std::size_t tracked_poses);
 /// The whole pose of a predicted object; `T_base_start` gives height and tilt.
 [[nodiscard]] Pose predicted_pose(const LinkPrediction& prediction, const Pose& T_base_start);
 
