@@ -37,12 +37,15 @@ def live_report(arguments, label, link):
     folder.mkdir(parents=True, exist_ok=True)
     log = folder / "robot.mcap"
     log.unlink(missing_ok=True)
+    # Time enough for a connection over a bad link before the recording begins.
+    config = folder / "robot.yaml"
+    config.write_text("robot_site:\n  start_delay: 4\n")
     known = ["--parameters", arguments.parameters] if arguments.parameters else []
     tracked = ["--tracked", arguments.tracked] if arguments.tracked else []
     robot = subprocess.Popen(
         [str(word) for word in [arguments.pcavr, "robot-site", arguments.scene, "--recording",
                                 arguments.recording, *tracked, *known, "--port", 0, "--log", log,
-                                "--json"]], stdout=subprocess.PIPE, text=True)
+                                "--config", config, "--json"]], stdout=subprocess.PIPE, text=True)
     try:
         port = json.loads(robot.stdout.readline())["port"]
         person = run(arguments.pcavr, "operator-site", arguments.scene, "--trace",

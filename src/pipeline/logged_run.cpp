@@ -51,8 +51,7 @@ struct LoggedObject {
 
 template <typename Row>
 void sort_by_time(std::vector<Row>& rows) {
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](const Row& a, const Row& b) { return a.t < b.t; });
+  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.t < b.t; });
   const auto is_same = [](const Row& a, const Row& b) { return b.t - a.t < kSameTime; };
   rows.erase(std::unique(rows.begin(), rows.end(), is_same), rows.end());
 }
@@ -69,8 +68,8 @@ std::string text_in(const Json& json, const char* key) {
 }
 
 std::optional<MotionPhase> phase_of(const std::string& name) {
-  for (const MotionPhase phase : {MotionPhase::free, MotionPhase::static_contact, MotionPhase::critical,
-                                  MotionPhase::sliding}) {
+  for (const MotionPhase phase : {MotionPhase::free, MotionPhase::static_contact,
+                                  MotionPhase::critical, MotionPhase::sliding}) {
     if (name_of(phase) == name) return phase;
   }
   return std::nullopt;
@@ -138,9 +137,8 @@ class LoggedSession {
     }
     std::stable_sort(run.phases.begin(), run.phases.end(),
                      [](const PhaseRow& a, const PhaseRow& b) { return a.t < b.t; });
-    std::stable_sort(
-        corrections_.begin(), corrections_.end(),
-        [](const SentCorrection& a, const SentCorrection& b) { return a.t < b.t; });
+    std::stable_sort(corrections_.begin(), corrections_.end(),
+                     [](const SentCorrection& a, const SentCorrection& b) { return a.t < b.t; });
     for (const SentCorrection& sent : corrections_) run.correction_bytes += sent.bytes;
     run.corrections = std::move(corrections_);
     run.sent_corrections = run.corrections.size();
@@ -242,9 +240,9 @@ class LoggedSession {
   void add_forces(std::size_t index, std::vector<ForceRow>& rows) const {
     for (const TimedForce& rendered : objects_[index].rendered) {
       const double size = rendered.force_base.norm();
-      const auto next = std::lower_bound(
-          wrench_.begin(), wrench_.end(), rendered.t,
-          [](const TimedForce& sample, double t) { return sample.t < t; });
+      const auto next =
+          std::lower_bound(wrench_.begin(), wrench_.end(), rendered.t,
+                           [](const TimedForce& sample, double t) { return sample.t < t; });
       if (size <= 0.0 || next == wrench_.end() || next->t - rendered.t > kMaxForceGap) continue;
       rows.push_back({rendered.t, index, next->force_base.dot(rendered.force_base) / size, size});
     }
@@ -292,8 +290,9 @@ Expected<Replay> read_logged_run(const std::filesystem::path& log, const SceneMa
   if (!session.has_session()) {
     return Error{.message = "is no black box with a session",
                  .file = log.string(),
-                 .hint = "give the file of --log of robot-site or operator-site; 'pcavr import' "
-                         "makes a recording of other bags"};
+                 .hint =
+                     "give the file of --log of robot-site or operator-site; 'pcavr import' "
+                     "makes a recording of other bags"};
   }
   if (!session.has_objects()) {
     return Error{.message = "has no object of the scene",

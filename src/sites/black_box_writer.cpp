@@ -180,6 +180,14 @@ void BlackBoxWriter::write(std::span<const std::uint8_t> record) {
     case RecordKind::link:
       if (const auto link = read_plain<LinkStatistics>(body)) write_link(head->t, *link);
       return;
+    case RecordKind::phase:
+      if (const auto words = read_plain<std::array<std::uint64_t, 2>>(body)) {
+        const auto phase = static_cast<MotionPhase>((*words)[1]);
+        if ((*words)[0] < objects_.size()) {
+          write_phase(head->t, objects_[(*words)[0]], true, {head->t, phase});
+        }
+      }
+      return;
   }
 }
 
@@ -253,7 +261,7 @@ void BlackBoxWriter::on_command(double now, const LinkCommand& command) {
   put(command_, now, cdr::pose_stamped(stamp_of(local(command.t)), *T_base_command_));
   const std::size_t count = std::min(objects_.size(), command.predictions.size());
   for (std::size_t i = 0; i < count; ++i) {
-    write_phase(now, objects_[i], false, {local(command.t), command.predictions[i].phase});
+    write_changed_phase(now, objects_[i], false, {local(command.t), command.predictions[i].phase});
   }
   if (now < next_predictions_) return;
   next_predictions_ = now + display_interval_;
@@ -271,11 +279,11 @@ void BlackBoxWriter::on_command(double now, const LinkCommand& command) {
 void BlackBoxWriter::on_state(double now, bool is_sent, const LinkHeader& header,
                               const LinkState& state) {
   const std::size_t count = std::min(objects_.size(), state.objects.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    write_phase(now, objects_[i], true, {local(state.t), state.objects[i].phase});
+  // The robot's site logs its samples and phases themselves.
+  for (std::size_t i = 0; i < count && !is_sent; ++i) {
+    write_changed_phase(now, objects_[i], true, {local(state.t), state.objects[i].phase});
   }
   write_status(now, state);
-  // The robot's site has logged its samples themselves.
   if (!is_sent) {
     const double t = local(state.t);
     T_base_tool_ = pose_of(state.p_base_tip, state.q_base_tool);
@@ -311,11 +319,16 @@ void BlackBoxWriter::write_status(double now, const LinkState& state) {
   put(status_, now, status);
 }
 
-void BlackBoxWriter::write_phase(double now, Object& object, bool is_robot,
-                                 const TimedPhase& seen) {
+void BlackBoxWriter::write_changed_phase(double now, Object& object, bool is_robot,
+                                         const TimedPhase& seen) {
   std::optional<MotionPhase>& known = is_robot ? object.robot_phase : object.operator_phase;
   if (known == seen.phase) return;
   known = seen.phase;
+  write_phase(now, object, is_robot, seen);
+}
+
+void BlackBoxWriter::write_phase(double now, const Object& object, bool is_robot,
+                                 const TimedPhase& seen) {
   put(phases_, now,
       Json{{"object", object.name},
            {"site", is_robot ? "robot" : "operator"},

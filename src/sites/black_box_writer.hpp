@@ -34,7 +34,8 @@ enum class RecordKind : std::uint64_t {
   tracked,   ///< std::uint64_t object, double x 7
   applied,   ///< std::uint32_t number, std::uint32_t 1 if valid
   delays,    ///< DelayStamps
-  link       ///< LinkStatistics
+  link,      ///< LinkStatistics
+  phase      ///< std::uint64_t object, std::uint64_t MotionPhase
 };
 
 struct RecordHead {
@@ -89,7 +90,8 @@ class BlackBoxWriter {
     double t = 0.0;  ///< [s] of the site: when it was so
     MotionPhase phase = MotionPhase::free;
   };
-  void write_phase(double now, Object& object, bool is_robot, const TimedPhase& seen);
+  void write_phase(double now, const Object& object, bool is_robot, const TimedPhase& seen);
+  void write_changed_phase(double now, Object& object, bool is_robot, const TimedPhase& seen);
   void write_scene_start(double now, const LinkCommand& command);
   void write_transforms(double now);
   void write_delays(double now, const DelayStamps& stamps);

@@ -51,7 +51,8 @@ constexpr auto kOperatorSiteFields = std::to_array<OptionField<OperatorSiteOptio
 });
 static_assert(are_valid_fields(kOperatorSiteFields));
 
-constexpr double kHelloInterval = 0.1;       // [s] below the robot site's timeout
+// [s] Far below the robot site's timeout: a burst of losses must not end a session that begins.
+constexpr double kHelloInterval = 0.02;
 constexpr double kFirstPingInterval = 0.01;  // [s] until the first command
 constexpr double kPingInterval = 0.1;        // [s]
 constexpr double kLinkInterval = 1.0;        // [s] between two statistics in the log

@@ -42,7 +42,8 @@ constexpr std::size_t kMaxReportedCorrections = 10'000;
 constexpr std::size_t kMaxMessagesPerCycle = 500;  // of all peers: the robot's cycle goes first
 constexpr double kAuthorisationInterval = 0.5;     // [s] between two checks of the operator's key
 constexpr double kMinNoticeInterval = 30.0;        // [s] between two lines for the same cause
-constexpr double kRecordingTail = 0.2;             // [s] after its end, for the last corrections
+constexpr double kPhaseAge = 1.0;  // [s] of a phase that is logged: its begin may be revised before
+constexpr double kRecordingTail = 0.2;  // [s] after its end, for the last corrections
 constexpr double kMaxGap = 0.02;  // [s] without a setpoint, after which the tool has come to rest
 
 class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
@@ -95,6 +96,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       reject(packet, session()->id, LinkRejection::ended, "the robot's site has ended");
       collect(*session());
     }
+    if (start_) log_phases(0.0);
     report_.cpu = thread_cpu() - cpu_before_;
     report_.streaming_bytes = site_.streaming_bytes();
     report_.notes = site_.notes();
@@ -292,8 +294,15 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         report_.corrections.push_back(correction.sent);
       }
     }
+    log_phases(kPhaseAge);
     for (LinkCorrection& due : session()->corrections.take_due(now)) {
       send(session()->peer, session()->id, std::move(due));
+    }
+  }
+
+  void log_phases(double age) {
+    for (const LiveRobotSite::PhaseChange& change : site_.take_phase_changes(age)) {
+      log_.on_phase(*start_ + change.t, change.object, change.phase);
     }
   }
 

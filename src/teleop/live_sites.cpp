@@ -76,7 +76,8 @@ struct LiveRobotSite::Impl {
         start(scene_start),
         site(world, options, completed_bodies(world, options), scene_start),
         samples(options.pose.tracking_latency),
-        correction_delay(options.round_trip()) {}
+        correction_delay(options.round_trip()),
+        taken_phases(world.objects.size(), 0) {}
 
   /// Predictions for one time.
   struct Cycle {
@@ -93,9 +94,11 @@ struct LiveRobotSite::Impl {
   double start;  ///< [s]
   RobotSite site;
   SampleQueue samples;
-  double correction_delay;           ///< [s]
-  std::deque<Cycle> waiting;         ///< not processed yet
-  std::optional<PredictionLog> log;  ///< since the start, or the last interruption
+  double correction_delay;                ///< [s]
+  std::vector<std::size_t> taken_phases;  ///< by object
+  double processed = 0.0;                 ///< [s] the newest cycle's time
+  std::deque<Cycle> waiting;              ///< not processed yet
+  std::optional<PredictionLog> log;       ///< since the start, or the last interruption
   double log_start = 0.0;
   std::size_t logged = 0;  ///< cycles
 };
@@ -129,6 +132,7 @@ void LiveRobotSite::Impl::process(const Cycle& cycle, std::vector<LiveCorrection
     correction_delay = cycle.correction_delay;
     site.set_round_trip(correction_delay);
   }
+  processed = cycle.t;
   samples.pass_on(cycle.t, site);
   for (const CorrectionMessage& message : site.advance(cycle.t, *log)) {
     LiveCorrection& correction = corrections.emplace_back();
@@ -213,6 +217,19 @@ void LiveRobotSite::restart(double now) {
 MotionPhase LiveRobotSite::phase(std::size_t object) const {
   return impl_->site.objects()[object].monitor.phase();
 }
+
+std::vector<LiveRobotSite::PhaseChange> LiveRobotSite::take_phase_changes(double age) {
+  std::vector<PhaseChange> taken;
+  for (std::size_t i = 0; i < impl_->objects; ++i) {
+    const std::vector<MonitoredPhase>& changes = impl_->site.objects()[i].monitor.changes();
+    std::size_t& next = impl_->taken_phases[i];
+    for (; next < changes.size() && changes[next].t < impl_->processed - age; ++next) {
+      taken.push_back({changes[next].t, i, changes[next].phase});
+    }
+  }
+  return taken;
+}
+
 std::size_t LiveRobotSite::objects() const { return impl_->objects; }
 std::size_t LiveRobotSite::streaming_bytes() const { return impl_->site.streaming_bytes(); }
 std::vector<std::string> LiveRobotSite::notes() const { return impl_->site.notes(); }

@@ -72,6 +72,14 @@ class LiveRobotSite {
   void restart(double now);
 
   [[nodiscard]] MotionPhase phase(std::size_t object) const;
+  struct PhaseChange {
+    double t = 0.0;  ///< [s] when it happened, which is before it was detected
+    std::size_t object = 0;
+    MotionPhase phase = MotionPhase::free;
+  };
+  /// The changes that are older than `age` [s] and were not taken before. Samples that come later
+  /// revise the newest ones.
+  [[nodiscard]] std::vector<PhaseChange> take_phase_changes(double age);
   [[nodiscard]] std::size_t objects() const;
   [[nodiscard]] std::size_t streaming_bytes() const;  ///< as in TeleopRun
   [[nodiscard]] std::vector<std::string> notes() const;
