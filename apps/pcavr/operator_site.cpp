@@ -67,6 +67,7 @@ CommandResult describe_operator_site(const OperatorSiteReport& report) {
                  {"invalid_messages", report.invalid_messages},
                  {"late_cycles", report.late_cycles},
                  {"lead_s", report.lead},
+                 {"correction_delay_s", report.correction_delay},
                  {"round_trip_s", report.round_trip},
                  {"clock_drift", report.clock_drift},
                  {"clock_std_s", report.clock_std},

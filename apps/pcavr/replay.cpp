@@ -10,6 +10,8 @@
 
 #include "pcavr/core/output_paths.hpp"
 #include "pcavr/pipeline/augmented_frames.hpp"
+#include "pcavr/pipeline/logged_run.hpp"
+#include "pcavr/rosbag/bag_reader.hpp"
 
 #include "commands.hpp"
 #include "damping_option.hpp"
@@ -65,7 +67,9 @@ void describe_teleop(const Replay& replay, CommandResult& result) {
 
 CommandResult describe(const Replay& replay, const std::string& folder) {
   CommandResult result;
-  if (replay.tracked_folder) {
+  if (replay.objects_are_logged) {
+    result.summary = "a live site's log, as it was\n";
+  } else if (replay.tracked_folder) {
     result.summary = "tracking   from " + replay.tracked_folder->string() + '\n';
   } else {
     result.summary = frames_line(replay.frames_recorded, replay.frames_used, replay.frames_dropped);
@@ -211,6 +215,37 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   return result;
 }
 
+bool is_log(const std::string& path) {
+  std::error_code code;
+  return !std::filesystem::exists(std::filesystem::path(path) / "recording.yaml", code) &&
+         is_bag(path);
+}
+
+/// Writes what a live site has logged as the run that it was: nothing is simulated again.
+Expected<CommandResult> replay_log(const ReplayArguments& arguments) {
+  for (const auto& [option, value] :
+       {std::pair{"--tracked", &arguments.tracked},
+        std::pair{"--parameters", &arguments.parameters}, std::pair{"--video", &arguments.video}}) {
+    if (value->empty()) continue;
+    return Error{.message = std::string(option) + " is for recordings, but this is a log",
+                 .file = arguments.recording,
+                 .hint = "'pcavr import' makes a recording of it"};
+  }
+  Expected<OutputFolder> folder = create_outputs(arguments);
+  if (!folder) return folder.error();
+  const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
+  if (!scene) return scene.error();
+  const Expected<Replay> run = read_logged_run(arguments.recording, *scene);
+  if (!run) return run.error();
+  Recording log;
+  log.folder = arguments.recording;
+  const Expected<void> written = write_run(*run, log, *scene, folder->path());
+  if (!written) return written.error();
+  const Expected<void> committed = folder->commit();
+  if (!committed) return committed.error();
+  return describe(*run, arguments.output.folder);
+}
+
 void add_link_options(CLI::App& command, TeleopOptions& teleop, ReplayArguments& arguments) {
   command.add_option(
       "--parameters", arguments.parameters,
@@ -263,7 +298,11 @@ void add_replay(CLI::App& app, Configuration& configuration, Action& action) {
       "Example:\n  pcavr replay my_recording --scene my_scene --parameters my_parameters.yaml "
       "--forward-delay 0.2 --backward-delay 0.2 -o my_run");
   auto arguments = std::make_shared<ReplayArguments>();
-  command->add_option("recording", arguments->recording, "Folder with a recording.yaml")
+  command
+      ->add_option("recording", arguments->recording,
+                   "Folder with a recording.yaml; or the log of a live site (.mcap), which becomes "
+                   "a run as it "
+                   "was")
       ->required();
   command->add_option("--scene", arguments->scene, "Scene from pcavr build")->required();
   add_output_option(*command, arguments->output, "Folder for the run");
@@ -280,6 +319,7 @@ void add_replay(CLI::App& app, Configuration& configuration, Action& action) {
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &configuration, &action] {
     action = [arguments, &configuration](const Observer& observer) {
+      if (is_log(arguments->recording)) return replay_log(*arguments);
       return replay(*arguments, configuration, observer);
     };
   });

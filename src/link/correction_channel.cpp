@@ -25,10 +25,11 @@ constexpr double kReorderMargin = 0.03;
 CorrectionSender::CorrectionSender()
     : newest_acknowledged_sent_(-std::numeric_limits<double>::infinity()) {}
 
-std::uint32_t CorrectionSender::push(double t, std::vector<std::uint8_t> bytes) {
+std::uint32_t CorrectionSender::push(LinkCorrection correction) {
   PCAVR_REQUIRE(!is_full(), pending_.size());
   Pending pending;
-  pending.correction = {++last_number_, t, std::move(bytes)};
+  pending.correction = std::move(correction);
+  pending.correction.number = ++last_number_;
   pending_.push_back(std::move(pending));
   return last_number_;
 }
@@ -90,10 +91,12 @@ bool CorrectionReceiver::accept(LinkCorrection correction) {
   return true;
 }
 
-std::vector<LinkCorrection> CorrectionReceiver::take() {
+std::vector<LinkCorrection> CorrectionReceiver::take(double t) {
   std::vector<LinkCorrection> ready;
   while (taken_ + 1 < next_) {
-    const auto found = received_.find(++taken_);
+    const auto found = received_.find(taken_ + 1);
+    if (found->second.due > t) break;
+    ++taken_;
     ready.push_back(std::move(found->second));
     received_.erase(found);
   }

@@ -24,6 +24,7 @@ constexpr std::uint8_t kMotionPhases = 4;
 constexpr std::uint32_t kLinkRejections = 5;
 constexpr std::uint32_t kLinkStops = 4;
 constexpr std::uint32_t kKnownLimits = 31;
+constexpr float kMaxCorrectionDelay = 60.0F;  // [s]
 
 /// What follows the header. Each number that is not finite, each text that is not UTF-8 and each
 /// enumerator out of range makes it invalid; the first reason is kept.
@@ -205,6 +206,7 @@ void write_content(const LinkCommand& command, ByteWriter& writer) {
   write_orientation(command.q_base_tool, writer);
   writer.integer(command.acknowledged.up_to);
   writer.integer(command.acknowledged.later);
+  writer.f32(command.correction_delay);
   writer.integer(static_cast<std::uint16_t>(command.is_engaged ? 1 : 0));
   write_count(command.predictions.size(), writer);
   for (const LinkPrediction& prediction : command.predictions) write_prediction(prediction, writer);
@@ -215,6 +217,10 @@ void read_content(LinkReader& reader, LinkCommand& command) {
   command.q_base_tool = reader.orientation();
   command.acknowledged.up_to = reader.integer<std::uint32_t>();
   command.acknowledged.later = reader.integer<std::uint32_t>();
+  command.correction_delay = reader.f32();
+  if (command.correction_delay < 0.0F || command.correction_delay > kMaxCorrectionDelay) {
+    reader.reject("a delay of corrections outside 0 to 60 s");
+  }
   command.is_engaged = reader.at_most<std::uint16_t>(1, "flags") == 1;
   const std::size_t count = reader.count(kPredictionBytes);
   for (std::size_t i = 0; i < count; ++i) command.predictions.push_back(read_prediction(reader));
@@ -288,6 +294,7 @@ void write_content(const LinkCorrection& correction, ByteWriter& writer) {
   PCAVR_REQUIRE(correction.bytes.size() <= kMaxLinkCorrectionBytes, correction.bytes.size());
   writer.integer(correction.number);
   writer.f64(correction.t);
+  writer.f64(correction.due);
   writer.integer(static_cast<std::uint16_t>(correction.bytes.size()));
   for (const std::uint8_t byte : correction.bytes) writer.integer(byte);
 }
@@ -295,6 +302,7 @@ void read_content(LinkReader& reader, LinkCorrection& correction) {
   correction.number = reader.integer<std::uint32_t>();
   if (correction.number == 0) reader.reject("a correction without number");
   correction.t = reader.f64();
+  correction.due = reader.f64();
   const auto length = reader.at_most<std::uint16_t>(kMaxLinkCorrectionBytes, "length");
   correction.bytes = reader.bytes(std::min<std::size_t>(length, kMaxLinkCorrectionBytes));
 }

@@ -10,6 +10,7 @@
 #include "pcavr/core/utf8.hpp"
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recording/line_counts.hpp"
+#include "pcavr/recording/trajectory_rows.hpp"
 
 #include "run_writer.hpp"
 #include "teleop_files.hpp"
@@ -41,6 +42,20 @@ Expected<void> copy_tracking(const std::filesystem::path& from, const std::files
   return {};
 }
 
+/// The poses alone: a log has no evidence of each.
+Expected<void> write_logged_tracking(const Replay& replay, const std::filesystem::path& folder) {
+  for (const ReplayedObject& object : replay.objects) {
+    std::string text(trajectory_header());
+    for (const TrackedPose& seen : object.tracked) {
+      append_trajectory_row(text, Stamp::from_seconds(seen.t), seen.T_base_object);
+    }
+    const Expected<void> written =
+        write_file(folder / "objects" / object.name / "tracked.txt", text);
+    if (!written) return written;
+  }
+  return {};
+}
+
 Expected<void> write_tracking(const Replay& replay, const std::filesystem::path& folder) {
   if (replay.tracked_folder) {
     for (const ReplayedObject& object : replay.objects) {
@@ -51,6 +66,7 @@ Expected<void> write_tracking(const Replay& replay, const std::filesystem::path&
     }
     return {};
   }
+  if (replay.objects_are_logged) return write_logged_tracking(replay, folder);
   // Streamed already.
   if (replay.run_folder && replay.frames_recorded > 0) return {};
   TrackingWriter writer;

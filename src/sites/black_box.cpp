@@ -95,6 +95,10 @@ class QueuedLog final : public SiteLog {
     const Body body{tracked.object, numbers_of(pose.translation(), pose.rotation())};
     push(RecordKind::tracked, t, bytes_of(body));
   }
+  void on_phase(double t, std::size_t object, MotionPhase phase) override {
+    const std::array<std::uint64_t, 2> words{object, static_cast<std::uint64_t>(phase)};
+    push(RecordKind::phase, t, bytes_of(words));
+  }
   void on_applied(double now, std::uint32_t, const LinkCorrection& correction,
                   bool is_valid) override {
     const std::array<std::uint32_t, 2> words{correction.number, is_valid ? 1U : 0U};

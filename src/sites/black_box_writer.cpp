@@ -30,15 +30,6 @@ constexpr std::array<std::pair<LinkLimit, const char*>, 5> kLimits{
      {LinkLimit::acceleration, "acceleration"},
      {LinkLimit::force, "force"}}};
 
-/// In characters that ROS permits in the names of topics.
-std::string topic_part(const std::string& name) {
-  std::string part;
-  for (const char c : name) {
-    part += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  }
-  return part;
-}
-
 template <typename T>
 std::optional<T> read_plain(std::span<const std::uint8_t> bytes, std::size_t at = 0) {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -78,12 +69,20 @@ std::string hex(const std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
+std::string topic_part_of(const std::string& name) {
+  std::string part;
+  for (const char c : name) {
+    part += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  }
+  return part;
+}
+
 BlackBoxWriter::BlackBoxWriter(McapWriter file, SiteScene scene, double display_rate)
     : file_(std::move(file)), scene_(std::move(scene)), display_interval_(1.0 / display_rate) {
   for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
     Object object{.name = scene_.objects[i], .T_base_start = {}, .frame = {}};
     if (i < scene_.T_base_objects.size()) object.T_base_start = scene_.T_base_objects[i];
-    object.frame = topic_part(object.name);
+    object.frame = topic_part_of(object.name);
     objects_.push_back(std::move(object));
   }
   add_topics();
@@ -114,7 +113,8 @@ void BlackBoxWriter::add_topics() {
                                            {"what", text},
                                            {"data", text}});
   events_ = add_json("/events", {{"level", text}, {"text", text}});
-  phases_ = add_json("/phases", {{"object", text}, {"site", text}, {"phase", text}});
+  phases_ =
+      add_json("/phases", {{"object", text}, {"site", text}, {"phase", text}, {"time", number}});
   status_ = add_json("/status", {{"engaged", flag},
                                  {"on_hold", flag},
                                  {"stopped", flag},
@@ -133,7 +133,11 @@ void BlackBoxWriter::add_topics() {
                              {"round_trip", number},
                              {"delay_variation", number},
                              {"lead", number}});
-  session_ = add_json("/session", {{"message", text}, {"direction", text}, {"text", text}});
+  session_ = add_json("/session", {{"message", text},
+                                   {"direction", text},
+                                   {"text", text},
+                                   {"time", number},
+                                   {"correction_delay", number}});
 }
 
 std::uint16_t BlackBoxWriter::add_json(const char* topic, const Json& properties) {
@@ -175,6 +179,14 @@ void BlackBoxWriter::write(std::span<const std::uint8_t> record) {
       return;
     case RecordKind::link:
       if (const auto link = read_plain<LinkStatistics>(body)) write_link(head->t, *link);
+      return;
+    case RecordKind::phase:
+      if (const auto words = read_plain<std::array<std::uint64_t, 2>>(body)) {
+        const auto phase = static_cast<MotionPhase>((*words)[1]);
+        if ((*words)[0] < objects_.size()) {
+          write_phase(head->t, objects_[(*words)[0]], true, {head->t, phase});
+        }
+      }
       return;
   }
 }
@@ -221,6 +233,7 @@ void BlackBoxWriter::on_message(double now, bool is_sent, std::span<const std::u
     on_session(now, is_sent, {{"message", "hello"}, {"text", hello->name}});
   } else if (const auto* welcome = std::get_if<LinkWelcome>(&message->content)) {
     received_.clear();
+    scene_start_ = welcome->start;
     on_session(now, is_sent, {{"message", "welcome"}, {"text", welcome->scene}});
   } else if (const auto* reject = std::get_if<LinkReject>(&message->content)) {
     on_session(now, is_sent, {{"message", "reject"}, {"text", reject->text}});
@@ -232,13 +245,23 @@ void BlackBoxWriter::on_session(double now, bool is_sent, Json content) {
   put(session_, now, content);
 }
 
+/// With the session's first command, because an operator's site knows the shared clock by then.
+void BlackBoxWriter::write_scene_start(double now, const LinkCommand& command) {
+  put(session_, now,
+      Json{{"message", "start"},
+           {"time", stamp_of(local(*scene_start_)).seconds()},
+           {"correction_delay", command.correction_delay}});
+  scene_start_.reset();
+}
+
 void BlackBoxWriter::on_command(double now, const LinkCommand& command) {
+  if (scene_start_) write_scene_start(now, command);
   T_base_command_ = pose_of(command.p_base_tip, command.q_base_tool);
   // The header's stamp is the time of execution, the log's that of sending or arrival.
   put(command_, now, cdr::pose_stamped(stamp_of(local(command.t)), *T_base_command_));
   const std::size_t count = std::min(objects_.size(), command.predictions.size());
   for (std::size_t i = 0; i < count; ++i) {
-    write_phase(now, objects_[i], false, command.predictions[i].phase);
+    write_changed_phase(now, objects_[i], false, {local(command.t), command.predictions[i].phase});
   }
   if (now < next_predictions_) return;
   next_predictions_ = now + display_interval_;
@@ -256,11 +279,11 @@ void BlackBoxWriter::on_command(double now, const LinkCommand& command) {
 void BlackBoxWriter::on_state(double now, bool is_sent, const LinkHeader& header,
                               const LinkState& state) {
   const std::size_t count = std::min(objects_.size(), state.objects.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    write_phase(now, objects_[i], true, state.objects[i].phase);
+  // The robot's site logs its samples and phases themselves.
+  for (std::size_t i = 0; i < count && !is_sent; ++i) {
+    write_changed_phase(now, objects_[i], true, {local(state.t), state.objects[i].phase});
   }
   write_status(now, state);
-  // The robot's site has logged its samples themselves.
   if (!is_sent) {
     const double t = local(state.t);
     T_base_tool_ = pose_of(state.p_base_tip, state.q_base_tool);
@@ -296,14 +319,21 @@ void BlackBoxWriter::write_status(double now, const LinkState& state) {
   put(status_, now, status);
 }
 
-void BlackBoxWriter::write_phase(double now, Object& object, bool is_robot, MotionPhase phase) {
+void BlackBoxWriter::write_changed_phase(double now, Object& object, bool is_robot,
+                                         const TimedPhase& seen) {
   std::optional<MotionPhase>& known = is_robot ? object.robot_phase : object.operator_phase;
-  if (known == phase) return;
-  known = phase;
+  if (known == seen.phase) return;
+  known = seen.phase;
+  write_phase(now, object, is_robot, seen);
+}
+
+void BlackBoxWriter::write_phase(double now, const Object& object, bool is_robot,
+                                 const TimedPhase& seen) {
   put(phases_, now,
       Json{{"object", object.name},
            {"site", is_robot ? "robot" : "operator"},
-           {"phase", std::string(name_of(phase))}});
+           {"phase", std::string(name_of(seen.phase))},
+           {"time", stamp_of(seen.t).seconds()}});
 }
 
 void BlackBoxWriter::write_transforms(double now) {

@@ -34,7 +34,8 @@ enum class RecordKind : std::uint64_t {
   tracked,   ///< std::uint64_t object, double x 7
   applied,   ///< std::uint32_t number, std::uint32_t 1 if valid
   delays,    ///< DelayStamps
-  link       ///< LinkStatistics
+  link,      ///< LinkStatistics
+  phase      ///< std::uint64_t object, std::uint64_t MotionPhase
 };
 
 struct RecordHead {
@@ -85,7 +86,13 @@ class BlackBoxWriter {
   void on_tracked(double t, std::size_t object, const Pose& T_base_object);
   void write_sensor(double t, RecordKind kind, std::span<const std::uint8_t> body);
   void write_status(double now, const LinkState& state);
-  void write_phase(double now, Object& object, bool is_robot, MotionPhase phase);
+  struct TimedPhase {
+    double t = 0.0;  ///< [s] of the site: when it was so
+    MotionPhase phase = MotionPhase::free;
+  };
+  void write_phase(double now, const Object& object, bool is_robot, const TimedPhase& seen);
+  void write_changed_phase(double now, Object& object, bool is_robot, const TimedPhase& seen);
+  void write_scene_start(double now, const LinkCommand& command);
   void write_transforms(double now);
   void write_delays(double now, const DelayStamps& stamps);
   void write_link(double now, const LinkStatistics& link);
@@ -115,6 +122,7 @@ class BlackBoxWriter {
   double next_status_ = 0.0;
   std::string last_status_;
   std::map<std::uint32_t, LinkCorrection> received_;  ///< not applied yet, by number
+  std::optional<double> scene_start_;  ///< [s] of a session whose first command is awaited
   std::optional<Pose> T_base_command_;
   std::optional<Pose> T_base_tool_;
 };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -38,13 +39,20 @@ constexpr auto kOperatorSiteFields = std::to_array<OptionField<OperatorSiteOptio
      "time by which commands shall arrive before their execution, beyond four variations of the "
      "delay",
      "lower: commands are executed late; higher: predicts further than necessary"},
+    {"correction_margin", &OperatorSiteOptions::correction_margin, 0.02, 0.0, 1.0, "s",
+     "time by which corrections shall arrive before a command contains them, beyond four "
+     "variations "
+     "of the delay",
+     "lower: it depends on the machines' load which command contains a correction, and no run is "
+     "like another; higher: the world is corrected later than necessary"},
     {"min_clock_time", &OperatorSiteOptions::min_clock_time, 0.5, 0.05, 60.0, "s",
      "time of round trips before the first command",
      "lower: the clock is uncertain at first; higher: waiting"},
 });
 static_assert(are_valid_fields(kOperatorSiteFields));
 
-constexpr double kHelloInterval = 0.1;       // [s] below the robot site's timeout
+// [s] Far below the robot site's timeout: a burst of losses must not end a session that begins.
+constexpr double kHelloInterval = 0.02;
 constexpr double kFirstPingInterval = 0.01;  // [s] until the first command
 constexpr double kPingInterval = 0.1;        // [s]
 constexpr double kLinkInterval = 1.0;        // [s] between two statistics in the log
@@ -52,6 +60,8 @@ constexpr std::size_t kMinRoundTrips = 10;
 constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
 constexpr double kDelayVariations = 4.0;
 constexpr double kMaxEarly = 0.4;  // [s] that commands may arrive early: below max_lead
+// [s] that corrections wait for others whose delay varies; later ones are applied as they arrive.
+constexpr double kMaxCorrectionWait = 0.05;
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
 constexpr std::size_t kMaxReportedTimes = 10'000;
@@ -93,7 +103,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     link_.transmit();
     // A recording may begin later: until then round trips keep the session alive.
     const double idle = clock_.now() + (site_ ? kFirstPingInterval : kIdleWait);
-    next_event_ = site_ ? std::min(next_local_time(), idle) : idle;
+    next_event_ = site_ && !is_after_end() ? std::min(next_local_time(), idle) : idle;
   }
 
   [[nodiscard]] bool is_finished() const override { return is_done_ || fault_; }
@@ -115,7 +125,10 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     if (site_) log_link(now);
     if (!site_) person_.wait(link_at(now));
     request(now);
-    if (site_ && now < next_local_time()) {
+    if (site_ && is_after_end()) {
+      link_.ping(now, kFirstPingInterval);
+      is_done_ = now > next_local_time() + schedule_.lead();  // the last command was executed
+    } else if (site_ && now < next_local_time()) {
       link_.ping(now, kFirstPingInterval);
     } else if (site_) {
       cycle(now);
@@ -272,13 +285,23 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       is_done_ = true;
       return;
     }
+    set_correction_delay(lead);
     TeleopOptions options = teleop_;
     options.forward_delay = lead;
-    options.backward_delay =
-        std::max(0.5 * link_.shared_clock().mean_delay(), teleop_.backward_delay);
+    options.backward_delay = std::max(report_.correction_delay - lead, teleop_.backward_delay);
     const std::size_t next = schedule_.next();
     next_world_.begin(now, world_, std::move(options), schedule_.time_of(next - 1),
                       person_.p_base_start(next, robot_.state()));
+  }
+
+  /// From the robot's cycle that composes a correction to the first command that contains it. It
+  /// ends between two commands: their times' rounding must not decide.
+  void set_correction_delay(double lead) {
+    const double variations = kDelayVariations * link_.shared_clock().delay_variation();
+    const double delay = lead + 0.5 * link_.shared_clock().mean_delay() +
+                         std::min(variations, kMaxCorrectionWait) + options_.correction_margin;
+    const double step = teleop_.predictor.step;
+    report_.correction_delay = step * (std::ceil(delay / step) + 0.5);
   }
 
   /// Where the robot's site sees them: they were moved before this session.
@@ -309,7 +332,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     if (behind > kMaxOperatorBacklog * teleop_.predictor.step) {
       return lose(now, fmt::format("this site did not run for {:.2f} s", behind));
     }
-    for (const LinkCorrection& correction : corrections_.take()) {
+    const double t_next = welcome_->start + schedule_.time_of(schedule_.next());
+    for (const LinkCorrection& correction : corrections_.take(t_next)) {
       const double t = correction.t - welcome_->start;
       const bool is_valid = site_->apply(t, correction.bytes);
       log_.on_applied(now, link_.session(), correction, is_valid);
@@ -322,7 +346,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     }
     const OperatorCommand moved = person_.step(schedule_.next(), *site_, link_at(now));
     LinkCommand command;
-    command.t = welcome_->start + schedule_.time_of(schedule_.next());
+    command.t = t_next;
+    command.correction_delay = static_cast<float>(report_.correction_delay);
     command.p_base_tip = moved.p_base_tip.cast<float>();
     command.q_base_tool = moved.q_base_tool.cast<float>();
     command.is_engaged = moved.is_engaged;
@@ -334,7 +359,6 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     ++report_.commands;
     link_.ping(now, kPingInterval);
     schedule_.advance();
-    if (is_after_end()) is_done_ = true;
   }
 
   void check_link(double now) {

@@ -14,6 +14,7 @@ void RobotMeasurement::advance(double now, double start, RobotInterface& robot, 
                                SiteLog& log) {
   samples_.clear();
   robot.advance(now - start, samples_);
+  site.set_arrival(now - start);
   for (const RobotSamples::Tool& tool : samples_.tool) {
     site.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool);
     tool_ = tool;

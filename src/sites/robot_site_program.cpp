@@ -42,7 +42,8 @@ constexpr std::size_t kMaxReportedCorrections = 10'000;
 constexpr std::size_t kMaxMessagesPerCycle = 500;  // of all peers: the robot's cycle goes first
 constexpr double kAuthorisationInterval = 0.5;     // [s] between two checks of the operator's key
 constexpr double kMinNoticeInterval = 30.0;        // [s] between two lines for the same cause
-constexpr double kRecordingTail = 0.2;             // [s] after its end, for the last corrections
+constexpr double kPhaseAge = 1.0;  // [s] of a phase that is logged: its begin may be revised before
+constexpr double kRecordingTail = 0.2;  // [s] after its end, for the last corrections
 constexpr double kMaxGap = 0.02;  // [s] without a setpoint, after which the tool has come to rest
 
 class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
@@ -95,6 +96,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       reject(packet, session()->id, LinkRejection::ended, "the robot's site has ended");
       collect(*session());
     }
+    if (start_) log_phases(0.0);
     report_.cpu = thread_cpu() - cpu_before_;
     report_.streaming_bytes = site_.streaming_bytes();
     report_.notes = site_.notes();
@@ -266,7 +268,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         measurement_.add({command.t, session()->commands.last_arrival(), now});
         safety_.command(command);
         log_.on_executed(session()->id, session()->key, command);
-        site_.add_predictions(command.t - *start_, command.predictions);
+        site_.add_predictions(command.t - *start_, command.predictions, command.correction_delay);
       }
     }
     safety_.step(session() != nullptr, measurement_.force_base(), options_.cycle);
@@ -279,19 +281,28 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   }
 
   void correct(double now) {
-    for (LiveCorrection& correction : site_.advance()) {
+    if (!start_) return;
+    for (LiveCorrection& correction : site_.advance(now - *start_)) {
       has_composed_ = true;
       if (session()->corrections.is_full()) continue;  // then the silence ends this session
       report_.correction_bytes += correction.bytes.size();
-      const double t = *start_ + correction.sent.t;
-      const std::uint32_t number = session()->corrections.push(t, correction.bytes);
-      log_.on_composed(session()->id, {number, t, std::move(correction.bytes)});
+      LinkCorrection sent{0, *start_ + correction.sent.t, *start_ + correction.due,
+                          std::move(correction.bytes)};
+      sent.number = session()->corrections.push(sent);
+      log_.on_composed(session()->id, sent);
       if (report_.corrections.size() < kMaxReportedCorrections) {
         report_.corrections.push_back(correction.sent);
       }
     }
+    log_phases(kPhaseAge);
     for (LinkCorrection& due : session()->corrections.take_due(now)) {
       send(session()->peer, session()->id, std::move(due));
+    }
+  }
+
+  void log_phases(double age) {
+    for (const LiveRobotSite::PhaseChange& change : site_.take_phase_changes(age)) {
+      log_.on_phase(*start_ + change.t, change.object, change.phase);
     }
   }
 

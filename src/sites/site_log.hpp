@@ -48,6 +48,8 @@ class SiteLog {
   virtual void on_tool(double /*t*/, const RobotSamples::Tool&) {}
   virtual void on_wrench(double /*t*/, const RobotSamples::Wrench&) {}
   virtual void on_tracked(double /*t*/, const RobotSamples::Tracked&) {}
+  /// As it was found to have changed at `t`.
+  virtual void on_phase(double /*t*/, std::size_t /*object*/, MotionPhase) {}
 
   // The operator's site.
   virtual void on_commanded(std::uint32_t /*session*/, const LinkCommand&) {}

@@ -60,6 +60,7 @@ class CorrectionSwitch {
   /// an object is where the tip and its penetration put it, so that the contact undoes a corrected
   /// position within milliseconds: only other parameters change that.
   [[nodiscard]] bool had_no_effect(CorrectionCase which) const;
+  void set_round_trip(double round_trip) { round_trip_ = round_trip; }  ///< [s]
   /// A correction of that case was sent at `t_sent` [s].
   void note_sent(CorrectionCase which, double t_sent, std::uint8_t sequence = 0);
   /// The operator's site has received the correction of that number.

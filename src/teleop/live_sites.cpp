@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <utility>
 
 #include "pcavr/core/check.hpp"
@@ -15,6 +16,7 @@
 #include "teleop/operator_site.hpp"
 #include "teleop/prediction_log.hpp"
 #include "teleop/robot_site.hpp"
+#include "teleop/sample_queue.hpp"
 
 namespace pcavr {
 namespace {
@@ -59,24 +61,93 @@ std::optional<SentCorrection> decode_correction(std::span<const std::uint8_t> by
   return correction;
 }
 
+std::size_t streaming_bytes_of(std::size_t wrench_samples, std::size_t tracked_poses) {
+  return wrench_samples * bytes_of_wrench_sample() + tracked_poses * bytes_of_tracked_pose();
+}
+
 Pose predicted_pose(const LinkPrediction& prediction, const Pose& T_base_start) {
   return pose_at(prediction_of(prediction).pose, T_base_start);
 }
 
 struct LiveRobotSite::Impl {
-  Impl(const TeleopInput& world, const TeleopOptions& options, double start)
+  Impl(const TeleopInput& world, const TeleopOptions& options, double scene_start)
       : objects(world.objects.size()),
         step(options.predictor.step),
-        site(world, options, completed_bodies(world, options), start) {}
+        start(scene_start),
+        site(world, options, completed_bodies(world, options), scene_start),
+        samples(options.pose.tracking_latency),
+        correction_delay(options.round_trip()),
+        taken_phases(world.objects.size(), 0) {}
+
+  /// Predictions for one time.
+  struct Cycle {
+    double t = 0.0;
+    double correction_delay = 0.0;  ///< 0: not stated
+    std::vector<LinkPrediction> predictions;
+  };
+  [[nodiscard]] double on_grid(double t) const;
+  void record(const Cycle& cycle);
+  void process(const Cycle& cycle, std::vector<LiveCorrection>& corrections);
 
   std::size_t objects;
-  double step;  ///< [s]
+  double step;   ///< [s]
+  double start;  ///< [s]
   RobotSite site;
-  std::optional<PredictionLog> log;  ///< since the start, or the last interruption
+  SampleQueue samples;
+  double correction_delay;                ///< [s]
+  std::vector<std::size_t> taken_phases;  ///< by object
+  double processed = 0.0;                 ///< [s] the newest cycle's time
+  std::deque<Cycle> waiting;              ///< not processed yet
+  std::optional<PredictionLog> log;       ///< since the start, or the last interruption
   double log_start = 0.0;
   std::size_t logged = 0;  ///< cycles
-  std::optional<double> newest;
 };
+
+/// The cycle's own time where `t` is a whole number of cycles from the start: what the shared
+/// clock's rounding leaves of it must not move a sample to another cycle.
+double LiveRobotSite::Impl::on_grid(double t) const {
+  constexpr double kRounding = 1e-7;  // [s] of a clock of some days
+  const double cycle = start + step * std::round((t - start) / step);
+  return std::abs(cycle - t) < kRounding ? cycle : t;
+}
+
+void LiveRobotSite::Impl::record(const Cycle& cycle) {
+  if (!log) {
+    log_start = cycle.t - step;
+    logged = 0;
+    log.emplace(log_start, step, objects);
+  }
+  // Beyond the age that a correction may have, the first prediction after a gap serves.
+  const auto last = static_cast<std::size_t>(std::round((cycle.t - log_start) / step));
+  for (; logged < last; ++logged) {
+    for (const LinkPrediction& prediction : cycle.predictions) {
+      log->append(prediction_of(prediction));
+    }
+  }
+}
+
+void LiveRobotSite::Impl::process(const Cycle& cycle, std::vector<LiveCorrection>& corrections) {
+  record(cycle);
+  if (cycle.correction_delay > 0.0 && cycle.correction_delay != correction_delay) {
+    correction_delay = cycle.correction_delay;
+    site.set_round_trip(correction_delay);
+  }
+  processed = cycle.t;
+  samples.pass_on(cycle.t, site);
+  for (const CorrectionMessage& message : site.advance(cycle.t, *log)) {
+    LiveCorrection& correction = corrections.emplace_back();
+    correction.due = cycle.t + cycle.correction_delay;
+    correction.bytes = encode(message, message.t);
+    correction.sent.t = message.t;
+    correction.sent.object = message.object;
+    correction.sent.which = message.which;
+    correction.sent.what = describe(message);
+    correction.sent.bytes = correction.bytes.size();
+    site.note_bytes(correction.bytes.size());
+  }
+  static_cast<void>(site.take_forces());
+  log->discard_before(site.oldest_needed());
+}
 
 LiveRobotSite::LiveRobotSite(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 LiveRobotSite::LiveRobotSite(LiveRobotSite&&) noexcept = default;
@@ -93,70 +164,72 @@ Expected<LiveRobotSite> LiveRobotSite::create(const TeleopInput& world,
   return LiveRobotSite(std::make_unique<Impl>(world, options, start));
 }
 
+void LiveRobotSite::set_arrival(double now) { impl_->samples.set_arrival(now); }
+
 void LiveRobotSite::add_tool(double t, const Eigen::Vector3d& p_base_tip,
                              const Eigen::Quaterniond& q_base_tool) {
-  impl_->site.add_tool(t, p_base_tip, q_base_tool);
+  impl_->samples.add_tool(t, p_base_tip, q_base_tool);
 }
 
 void LiveRobotSite::add_wrench(double t, const Eigen::Vector3d& force_base) {
-  impl_->site.add_wrench(t, force_base);
+  impl_->samples.add_wrench(t, force_base);
 }
 
 void LiveRobotSite::add_tracked(std::size_t object, const TrackedPose& pose) {
-  if (object < impl_->objects) impl_->site.add_tracked(object, pose);
+  if (object < impl_->objects) impl_->samples.add_tracked(object, pose);
 }
 
-void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> predictions) {
+void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> predictions,
+                                    double correction_delay) {
   const std::size_t objects = impl_->objects;
   if (predictions.size() != objects || objects == 0 || !std::isfinite(t)) return;
   const double step = impl_->step;
-  if (!impl_->log) {
-    impl_->log_start = t - step;
-    impl_->logged = 0;
-    impl_->log.emplace(impl_->log_start, step, objects);
-  }
-  const double cycle = std::round((t - impl_->log_start) / step);
-  if (!(cycle > static_cast<double>(impl_->logged))) return;  // superseded
-  // Beyond the age that a correction may have, the first prediction after a gap serves.
-  const auto last = static_cast<std::size_t>(cycle);
-  while (impl_->logged < last) {
-    for (const LinkPrediction& prediction : predictions) {
-      impl_->log->append(prediction_of(prediction));
-    }
-    ++impl_->logged;
-  }
-  impl_->newest = t;
+  const double logged = impl_->log_start + step * static_cast<double>(impl_->logged);
+  const bool is_superseded = (impl_->log && t < logged + 0.5 * step) ||
+                             (!impl_->waiting.empty() && t <= impl_->waiting.back().t);
+  if (is_superseded) return;
+  impl_->waiting.push_back(
+      {impl_->on_grid(t), correction_delay, {predictions.begin(), predictions.end()}});
 }
 
-std::vector<LiveCorrection> LiveRobotSite::advance() {
+std::vector<LiveCorrection> LiveRobotSite::advance(double now) {
+  // [s] Older samples are not kept for predictions that may still come.
+  constexpr double kMaxWait = 0.5;
   std::vector<LiveCorrection> corrections;
-  if (!impl_->newest || !impl_->log) return corrections;
-  for (const CorrectionMessage& message : impl_->site.advance(*impl_->newest, *impl_->log)) {
-    LiveCorrection& correction = corrections.emplace_back();
-    correction.bytes = encode(message, message.t);
-    correction.sent.t = message.t;
-    correction.sent.object = message.object;
-    correction.sent.which = message.which;
-    correction.sent.what = describe(message);
-    correction.sent.bytes = correction.bytes.size();
-    impl_->site.note_bytes(correction.bytes.size());
+  for (; !impl_->waiting.empty(); impl_->waiting.pop_front()) {
+    impl_->process(impl_->waiting.front(), corrections);
   }
-  static_cast<void>(impl_->site.take_forces());
-  impl_->log->discard_before(impl_->site.oldest_needed());
+  impl_->samples.pass_on(now - kMaxWait, impl_->site);
   return corrections;
 }
 
-void LiveRobotSite::idle(double now) { impl_->site.idle(now); }
+void LiveRobotSite::idle(double now) {
+  impl_->samples.pass_on(now, impl_->site);
+  impl_->site.idle(now);
+}
 
 void LiveRobotSite::restart(double now) {
   impl_->log.reset();
-  impl_->newest.reset();
+  impl_->waiting.clear();
   impl_->site.restart(now);
 }
 
 MotionPhase LiveRobotSite::phase(std::size_t object) const {
   return impl_->site.objects()[object].monitor.phase();
 }
+
+std::vector<LiveRobotSite::PhaseChange> LiveRobotSite::take_phase_changes(double age) {
+  std::vector<PhaseChange> taken;
+  for (std::size_t i = 0; i < impl_->objects; ++i) {
+    const std::vector<MonitoredPhase>& changes = impl_->site.objects()[i].monitor.changes();
+    std::size_t& next = impl_->taken_phases[i];
+    for (; next < changes.size() && changes[next].t < impl_->processed - age; ++next) {
+      taken.push_back({changes[next].t, i, changes[next].phase});
+    }
+  }
+  return taken;
+}
+
 std::size_t LiveRobotSite::objects() const { return impl_->objects; }
 std::size_t LiveRobotSite::streaming_bytes() const { return impl_->site.streaming_bytes(); }
 std::vector<std::string> LiveRobotSite::notes() const { return impl_->site.notes(); }

@@ -75,7 +75,8 @@ RobotSite::RobotSite(const TeleopInput& world, const TeleopOptions& options,
       processed_(std::nextafter(start, start - 1.0)),
       next_camera_update_(start),
       now_(start),
-      start_(start) {
+      start_(start),
+      round_trip_(options.round_trip()) {
   force_.set_offset(watch_.force().offset);
   for (std::size_t i = 0; i < world_.size(); ++i) {
     objects_.emplace_back(world_[i], physics[i], options_, sensors_, world.tool_radius, start);
@@ -141,6 +142,11 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
   force_.discard_before(now - force_.lag() - stored_time());
   tip_.discard_before(now - force_.lag() - stored_time());
   return std::move(outgoing_);
+}
+
+void RobotSite::set_round_trip(double round_trip) {
+  round_trip_ = round_trip;
+  for (RobotObject& object : objects_) object.correction_switch.set_round_trip(round_trip);
 }
 
 void RobotSite::idle(double now) {

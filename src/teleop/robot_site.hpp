@@ -62,6 +62,8 @@ class RobotSite {
   /// No prediction before this time will be requested from the log again [s].
   [[nodiscard]] double oldest_needed() const;
   [[nodiscard]] std::vector<std::string> notes() const;
+  /// [s] From now on: from sending a correction to the first prediction that contains it.
+  void set_round_trip(double round_trip);
   void note_bytes(std::size_t sent) { sent_bytes_ += sent; }
   [[nodiscard]] std::size_t streaming_bytes() const { return streaming_bytes_; }
   /// The force has a fault, so that it is not used.
@@ -135,6 +137,7 @@ class RobotSite {
   bool has_far_force_ = false;  ///< noted
   double now_ = 0.0;
   double start_;
+  double round_trip_;  ///< [s]
   std::size_t sent_bytes_ = 0;
   std::size_t streaming_bytes_ = 0;
 };

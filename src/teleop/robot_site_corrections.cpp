@@ -120,7 +120,7 @@ bool RobotSite::grows_beyond(double gap, std::size_t index, const CorrectionMess
   if (!object.is_pushed() || !slides(object.monitor.phase())) return false;
   TriedCorrection tried;
   tried.t = message.t;
-  tried.until = now_ + options_.round_trip();
+  tried.until = now_ + round_trip_;
   tried.object = index;
   for (const RobotObject& other : objects_) {
     tried.poses.push_back(planar_pose_of(other.T_base_object()));

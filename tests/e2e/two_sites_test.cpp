@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cctype>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -36,6 +39,20 @@ using std::chrono::milliseconds;
 std::string text_of(const fs::path& file) {
   const pcavr::Expected<std::string> text = pcavr::read_file(file);
   return text ? *text : std::string();
+}
+
+/// Of corrections.csv: stamps of a clock differ from those of a recording by its rounding.
+std::string without_last_digits(const std::string& corrections) {
+  std::string text;
+  std::istringstream lines(corrections);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t comma = line.find(',');
+    text += std::isdigit(static_cast<unsigned char>(line[0])) != 0
+                ? std::to_string(std::lround(1e3 * std::stod(line))) + line.substr(comma)
+                : line;
+    text += '\n';
+  }
+  return text;
 }
 
 /// A running `pcavr` with its output in files.
@@ -134,6 +151,14 @@ class TwoSites : public testing::Test {
     const std::string output = robot.output();
     return json::parse(output.substr(output.find('\n') + 1), nullptr, false);
   }
+  /// What `evaluate` finds for a run of the recording.
+  static json evaluated(const std::string& run) {
+    const CommandOutcome outcome =
+        run_pcavr({"evaluate", path(run), "--truth", path("recording/truth"), "-o",
+                   path(run + "_report"), "--json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+    return json::parse(text_of(folder() / (run + "_report") / "report.json"), nullptr, false);
+  }
   static fs::path folder() { return folder_->path(); }
 
  private:
@@ -170,6 +195,79 @@ TEST_F(TwoSites, CorrectTheOperatorsWorldOverADelayedLink) {
   EXPECT_EQ(at_robot["invalid_messages"], 0);
   EXPECT_GT(at_operator["lead_s"].get<double>(), 0.2);
   EXPECT_NEAR(at_operator["round_trip_s"].get<double>(), 0.4, 0.05);
+}
+
+// One code path: a recording that passes through both programs in real time gives the corrections
+// of a replay with the same delays. The margins are those of a loaded machine.
+TEST_F(TwoSites, SendTheCorrectionsOfAReplay) {
+  std::ofstream(folder() / "loaded.yaml")
+      << R"(operator_site: {lead_margin: 0.05, correction_margin: 0.15, timeout: 2}
+robot_site.link: {timeout: 2, max_age: 1}
+)";
+  const std::vector<std::string> config{"--config", path("loaded.yaml")};
+  std::vector<std::string> robot_site = robot_arguments();
+  robot_site.insert(robot_site.end(), config.begin(), config.end());
+  robot_site.insert(robot_site.end(), {"--log", path("robot.mcap")});
+  RunningCommand robot(robot_site, folder(), "robot_replayed");
+  const int port = port_of(robot);
+  ASSERT_GT(port, 0) << robot.errors();
+  std::vector<std::string> arguments = operator_arguments(port, "alice");
+  arguments.insert(arguments.end(), {"--forward-delay", "0.2", "--backward-delay", "0.2"});
+  arguments.insert(arguments.end(), config.begin(), config.end());
+  const CommandOutcome outcome = run_pcavr(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  ASSERT_EQ(robot.wait(), 0) << robot.errors();
+  const json at_operator = json::parse(outcome.standard_output);
+  const json live = result_of(robot)["corrections"];
+  const auto lead = at_operator["lead_s"].get<double>();
+  const double back = at_operator["correction_delay_s"].get<double>() - lead;
+  ASSERT_EQ(
+      run_pcavr({"replay", path("recording"), "--scene", path("scene"), "-o", path("run"),
+                 "--forward-delay", std::to_string(lead), "--backward-delay", std::to_string(back)})
+          .exit_code,
+      0);
+  std::ifstream replayed(folder() / "run/corrections.csv");
+  std::string line;
+  std::getline(replayed, line);  // the header
+  std::size_t rows = 0;
+  for (; std::getline(replayed, line); ++rows) {
+    ASSERT_LT(rows, live.size()) << line;
+    const json& sent = live[rows];
+    EXPECT_NEAR(sent["t"].get<double>(), std::stod(line), 0.005) << line;
+    const std::string object = "box_" + std::to_string(sent["object"].get<int>() + 1);
+    const std::string rest = "," + object + "," + sent["case"].get<std::string>() + "," +
+                             sent["what"].get<std::string>() + ",";
+    EXPECT_NE(line.find(rest), std::string::npos) << line << " live: " << rest;
+  }
+  EXPECT_EQ(rows, live.size());
+  EXPECT_GE(rows, 8U);
+  // The black box is a run as it was: its corrections are the live ones, and so are its errors.
+  ASSERT_EQ(
+      run_pcavr({"replay", path("robot.mcap"), "--scene", path("scene"), "-o", path("logged_run")})
+          .exit_code,
+      0);
+  EXPECT_EQ(without_last_digits(text_of(folder() / "logged_run/corrections.csv")),
+            without_last_digits(text_of(folder() / "run/corrections.csv")));
+  const json logged = evaluated("logged_run");
+  const json replay = evaluated("run");
+  for (const char* const key :
+       {"predicted.touched.translation.median_m", "predicted.touched.translation.p95_m"}) {
+    EXPECT_NEAR(logged[key].get<double>(), replay[key].get<double>(), 1e-4) << key;
+  }
+  for (const char* const key : {"nodes.t1.measured_s", "nodes.t5.measured_s",
+                                "nodes.t1.predicted_s", "nodes.t5.predicted_s"}) {
+    EXPECT_NEAR(logged[key].get<double>(), replay[key].get<double>(), 0.005) << key;
+  }
+}
+
+TEST_F(TwoSites, LeaveLogsThatAreRunsOnlyOfTheirOwnScene) {
+  std::ofstream(folder() / "cut.mcap") << "\x89MCAP0\r\n";
+  expect_one_line(
+      run_pcavr({"replay", path("cut.mcap"), "--scene", path("scene"), "-o", path("of_nothing")}),
+      "no black box");
+  expect_one_line(run_pcavr({"replay", path("cut.mcap"), "--scene", path("scene"), "-o",
+                             path("of_nothing"), "--tracked", path("scene")}),
+                  "--tracked is for recordings");
 }
 
 // A robot on ROS 2 topics, here one that reaches each setpoint at once, moves as the operator does.

@@ -38,7 +38,7 @@ std::vector<LinkCorrection> transmit(std::uint64_t seed, CorrectionSender& sende
     const double now = 0.005 * cycle;
     if (now < 20.0 && random.uniform() < 0.05) {
       t_corrected += random.uniform();
-      sender.push(t_corrected, {static_cast<std::uint8_t>(random.below(256))});
+      sender.push({0, t_corrected, 0.0, {static_cast<std::uint8_t>(random.below(256))}});
     }
     for (const LinkCorrection& due : sender.take_due(now)) {
       const LinkConditions::Arrivals arrivals = forward.arrivals(now, 60);
@@ -46,7 +46,7 @@ std::vector<LinkCorrection> transmit(std::uint64_t seed, CorrectionSender& sende
       if (arrivals.second) corrections.push(*arrivals.second, due);
     }
     while (auto correction = corrections.pop(now)) receiver.accept(std::move(*correction));
-    for (LinkCorrection& correction : receiver.take()) taken.push_back(std::move(correction));
+    for (LinkCorrection& correction : receiver.take(now)) taken.push_back(std::move(correction));
     const LinkConditions::Arrivals back = backward.arrivals(now, 40);
     if (back.first) acknowledgements.push(*back.first, receiver.acknowledgement());
     if (back.second) acknowledgements.push(*back.second, receiver.acknowledgement());
@@ -85,18 +85,30 @@ TEST(CorrectionChannel, SendsOnceOverALinkWithoutFaults) {
   CorrectionReceiver receiver;
   for (int i = 0; i < 100; ++i) {
     const double now = 0.1 * i;
-    sender.push(now, {1});
+    sender.push({0, now, 0.0, {1}});
     for (LinkCorrection& due : sender.take_due(now)) EXPECT_TRUE(receiver.accept(std::move(due)));
     sender.acknowledge(receiver.acknowledgement(), now + 0.05);
-    EXPECT_EQ(receiver.take().size(), 1U);
+    EXPECT_EQ(receiver.take(now).size(), 1U);
   }
   EXPECT_EQ(sender.repetitions(), 0U);
   EXPECT_EQ(sender.pending(), 0U);
 }
 
+// Those that were not late wait for the command that they name; those after one that waits, too.
+TEST(CorrectionChannel, GivesThemWhenTheyAreDue) {
+  CorrectionReceiver receiver;
+  EXPECT_TRUE(receiver.accept({1, 1.0, 1.4, {1}}));
+  EXPECT_TRUE(receiver.accept({2, 1.1, 1.3, {2}}));
+  EXPECT_EQ(receiver.acknowledgement().up_to, 2U);
+  EXPECT_TRUE(receiver.take(1.35).empty());
+  EXPECT_EQ(receiver.take(1.4).size(), 2U);
+  EXPECT_TRUE(receiver.accept({3, 1.2, 1.3, {3}}));
+  EXPECT_EQ(receiver.take(1.5).size(), 1U);
+}
+
 TEST(CorrectionChannel, IgnoresAcknowledgementsOfWhatWasNotSent) {
   CorrectionSender sender;
-  sender.push(1.0, {1});
+  sender.push({0, 1.0, 0.0, {1}});
   sender.acknowledge({1, 0}, 0.0);  // queued, not sent
   sender.acknowledge({5, 0}, 0.0);
   EXPECT_EQ(sender.pending(), 1U);
@@ -104,13 +116,13 @@ TEST(CorrectionChannel, IgnoresAcknowledgementsOfWhatWasNotSent) {
 
 TEST(CorrectionChannel, BoundsItsMemory) {
   CorrectionSender sender;
-  while (!sender.is_full()) sender.push(0.0, {1});
-  EXPECT_THROW(sender.push(0.0, {1}), ContractError);
+  while (!sender.is_full()) sender.push({});
+  EXPECT_THROW(sender.push({}), ContractError);
   CorrectionReceiver receiver;
-  EXPECT_FALSE(receiver.accept({4'000'000'000U, 0.0, {1}}));
-  EXPECT_TRUE(receiver.accept({2, 0.0, {1}}));
-  EXPECT_FALSE(receiver.accept({2, 0.0, {1}}));
-  EXPECT_TRUE(receiver.take().empty());
+  EXPECT_FALSE(receiver.accept({4'000'000'000U, 0.0, 0.0, {1}}));
+  EXPECT_TRUE(receiver.accept({2, 0.0, 0.0, {1}}));
+  EXPECT_FALSE(receiver.accept({2, 0.0, 0.0, {1}}));
+  EXPECT_TRUE(receiver.take(0.0).empty());
   EXPECT_EQ(receiver.acknowledgement().later, 1U);
 }
 

@@ -16,6 +16,7 @@ inline std::vector<LinkMessage> every_message() {
   command.p_base_tip = {0.25F, -0.5F, 0.125F};
   command.is_engaged = true;
   command.acknowledged = {7, 5};
+  command.correction_delay = 0.4375F;
   command.predictions = {
       {}, {{0.5F, 0.1F, -0.3F}, {1.0F, 2.0F, 3.0F}, {1.5F, 2.5F, 3.5F}, MotionPhase::sliding, 200}};
   LinkState state;
@@ -40,7 +41,7 @@ inline std::vector<LinkMessage> every_message() {
           {header, LinkPong{1.25, 2.5}},
           {header, command},
           {header, state},
-          {header, LinkCorrection{4, 11.25, {1, 2, 3}}},
+          {header, LinkCorrection{4, 11.25, 11.75, {1, 2, 3}}},
           {header, LinkAcknowledgement{4, 2}},
           {header, LinkHeartbeat{}},
           {header, LinkStop::emergency_stop},

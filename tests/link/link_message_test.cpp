@@ -38,6 +38,7 @@ TEST(LinkMessage, CarriesEveryFieldOfACommand) {
   EXPECT_TRUE(command.is_engaged);
   EXPECT_EQ(command.acknowledged.up_to, 7U);
   EXPECT_EQ(command.acknowledged.later, 5U);
+  EXPECT_FLOAT_EQ(command.correction_delay, 0.4375F);
   ASSERT_EQ(command.predictions.size(), 2U);
   EXPECT_EQ(command.predictions[1].phase, MotionPhase::sliding);
   EXPECT_EQ(command.predictions[1].received, 200);

@@ -121,7 +121,7 @@ SiteScene a_scene() {
 }
 
 LinkMessage a_command(std::uint32_t sequence, double t) {
-  LinkCommand command{.t = t, .p_base_tip = {0.5F, 0.25F, 0.125F}};
+  LinkCommand command{.t = t, .p_base_tip = {0.5F, 0.25F, 0.125F}, .correction_delay = 0.5F};
   command.predictions.resize(1);
   command.predictions[0].rendered_force = {1.0F, 2.0F, 3.0F};
   command.predictions[0].phase = MotionPhase::sliding;
@@ -138,13 +138,16 @@ TEST(BlackBox, WritesWhatASiteDoesWithTypesThatOtherToolsKnow) {
   log.on_start(10.0);
   log.on_link(10.0, {.clock_offset = 100.0, .clock_std = 1e-4, .round_trip = 0.4, .lead = 0.25});
   log.on_event(10.5, SiteLog::Level::warning, "the link is lost");
+  log.on_received(10.75, encode(LinkMessage{{1, 7, 110.5}, LinkWelcome{109.5, 0.01}}));
   log.on_sent(11.0, encode(a_command(1, 111.25)));
+  log.on_phase(11.25, 0, MotionPhase::critical);
   LinkState state{.t = 110.5, .is_on_hold = true, .force_base = {0.0F, 0.0F, 2.5F}};
   state.objects.resize(1);
   state.objects[0].is_tracked = true;
   state.objects[0].age = 0.125F;
   log.on_received(11.5, encode(LinkMessage{{2, 7, 111.0}, state}));
-  log.on_received(12.0, encode(LinkMessage{{3, 7, 111.5}, LinkCorrection{1, 110.0, {1, 2, 255}}}));
+  log.on_received(12.0,
+                  encode(LinkMessage{{3, 7, 111.5}, LinkCorrection{1, 110.0, 110.5, {1, 2, 255}}}));
   log.on_applied(12.0, 7, {1, 110.0, {}}, false);
   log.on_delays(12.5, {{}, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5});
   const auto summary = (*box)->close();
@@ -171,6 +174,14 @@ TEST(BlackBox, WritesWhatASiteDoesWithTypesThatOtherToolsKnow) {
   EXPECT_EQ(bag.json("/events", 0)["text"], "the link is lost");
   EXPECT_EQ(bag.json("/status", 0)["on_hold"], true);
   EXPECT_EQ(bag.json("/phases", 0)["phase"], "sliding");
+  EXPECT_EQ(bag.json("/phases", 0)["site"], "operator");
+  EXPECT_NEAR(bag.json("/phases", 0)["time"].get<double>() - sent.seconds(), 0.25, 1e-5);
+  EXPECT_EQ(bag.json("/phases", 1)["site"], "robot");
+  EXPECT_EQ(bag.json("/phases", 1)["phase"], "critical");
+  // Time zero of the scene, 109.5 s of the shared clock, with the first command.
+  EXPECT_EQ(bag.json("/session", 1)["message"], "start");
+  EXPECT_NEAR(bag.json("/session", 1)["time"].get<double>() - sent.seconds(), -1.5, 1e-5);
+  EXPECT_EQ(bag.json("/session", 1)["correction_delay"], 0.5);
   EXPECT_EQ(bag.json("/corrections", 0)["action"], "received");
   EXPECT_EQ(bag.json("/corrections", 1)["action"], "not valid");
   EXPECT_EQ(bag.json("/corrections", 1)["data"], "0102ff");

@@ -69,8 +69,8 @@ class SoakCheckerTest : public testing::Test {
   }
 
   LinkCommand command_{.t = 5.0, .is_engaged = true};
-  LinkCorrection correction_{1, 4.0, {1, 2, 3}};
-  LinkCorrection later_{2, 4.1, {4}};
+  LinkCorrection correction_{1, 4.0, 4.0, {1, 2, 3}};
+  LinkCorrection later_{2, 4.1, 4.1, {4}};
   SoakChecker checker_{SoakChecker::Options()};
 };
 

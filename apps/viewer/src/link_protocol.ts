@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The part of a state about the link to a robot's site: docs/live-protocol.md.
-import type { Quaternion, Vector } from './protocol';
+import type { Quaternion, Vector } from './coordinates';
 
 export const linkBytes = 108; // before the objects
 export const linkObjectBytes = 36;

@@ -4,7 +4,10 @@
 // The messages of docs/live-protocol.md, both ways. Little-endian; metres, newtons, seconds, base
 // frame (z up), quaternions x y z w. A malformed message gives null, never an exception.
 
+import type { Quaternion, Vector } from './coordinates';
 import { linkBytes, linkObjectBytes, readLink, type LinkInfo } from './link_protocol';
+
+export type { Quaternion, Vector } from './coordinates';
 
 export const protocolVersion = 1;
 export const headerBytes = 24;
@@ -46,9 +49,6 @@ export type Device = (typeof Device)[keyof typeof Device];
 
 export const phaseNames = ['free', 'static', 'critical', 'sliding'] as const;
 export type Phase = (typeof phaseNames)[number];
-
-export type Vector = [number, number, number];
-export type Quaternion = [number, number, number, number];
 
 export interface Header {
   type: number;

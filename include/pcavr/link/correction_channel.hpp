@@ -21,8 +21,9 @@ class CorrectionSender {
   static constexpr std::size_t kMaxPending = 1024;
 
   CorrectionSender();
-  /// Queues a correction for the time `t` [s]; returns its number. Throws ContractError if full.
-  std::uint32_t push(double t, std::vector<std::uint8_t> bytes);
+  /// Queues a correction, whose number it replaces by the one it returns. Throws ContractError if
+  /// full.
+  std::uint32_t push(LinkCorrection correction);
   /// Those to be sent at `now` [s], first transmissions and repetitions, in order of their numbers.
   [[nodiscard]] std::vector<LinkCorrection> take_due(double now);
   /// Numbers that were never sent are ignored.
@@ -60,8 +61,9 @@ class CorrectionReceiver {
 
   /// False for a repetition, and beyond kMaxAhead.
   bool accept(LinkCorrection correction);
-  /// Those that have become complete, in the order of the time they speak of; each once.
-  [[nodiscard]] std::vector<LinkCorrection> take();
+  /// Those that have become complete and are due before `t` [s], in the order of the time they
+  /// speak of; each once.
+  [[nodiscard]] std::vector<LinkCorrection> take(double t);
   [[nodiscard]] LinkAcknowledgement acknowledgement() const;
 
  private:

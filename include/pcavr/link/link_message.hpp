@@ -18,10 +18,10 @@
 
 namespace pcavr {
 
-/// Messages between the operator's and the robot's site: `pcavr-link/1`; docs/link.md specifies
+/// Messages between the operator's and the robot's site: `pcavr-link/2`; docs/link.md specifies
 /// each byte. Base frame, SI; "shared clock" is the clock of the robot's site, see LinkClock. Pure
 /// functions: any thread.
-inline constexpr int kLinkVersion = 1;
+inline constexpr int kLinkVersion = 2;
 /// Maximum length of a message, its header included; of a picture kMaxLinkPictureBytes.
 inline constexpr std::size_t kMaxLinkMessageBytes = 64 * 1024;
 inline constexpr std::size_t kMaxLinkPictureBytes = 1024 * 1024;
@@ -89,6 +89,8 @@ struct LinkCommand {
   Eigen::Quaternionf q_base_tool = Eigen::Quaternionf::Identity();
   bool is_engaged = false;  ///< the clutch is closed: the tool shall follow
   LinkAcknowledgement acknowledged = {};
+  /// [s] from the composition of a correction to the first command that contains it; 0: unknown.
+  float correction_delay = 0.0F;
   std::vector<LinkPrediction> predictions = {};  ///< by object
 };
 
@@ -132,6 +134,7 @@ struct LinkState {
 struct LinkCorrection {
   std::uint32_t number = 0;              ///< counts up from 1 in a session; the same when resent
   double t = 0.0;                        ///< [s] shared clock: the time it corrects
+  double due = 0.0;                      ///< [s] shared clock: commands for later times contain it
   std::vector<std::uint8_t> bytes = {};  ///< of a CorrectionMessage, with `t` as its epoch
 };
 

@@ -66,6 +66,7 @@ struct Replay {
   std::vector<ReplayedObject> objects;
   std::optional<std::filesystem::path> tracked_folder = {};  ///< where tracking was read from
   std::vector<SkippedRows> left_out = {};                    ///< of that folder's files
+  bool objects_are_logged = false;                           ///< `tracked` is of a live site's log
   /// The run of both sites; empty where the recording has no tool motion. With a run_folder it
   /// holds neither forces nor corrections, and of the displayed poses those around the frames'
   /// stamps.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/sites/link_sites.hpp"
@@ -14,6 +15,9 @@ namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
 class SiteLog;
+
+/// An object's name in the characters of topics and frames: "box 1" is in /tracked/box_1.
+[[nodiscard]] std::string topic_part_of(const std::string& name);
 
 struct BlackBoxOptions {
   BlackBoxOptions();

@@ -78,6 +78,7 @@ struct OperatorSiteOptions {
   double connection_timeout;  ///< [s] for the first session
   double timeout;             ///< [s] without a message of the robot's site: the link is lost
   double lead_margin;         ///< [s] by which commands shall arrive before their execution
+  double correction_margin;   ///< [s] by which corrections shall arrive before they are applied
   double min_clock_time;      ///< [s] of round trips before the first command
 };
 [[nodiscard]] OptionSection section_of(OperatorSiteOptions& options);
@@ -101,7 +102,9 @@ struct OperatorSiteReport {
   std::size_t late_corrections = 0;      ///< beyond the history
   std::size_t invalid_messages = 0;
   std::vector<Interruption> interruptions;
-  double lead = 0.0;          ///< [s] from sending a command to its execution
+  double lead = 0.0;  ///< [s] from sending a command to its execution
+  double correction_delay =
+      0.0;                    ///< [s] until a command contains a correction, from its composition
   double round_trip = 0.0;    ///< [s] fastest
   double clock_offset = 0.0;  ///< [s] shared clock less this one, at the end
   double clock_drift = 0.0;

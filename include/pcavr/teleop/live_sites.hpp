@@ -26,6 +26,7 @@ namespace pcavr {
 /// A correction to be sent, with its description for the log.
 struct LiveCorrection {
   SentCorrection sent;
+  double due = 0.0;                 ///< [s] predictions for later times contain it
   std::vector<std::uint8_t> bytes;  ///< a CorrectionMessage with `sent.t` as its epoch
 };
 
@@ -33,6 +34,8 @@ struct LiveCorrection {
 /// that it corrects.
 [[nodiscard]] std::optional<SentCorrection> decode_correction(std::span<const std::uint8_t> bytes,
                                                               double t);
+/// What sending every wrench sample and every tracked pose would have cost, as in TeleopRun.
+[[nodiscard]] std::size_t streaming_bytes_of(std::size_t wrench_samples, std::size_t tracked_poses);
 /// The whole pose of a predicted object; `T_base_start` gives height and tilt.
 [[nodiscard]] Pose predicted_pose(const LinkPrediction& prediction, const Pose& T_base_start);
 
@@ -46,6 +49,8 @@ class LiveRobotSite {
   LiveRobotSite& operator=(LiveRobotSite&&) noexcept;
   ~LiveRobotSite();
 
+  /// Samples that are added from now on have arrived at `now` [s].
+  void set_arrival(double now);
   // Samples in any interleaving; each series ascends. Others are ignored and noted.
   void add_tool(double t, const Eigen::Vector3d& p_base_tip, const Eigen::Quaterniond& q_base_tool);
   void add_wrench(double t, const Eigen::Vector3d& force_base);
@@ -53,10 +58,13 @@ class LiveRobotSite {
 
   /// What the operator's site has predicted for the time `t` at which its command is executed; by
   /// object. Predictions of another number of objects are ignored. Missing cycles count as the one
-  /// before.
-  void add_predictions(double t, std::span<const LinkPrediction> predictions);
-  /// Processes what was measured up to the newest of these times.
-  [[nodiscard]] std::vector<LiveCorrection> advance();
+  /// before. `correction_delay` [s]: from the composition of a correction to the first prediction
+  /// that contains it; 0: as the options expect.
+  void add_predictions(double t, std::span<const LinkPrediction> predictions,
+                       double correction_delay = 0.0);
+  /// Processes, one of these times after the other, what had been measured up to it. `now` [s]: no
+  /// prediction for a time long before it will come.
+  [[nodiscard]] std::vector<LiveCorrection> advance(double now);
   /// In place of advance() without an operator's site: forgets what is older than needed.
   void idle(double now);
   /// After an interruption: what was sent may be lost, and nothing before `now` [s] is compared.
@@ -64,6 +72,14 @@ class LiveRobotSite {
   void restart(double now);
 
   [[nodiscard]] MotionPhase phase(std::size_t object) const;
+  struct PhaseChange {
+    double t = 0.0;  ///< [s] when it happened, which is before it was detected
+    std::size_t object = 0;
+    MotionPhase phase = MotionPhase::free;
+  };
+  /// The changes that are older than `age` [s] and were not taken before. Samples that come later
+  /// revise the newest ones.
+  [[nodiscard]] std::vector<PhaseChange> take_phase_changes(double age);
   [[nodiscard]] std::size_t objects() const;
   [[nodiscard]] std::size_t streaming_bytes() const;  ///< as in TeleopRun
   [[nodiscard]] std::vector<std::string> notes() const;

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The pcavr authors
+# SPDX-License-Identifier: Apache-2.0
+"""Paper C's system run through the two programs, over a good and over a bad link.
+
+    bench/two_sites.py RECORDING --scene SCENE --pcavr build/test/apps/pcavr/pcavr
+                       [--tracked RUN] [--parameters FILE] [--work out/two_sites] [--seed 1]
+
+RECORDING, which has a truth/, goes through robot-site and operator-site in real time: 200 ms each
+way, then the same with 20 % loss in bursts of 3, 50 ms jitter, 5 % reordered, 5 % twice. The robot
+site's black box becomes a run, and `evaluate` compares it with the truth. Prints both sides by side:
+the error of each time node as the operator's and the robot's site found it (aim: 40 ms), the error
+of position while sliding (aim: median 0.8 mm, 95 % 2 mm), and the corrections' bytes as a share of
+streaming (aim: 1 %). Aim of the bad link: no figure worse by more than a third. Needs only python3.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+
+GOOD = ["--forward-delay", 0.2, "--backward-delay", 0.2]
+BAD = [*GOOD, "--loss", 0.2, "--burst", 3, "--jitter", 0.05, "--reorder", 0.05, "--duplicate", 0.05]
+SLIDING = "predicted.phase.sliding.translation."
+
+
+def run(*words):
+    words = [str(word) for word in words]
+    done = subprocess.run([*words, "--json"], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(words)}: {done.stderr.strip()}")
+    return json.loads(done.stdout)
+
+
+def live_report(arguments, label, link):
+    """What `evaluate` says of one session, and the reports of both programs."""
+    folder = arguments.work / label
+    folder.mkdir(parents=True, exist_ok=True)
+    log = folder / "robot.mcap"
+    log.unlink(missing_ok=True)
+    # Time enough for a connection over a bad link before the recording begins.
+    config = folder / "robot.yaml"
+    config.write_text("robot_site:\n  start_delay: 4\n")
+    known = ["--parameters", arguments.parameters] if arguments.parameters else []
+    tracked = ["--tracked", arguments.tracked] if arguments.tracked else []
+    robot = subprocess.Popen(
+        [str(word) for word in [arguments.pcavr, "robot-site", arguments.scene, "--recording",
+                                arguments.recording, *tracked, *known, "--port", 0, "--log", log,
+                                "--config", config, "--json"]], stdout=subprocess.PIPE, text=True)
+    try:
+        port = json.loads(robot.stdout.readline())["port"]
+        person = run(arguments.pcavr, "operator-site", arguments.scene, "--trace",
+                     arguments.recording, *known, "--port", port, "--seed", arguments.seed, *link)
+        robot_report = json.loads(robot.communicate(timeout=60)[0])
+    finally:
+        robot.kill()
+    run(arguments.pcavr, "replay", log, "--scene", arguments.scene, "-o", folder / "run", "--force")
+    report = run(arguments.pcavr, "evaluate", folder / "run", "--truth",
+                 arguments.recording / "truth", "-o", folder / "report", "--force")
+    return report, robot_report, person
+
+
+def node_error(report, node, site):
+    truth, found = (report.get(f"nodes.{node}.{key}_s") for key in ("truth", site))
+    return "missed" if found is None else f"{1e3 * (found - truth):+.0f}"
+
+
+def table(reports):
+    nodes = [key.split(".")[1] for key in reports[0][0] if key.endswith(".truth_s")]
+    yield ["", *(f"{link} link, {site}" for link in ("good", "bad")
+                 for site in ("operator", "robot"))]
+    for node in nodes:
+        event = reports[0][0][f"nodes.{node}.event"]
+        yield [f"{node} {event} [ms]", *(node_error(report, node, site) for report, _, _ in reports
+                                         for site in ("predicted", "measured"))]
+    for name in ("median", "p95"):
+        yield [f"sliding error, {name} [mm]",
+               *(cell for report, _, _ in reports
+                 for cell in (f"{1e3 * report[f'{SLIDING}{name}_m']:.3f}", ""))]
+    yield ["corrections", *(cell for _, robot, person in reports
+                            for cell in (person["corrections"], len(robot["corrections"])))]
+    yield ["bytes of streaming [%]",
+           *(cell for _, robot, _ in reports
+             for cell in ("", f"{100 * robot['correction_bytes'] / robot['streaming_bytes']:.2f}"))]
+    yield ["sessions", *(cell for _, robot, person in reports
+                         for cell in (person["sessions"], robot["sessions"]))]
+    yield ["lead [ms]", *(cell for _, _, person in reports
+                          for cell in (f"{1e3 * person['lead_s']:.0f}", ""))]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("recording", type=pathlib.Path)
+    parser.add_argument("--scene", required=True)
+    parser.add_argument("--pcavr", required=True)
+    parser.add_argument("--tracked")
+    parser.add_argument("--parameters")
+    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/two_sites"))
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    reports = [live_report(arguments, "good", GOOD), live_report(arguments, "bad", BAD)]
+    for first, *cells in table(reports):
+        print(f"{first:28}", *(f"{cell!s:>20}" for cell in cells))
+
+
+if __name__ == "__main__":
+    main()

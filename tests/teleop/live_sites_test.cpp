@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/teleop/live_sites.hpp"
+
+#include <deque>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+
+#include "teleop/plant_input.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Adds the samples of a recording that have arrived, in whatever batches the site runs.
+class Samples {
+ public:
+  explicit Samples(const TeleopInput& input) : input_(input), tracked_(input.objects.size()) {}
+
+  void add(double now, double tracking_latency, LiveRobotSite& site) {
+    site.set_arrival(now);
+    for (; tool_ < input_.t_tool.size() && input_.t_tool[tool_] <= now; ++tool_) {
+      site.add_tool(input_.t_tool[tool_], input_.p_base_tip[tool_], Eigen::Quaterniond::Identity());
+    }
+    for (; force_ < input_.t_force.size() && input_.t_force[force_] <= now; ++force_) {
+      site.add_wrench(input_.t_force[force_], input_.force_base[force_]);
+    }
+    for (std::size_t i = 0; i < tracked_.size(); ++i) {
+      const std::vector<TrackedPose>& tracked = input_.objects[i].tracked;
+      for (; tracked_[i] < tracked.size() && tracked[tracked_[i]].t + tracking_latency <= now;
+           ++tracked_[i]) {
+        site.add_tracked(i, tracked[tracked_[i]]);
+      }
+    }
+  }
+
+ private:
+  const TeleopInput& input_;
+  std::size_t tool_ = 0;
+  std::size_t force_ = 0;
+  std::vector<std::size_t> tracked_;
+};
+
+/// Both live sites. The robot's runs every 1 to `max_cycles` cycles, `late` [s] after the last of
+/// them. A correction is in each command from `delay` [s] after its composition on.
+std::vector<SentCorrection> run_live(const TeleopInput& input, const TeleopOptions& options,
+                                     double delay, std::size_t max_cycles, double late) {
+  RecordedCommand command = RecordedCommand::create(input, options).value();
+  const double start = command.start();
+  auto robot = LiveRobotSite::create(input, options, start).value();
+  auto person = LiveOperatorSite::create(input, options, start, command.p_base_tip(0)).value();
+  Samples samples(input);
+  std::deque<LiveCorrection> in_flight;
+  std::vector<SentCorrection> sent;
+  std::vector<LinkPrediction> predictions;
+  Random random(5);
+  for (std::size_t k = 1; k <= command.cycles();) {
+    const std::size_t end = k + 1 + random.below(max_cycles);
+    double t = 0.0;
+    for (; k < end && k <= command.cycles(); ++k) {
+      t = start + options.predictor.step * static_cast<double>(k);
+      for (; !in_flight.empty() && in_flight.front().due <= t; in_flight.pop_front()) {
+        EXPECT_TRUE(person.apply(in_flight.front().sent.t, in_flight.front().bytes));
+      }
+      person.step(command.p_base_tip(k), command.a_base_tip(k));
+      person.get_predictions(predictions);
+      robot.add_predictions(t + 3e-10, predictions, delay);  // as the shared clock rounds it
+    }
+    samples.add(t + late, options.pose.tracking_latency, robot);
+    for (LiveCorrection& correction : robot.advance(t + late)) {
+      sent.push_back(correction.sent);
+      in_flight.push_back(std::move(correction));
+    }
+  }
+  return sent;
+}
+
+void expect_same(const std::vector<SentCorrection>& live,
+                 const std::vector<SentCorrection>& replayed) {
+  ASSERT_EQ(live.size(), replayed.size());
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    EXPECT_NEAR(live[i].t, replayed[i].t, 1e-5) << i;  // the unit of time in a message
+    EXPECT_EQ(live[i].object, replayed[i].object) << i;
+    EXPECT_EQ(live[i].which, replayed[i].which) << i;
+    EXPECT_EQ(live[i].what, replayed[i].what) << i;
+  }
+}
+
+TEST(LiveSites, SendTheCorrectionsOfAReplayHoweverLateTheyRun) {
+  const PlantInput made = plant_input(3, false);
+  TeleopOptions options;
+  options.backward_delay = 0.2005;  // the commands' times don't decide by their last digit
+  const TeleopRun replayed = run_teleop(made.input, options).value();
+  ASSERT_GT(replayed.corrections.size(), 5U);
+  expect_same(run_live(made.input, options, options.round_trip(), 1, 0.0), replayed.corrections);
+  expect_same(run_live(made.input, options, options.round_trip(), 60, 0.1), replayed.corrections);
+}
+
+// The delay is that of the session, whatever the robot site's own options expect.
+TEST(LiveSites, CountWithTheDelayThatCommandsState) {
+  const PlantInput made = plant_input(3, false);
+  TeleopOptions slow;
+  slow.forward_delay = 0.3;
+  slow.backward_delay = 0.2505;
+  const TeleopRun replayed = run_teleop(made.input, slow).value();
+  TeleopOptions robot = slow;
+  robot.forward_delay = 0.2;
+  robot.backward_delay = 0.2;
+  expect_same(run_live(made.input, robot, slow.round_trip(), 20, 0.01), replayed.corrections);
+}
+
+// A sensor whose clock is a minute ahead is used when its samples arrive.
+TEST(LiveSites, TakeSamplesWithAWrongClockAsTheyCome) {
+  const PlantInput made = plant_input(3, false);
+  LiveRobotSite site = LiveRobotSite::create(made.input, {}, 0.0).value();
+  const std::vector<LinkPrediction> predictions(made.input.objects.size());
+  site.set_arrival(0.001);
+  site.add_wrench(60.001, Eigen::Vector3d::Zero());
+  site.add_predictions(0.001, predictions);
+  EXPECT_TRUE(site.advance(0.001).empty());
+  EXPECT_GT(site.streaming_bytes(), 0U);
+}
+
+}  // namespace
+}  // namespace pcavr
