@@ -15,15 +15,15 @@
 namespace pcavr {
 namespace {
 
-constexpr int kViscousSteps = 40;      // of the prior's range, then again of the posterior's
-constexpr double kRefinedRange = 5.0;  // in stds of the posterior, on either side
+constexpr int kViscousSteps = 40;         // of the prior's range, then again of the posterior's
+constexpr double kRefinedRange = 5.0;     // in stds of the posterior, on either side
 constexpr int kGuessedViscousSteps = 10;  // while samples are weighed
 // The scatter, in stds of the prior's logarithm. Not below its range: a model of friction is not
 // better than half a per cent. Tables with ten per cent occur, and an end before that is a clamp.
 constexpr int kScatterSteps = 7;
 constexpr double kLeastScatter = -1.6, kMostScatter = 3.2;
-constexpr int kCorrelationSteps = 3;   // from 0 to the prior's largest
-constexpr double kMaxResidual = 2.5;   // in stds; beyond it a sample's std grows with its residual
+constexpr int kCorrelationSteps = 3;  // from 0 to the prior's largest
+constexpr double kMaxResidual = 2.5;  // in stds; beyond it a sample's std grows with its residual
 constexpr int kFrictionReweightings = 3;
 constexpr double kMaxPosteriorMassStd = 0.1;  // as a share of the mass
 constexpr double kTurningInertia = 0.5;    // error of the inertial force of a turning object, share
@@ -228,9 +228,8 @@ class Inference {
     const double log_information = 2.0 * lower.diagonal().array().log().sum();
     const double prior_misfit =
         std::pow(scatter_in_stds(between), 2) + std::pow(scatter_in_stds(within), 2);
-    result.log_weight =
-        -0.5 * (equations.misfit - equations.weighted.dot(result.mean) + equations.log_determinant +
-                log_information + prior_misfit);
+    result.log_weight = -0.5 * (equations.misfit - equations.weighted.dot(result.mean) +
+                                equations.log_determinant + log_information + prior_misfit);
     return result;
   }
 
@@ -268,7 +267,8 @@ class Inference {
     std::vector<double> sums(pushes_, 0.0), weights(pushes_, 0.0);
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const FrictionSample& sample = samples_[i];
-      residuals.push_back(value_of(sample, best.viscous) - row_of(sample, best.viscous).dot(best.mean));
+      residuals.push_back(value_of(sample, best.viscous) -
+                          row_of(sample, best.viscous).dot(best.mean));
       const double weight = 1.0 / variance_of(i, best.viscous, best.within);
       sums[sample.push] += weight * residuals.back();
       weights[sample.push] += weight;
