@@ -21,7 +21,7 @@ constexpr int kGuessedViscousSteps = 10;  // while samples are weighed
 // The scatter, in stds of the prior's logarithm. Not below its range: a model of friction is not
 // better than half a per cent. Tables with ten per cent occur, and an end before that is a clamp.
 constexpr int kScatterSteps = 7;
-constexpr double kLeastScatter = -1.6, kMostScatter = 3.2;
+constexpr double kMinScatter = -1.6, kMaxScatter = 3.2;
 constexpr int kCorrelationSteps = 3;  // from 0 to the prior's largest
 constexpr double kMaxResidual = 2.5;  // in stds; beyond it a sample's std grows with its residual
 constexpr int kFrictionReweightings = 3;
@@ -254,7 +254,7 @@ class Inference {
   [[nodiscard]] double scatter_at(int step) const {
     const double share = static_cast<double>(step) / (kScatterSteps - 1);
     return priors_.scatter *
-           std::pow(priors_.scatter_factor, kLeastScatter + share * (kMostScatter - kLeastScatter));
+           std::pow(priors_.scatter_factor, kMinScatter + share * (kMaxScatter - kMinScatter));
   }
   [[nodiscard]] double scatter_in_stds(double scatter) const {
     return std::log(scatter / priors_.scatter) / std::log(priors_.scatter_factor);

@@ -131,13 +131,14 @@ std::vector<FrictionSample> scattered_pushes(const Body& body, int count, double
   return all;
 }
 
-Scores scores_of_scattered(double scatter, double kept, std::uint64_t seed) {
+Scores scores_of_scattered(double scatter, double kept, std::uint64_t seed,
+                           const FrictionPriors& priors = {}) {
   Random random(seed);
   Scores scores;
   for (int i = 0; i < 25; ++i) {
     const Body body = random_body(random);
     const FrictionPosterior found =
-        infer_friction(scattered_pushes(body, 10, scatter, kept, random));
+        infer_friction(scattered_pushes(body, 10, scatter, kept, random), priors);
     for (const SlidingForce& row : found.sliding_force) {
       scores.add({row.force, row.std, true}, body.coulomb + body.viscous * row.speed);
     }
@@ -149,8 +150,15 @@ TEST(FrictionPosterior, CoversFrictionThatDiffersByATenthFromPushToPush) {
   expect_coverage(scores_of_scattered(0.10, 0.0, 74), "scattered");
 }
 
-TEST(FrictionPosterior, CoversFrictionThatDriftsFromPushToPush) {
-  expect_coverage(scores_of_scattered(0.04, 0.9, 75), "drifting");
+TEST(FrictionPosterior, IsLessSureOfFrictionThatDriftsFromPushToPush) {
+  FrictionPriors independent;
+  independent.push_correlation = 0.0;
+  const Scores without = scores_of_scattered(0.03, 0.8, 75, independent);
+  const Scores scores = scores_of_scattered(0.03, 0.8, 75);
+  EXPECT_LT(scores.worst(), 0.75 * without.worst());
+  EXPECT_LT(scores.worst(), 5.0);
+  EXPECT_GE(scores.share_within(2.0), 0.85);
+  EXPECT_LT(without.share_within(2.0), 0.85);
 }
 
 TEST(FrictionPosterior, IsLessSureOfTheMassWhereTheComplianceIsNotKnown) {

@@ -25,7 +25,9 @@ struct Samples {
   NormalEquations<2> equations;
 
   explicit Samples(int count)
-      : rows(kPerPush * count, 2), values(kPerPush * count), pushes(static_cast<std::size_t>(count)) {
+      : rows(kPerPush * count, 2),
+        values(kPerPush * count),
+        pushes(static_cast<std::size_t>(count)) {
     Random random(5);
     for (int i = 0; i < kPerPush * count; ++i) {
       rows.row(i) << 1.0, random.normal();

@@ -93,7 +93,8 @@ TEST(IdentifyMany, FindsTheFrictionRadiusOfBoxes) {
 LimitSurface surface_of_support(const IdentifiableObject& object, double radius) {
   ObjectParameters known;
   known.friction_radius = ParameterValue{radius, {}};
-  return *complete_physics(known, object.model, object.T_base_object).physics.limit_surface;
+  const Pose& T_base_object = object.tracked.front().T_base_object;
+  return *complete_physics(known, object.model, T_base_object).physics.limit_surface;
 }
 
 TEST(IdentifyMany, FitsTheLimitSurfaceAboutThatOfTheSupport) {
@@ -147,8 +148,15 @@ TEST(IdentifyMany, WithholdsTheContactLawWhereMostPushesTurnTheObject) {
   ASSERT_TRUE(straight.has_value()) << straight.error().to_string();
   ASSERT_TRUE(turning.has_value()) << turning.error().to_string();
   EXPECT_TRUE(straight->objects[0].parameters.contact_stiffness.has_value());
-  EXPECT_FALSE(turning->objects[0].parameters.contact_stiffness.has_value());
-  EXPECT_TRUE(turning->objects[0].is_contact_off_centre);
+  // Neither off the centre, nor below the sliding friction.
+  for (const IdentifiedContact& contact : turning->contacts) {
+    if (contact.object != 0U) continue;
+    EXPECT_LT(std::abs(contact.lever), 0.01);
+  }
+  const ObjectIdentification& turned = turning->objects[0];
+  EXPECT_GT(turned.limit_of_pushes.limit.value, turned.friction.coulomb.value);
+  EXPECT_FALSE(turned.parameters.contact_stiffness.has_value());
+  EXPECT_TRUE(turned.is_contact_off_centre);
 }
 
 }  // namespace
