@@ -4,14 +4,15 @@
 """Do the stated standard deviations of `pcavr identify` cover the truth?
 
     bench/coverage.py --plants PLANTS --pcavr build/test/apps/pcavr/pcavr [--kinds push,probe]
-                      [--seeds 1-3] [--work out/coverage] [--each]
+                      [--seeds 1-3] [--work out/coverage] [--each] [--also KEY=VALUE]
 
 PLANTS holds recordings named KIND-SEED, each with truth/parameters.yaml and, where it was tracked,
 tracked/. For each kind of motion and each parameter: how often it was identified and withheld, the
 median and the worst relative error, the share of truths within 1, 2 and 3 stated standard
 deviations, the median and the worst |z|. `sliding_force` is the friction at each speed that the
 report states, against mu m g + B v; `contact.force` the contact law's force at the penetration that
-the true limiting friction causes (no standard deviation is stated for it). Needs only python3.
+the true limiting friction causes (no standard deviation is stated for it). `--also` gives what all
+bodies have and their files do not state, such as tool_friction_coefficient=0.25. Needs only python3.
 
 Choose constants on some seeds, judge on others, and say which.
 """
@@ -26,7 +27,8 @@ import sys
 
 GRAVITY = 9.80665  # [m/s^2]
 PARAMETERS = ("mass", "limiting_static_friction", "sliding_friction_coefficient", "viscous_friction",
-              "contact.stiffness", "contact.damping", "contact.exponent")
+              "friction_radius", "tool_friction_coefficient", "contact.stiffness",
+              "contact.damping", "contact.exponent")
 
 
 def read_truth(file):
@@ -147,6 +149,7 @@ def main():
     parser.add_argument("--kinds", default="push,probe,press,offcentre")
     parser.add_argument("--seeds", type=seeds_of, help="such as 1-3; all without it")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/coverage"))
+    parser.add_argument("--also", type=lambda text: text.split("="), action="append", default=[])
     parser.add_argument("--each", action="store_true", help="print each recording's values")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
@@ -163,6 +166,7 @@ def main():
                 failures.append(f"{folder.name}: {error}")
                 continue
             for name, truth in read_truth(folder / "truth" / "parameters.yaml").items():
+                truth.update({key: float(value) for key, value in arguments.also})
                 score_object(report, name, truth, folder.name, scores)
                 if arguments.each:
                     print_values(folder.name, report, name, truth)

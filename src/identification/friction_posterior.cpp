@@ -10,14 +10,20 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
 
+#include "identification/push_effects.hpp"
+
 namespace pcavr {
 namespace {
 
-constexpr int kViscousSteps = 40;      // of the prior's range, then again of the posterior's
-constexpr double kRefinedRange = 5.0;  // in stds of the posterior, on either side
-constexpr int kScatterSteps = 5;
-constexpr double kScatterRange = 1.6;  // in stds of the prior's logarithm, on either side
-constexpr double kMaxResidual = 2.5;   // in stds; beyond it a sample's std grows with its residual
+constexpr int kViscousSteps = 40;         // of the prior's range, then again of the posterior's
+constexpr double kRefinedRange = 5.0;     // in stds of the posterior, on either side
+constexpr int kGuessedViscousSteps = 10;  // while samples are weighed
+// The scatter, in stds of the prior's logarithm. Not below its range: a model of friction is not
+// better than half a per cent. Tables with ten per cent occur, and an end before that is a clamp.
+constexpr int kScatterSteps = 7;
+constexpr double kMinScatter = -1.6, kMaxScatter = 3.2;
+constexpr int kCorrelationSteps = 3;  // from 0 to the prior's largest
+constexpr double kMaxResidual = 2.5;  // in stds; beyond it a sample's std grows with its residual
 constexpr int kFrictionReweightings = 3;
 constexpr double kMaxPosteriorMassStd = 0.1;  // as a share of the mass
 constexpr double kTurningInertia = 0.5;    // error of the inertial force of a turning object, share
@@ -28,9 +34,11 @@ constexpr double kMinRowSpeed = 1e-4;      // [m/s]
 constexpr double kGuessedFriction = 0.3;   // coefficient, for a first guess of the mass
 
 /// Unknowns in closed form.
-enum Column { kCoulomb, kMass, kStribeck, kSize, kColumns };
+enum Column { kCoulomb, kMass, kStribeck, kSize, kCompliance, kColumns };
 using Unknowns = Eigen::Matrix<double, kColumns, 1>;
 using Information = Eigen::Matrix<double, kColumns, kColumns>;
+using PushSums = detail::PushSums<kColumns>;
+using NormalEquations = detail::NormalEquations<kColumns>;
 
 /// The posterior at one grid point: Gaussian in the unknowns, with its log evidence.
 struct Conditional {
@@ -105,16 +113,16 @@ class Inference {
   Posterior solve() {
     ViscousRange range{0.0, priors_.max_viscous};
     for (int i = 0; i < kFrictionReweightings; ++i) {
-      const Posterior posterior(evaluate_grid(range));
+      const Posterior posterior(evaluate_grid(range, kGuessedViscousSteps));
       reweight(posterior.best());
     }
-    const Posterior coarse(evaluate_grid(range));
+    const Posterior coarse(evaluate_grid(range, kViscousSteps));
     const PosteriorMoments viscous = coarse.of(Unknowns::Zero(), 1.0);
     const double step = priors_.max_viscous / kViscousSteps;
     const double reach = kRefinedRange * std::max(std::sqrt(viscous.variance), 0.3 * step);
     range.low = std::max(range.low, viscous.mean - reach);
     range.high = std::min(range.high, viscous.mean + reach);
-    return Posterior(evaluate_grid(range));
+    return Posterior(evaluate_grid(range, kViscousSteps));
   }
 
   [[nodiscard]] std::size_t pushes() const { return pushes_; }
@@ -122,10 +130,12 @@ class Inference {
   [[nodiscard]] const FrictionPriors& priors() const { return priors_; }
 
  private:
-  [[nodiscard]] Unknowns row_of(const FrictionSample& sample) const {
+  [[nodiscard]] Unknowns row_of(const FrictionSample& sample, double viscous) const {
+    const double inertial = sample.is_turning ? 0.0 : mass_guess_ * sample.acceleration_change;
     Unknowns row;
     row << 1.0, sample.is_turning ? 0.0 : sample.acceleration,
-        level_ * std::exp(-sample.speed / priors_.stribeck_speed), level_ * sample.rotation_share;
+        level_ * std::exp(-sample.speed / priors_.stribeck_speed), level_ * sample.rotation_share,
+        inertial + viscous * sample.speed_change;
     return row;
   }
 
@@ -157,7 +167,7 @@ class Inference {
     const double mass_std =
         priors_.mass ? priors_.mass_share * *priors_.mass : kFlatPriorShare * mass_scale_;
     information << std::pow(kFlatPriorShare * level_, -2), std::pow(mass_std, -2),
-        std::pow(priors_.stribeck_share, -2), std::pow(priors_.support_size_share, -2);
+        std::pow(priors_.stribeck_share, -2), std::pow(priors_.support_size_share, -2), 1.0;
     return information.asDiagonal();
   }
   [[nodiscard]] Unknowns prior_mean() const {
@@ -167,71 +177,84 @@ class Inference {
     return mean;
   }
 
-  [[nodiscard]] Conditional condition(double viscous, double between, double within) const {
+  /// All samples at one viscous friction and scatter within pushes.
+  struct Totals {
+    NormalEquations equations;
+    std::vector<PushSums> pushes;
+    double attenuation = 0.0;  ///< of the accelerations' information by their noise
+  };
+  [[nodiscard]] Totals totals_at(double viscous, double within) const {
+    Totals totals;
     const Information prior = prior_information();
-    Information information = prior;
-    Unknowns weighted = prior * prior_mean();
-    double misfit = prior_mean().dot(weighted), log_determinant = 0.0, attenuation = 0.0;
-    const double push_variance = std::pow(between * level_, 2) + std::pow(priors_.bias_std, 2);
-    for (std::size_t i = 0; i < samples_.size();) {
-      const std::size_t push = samples_[i].push;
-      Unknowns sum_row = Unknowns::Zero();
-      double sum = 0.0, sum_value = 0.0;
-      for (; i < samples_.size() && samples_[i].push == push; ++i) {
-        const double weight = 1.0 / variance_of(i, viscous, within);
-        const Unknowns row = row_of(samples_[i]);
-        const double value = value_of(samples_[i], viscous);
-        information += weight * row * row.transpose();
-        weighted += weight * value * row;
-        misfit += weight * value * value;
-        log_determinant -= std::log(weight);
-        if (!samples_[i].is_turning) {
-          attenuation += weight * std::pow(samples_[i].acceleration_std, 2);
-        }
-        sum_row += weight * row;
-        sum += weight;
-        sum_value += weight * value;
+    NormalEquations& equations = totals.equations;
+    equations.information = prior;
+    equations.weighted = prior * prior_mean();
+    equations.misfit = prior_mean().dot(equations.weighted);
+    totals.pushes.resize(pushes_);
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      const double weight = 1.0 / variance_of(i, viscous, within);
+      const Unknowns row = row_of(samples_[i], viscous);
+      const double value = value_of(samples_[i], viscous);
+      equations.information += weight * row * row.transpose();
+      equations.weighted += weight * value * row;
+      equations.misfit += weight * value * value;
+      equations.log_determinant -= std::log(weight);
+      if (!samples_[i].is_turning) {
+        totals.attenuation += weight * std::pow(samples_[i].acceleration_std, 2);
       }
-      // The push's own random effect, marginalised [Woodbury].
-      const double share = 1.0 / (1.0 / push_variance + sum);
-      information -= share * sum_row * sum_row.transpose();
-      weighted -= share * sum_value * sum_row;
-      misfit -= share * sum_value * sum_value;
-      log_determinant += std::log1p(push_variance * sum);
+      PushSums& push = totals.pushes[samples_[i].push];
+      push.weight += weight;
+      push.row += weight * row;
+      push.value += weight * value;
     }
+    return totals;
+  }
+
+  [[nodiscard]] Conditional condition(const Totals& totals, double viscous, double between,
+                                      double within, double correlation) const {
+    NormalEquations equations = totals.equations;
+    detail::marginalise_pushes(totals.pushes, {priors_.bias_std, between * level_, correlation},
+                               equations);
     // The noise of the accelerations adds to their squares, not to their products with the force.
     // At most half of what the others leave of it, so that a noise that is misjudged does no harm.
+    Information& information = equations.information;
     const Information inverse = information.llt().solve(Information::Identity());
-    const double excess = 1.0 / inverse(kMass, kMass) - prior(kMass, kMass);
-    information(kMass, kMass) -= std::clamp(attenuation, 0.0, std::max(0.5 * excess, 0.0));
+    const double excess = 1.0 / inverse(kMass, kMass) - prior_information()(kMass, kMass);
+    information(kMass, kMass) -= std::clamp(totals.attenuation, 0.0, std::max(0.5 * excess, 0.0));
     const Eigen::LLT<Information> factor(information);
-    Conditional result{viscous, between, within, factor.solve(weighted),
+    Conditional result{viscous, between, within, factor.solve(equations.weighted),
                        factor.solve(Information::Identity())};
     const Information lower = factor.matrixL();
     const double log_information = 2.0 * lower.diagonal().array().log().sum();
     const double prior_misfit =
         std::pow(scatter_in_stds(between), 2) + std::pow(scatter_in_stds(within), 2);
-    result.log_weight = -0.5 * (misfit - weighted.dot(result.mean) + log_determinant +
-                                log_information + prior_misfit);
+    result.log_weight = -0.5 * (equations.misfit - equations.weighted.dot(result.mean) +
+                                equations.log_determinant + log_information + prior_misfit);
     return result;
   }
 
-  [[nodiscard]] std::vector<Conditional> evaluate_grid(const ViscousRange& range) const {
+  [[nodiscard]] std::vector<Conditional> evaluate_grid(const ViscousRange& range,
+                                                       int viscous_steps) const {
     std::vector<Conditional> grid;
-    for (int s = 0; s < kScatterSteps * kScatterSteps; ++s) {
-      const double between = scatter_at(s / kScatterSteps);
-      const double within = scatter_at(s % kScatterSteps);
-      for (int b = 0; b < kViscousSteps; ++b) {
-        const double viscous = range.low + (range.high - range.low) * (b + 0.5) / kViscousSteps;
-        grid.push_back(condition(viscous, between, within));
+    for (int w = 0; w < kScatterSteps; ++w) {
+      for (int b = 0; b < viscous_steps; ++b) {
+        const double viscous = range.low + (range.high - range.low) * (b + 0.5) / viscous_steps;
+        const Totals totals = totals_at(viscous, scatter_at(w));
+        for (int s = 0; s < kScatterSteps * kCorrelationSteps; ++s) {
+          const double correlation =
+              priors_.push_correlation * (s % kCorrelationSteps) / (kCorrelationSteps - 1);
+          grid.push_back(condition(totals, viscous, scatter_at(s / kCorrelationSteps),
+                                   scatter_at(w), correlation));
+        }
       }
     }
     return grid;
   }
 
   [[nodiscard]] double scatter_at(int step) const {
-    const double position = 2.0 * step / (kScatterSteps - 1) - 1.0;
-    return priors_.scatter * std::pow(priors_.scatter_factor, kScatterRange * position);
+    const double share = static_cast<double>(step) / (kScatterSteps - 1);
+    return priors_.scatter *
+           std::pow(priors_.scatter_factor, kMinScatter + share * (kMaxScatter - kMinScatter));
   }
   [[nodiscard]] double scatter_in_stds(double scatter) const {
     return std::log(scatter / priors_.scatter) / std::log(priors_.scatter_factor);
@@ -244,7 +267,8 @@ class Inference {
     std::vector<double> sums(pushes_, 0.0), weights(pushes_, 0.0);
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const FrictionSample& sample = samples_[i];
-      residuals.push_back(value_of(sample, best.viscous) - row_of(sample).dot(best.mean));
+      residuals.push_back(value_of(sample, best.viscous) -
+                          row_of(sample, best.viscous).dot(best.mean));
       const double weight = 1.0 / variance_of(i, best.viscous, best.within);
       sums[sample.push] += weight * residuals.back();
       weights[sample.push] += weight;

@@ -238,6 +238,10 @@ constexpr auto kFrictionPriorFields = std::to_array<OptionField<FrictionPriors>>
     {"scatter_factor", &FrictionPriors::scatter_factor, 2.0, 1.01, 100.0, "",
      "factor by which that std may differ from its median: one std of its logarithm",
      "lower: the data can't correct the median; higher: two pushes alone decide it"},
+    // Friction drifts as surfaces wear, warm up and gather dust.
+    {"push_correlation", &FrictionPriors::push_correlation, 0.9, 0.0, 0.999, "",
+     "maximum correlation of the friction of successive pushes; as likely as 0 and its half",
+     "lower: many pushes seem to average out friction that drifts; higher: few pushes say less"},
     {"correlation_path", &FrictionPriors::correlation_path, 0.020, 1e-4, 1.0, "m",
      "travel over which friction varies with the place",
      "lower: samples of one place count as independent; higher: long slides count for little"},

@@ -150,11 +150,15 @@ struct Cleaned {
   double free_time;   ///< [s] see SegmentationOptions
 };
 
-/// Std of the tip along `direction` where it is interpolated at the times `t`: that of the tip's
-/// own samples, less what the mean of two neighbours averages out. Differences of the interpolated
-/// signal would show a smaller one, or none where the tip's rate is lower than the force's.
-std::optional<double> interpolated_noise(const PathView& tip, const Eigen::Vector3d& direction,
-                                         const std::vector<double>& t) {
+struct TipNoise {
+  double own = 0.0;           ///< [m] std of the tip's samples
+  double interpolated = 0.0;  ///< where it is interpolated: two neighbours average out
+};
+
+/// Of the tip along `direction` at the times `t`. Differences of the interpolated signal would show
+/// a smaller one, or none where the tip's rate is lower than the force's.
+std::optional<TipNoise> noise_of(const PathView& tip, const Eigen::Vector3d& direction,
+                                 const std::vector<double>& t) {
   constexpr std::ptrdiff_t kMinSamples = 20;
   if (t.empty()) return std::nullopt;
   const std::span<const double> t_tip = tip.t();
@@ -174,13 +178,14 @@ std::optional<double> interpolated_noise(const PathView& tip, const Eigen::Vecto
     const double weight = (at - *(next - 1)) / (*next - *(next - 1));
     share += weight * weight + (1.0 - weight) * (1.0 - weight);
   }
-  return estimate_noise_std(samples) * std::sqrt(share / static_cast<double>(t.size()));
+  const double own = estimate_noise_std(samples);
+  return TipNoise{own, own * std::sqrt(share / static_cast<double>(t.size()))};
 }
 
 /// Tool and force along `direction` at the force's timestamps in [from, to].
 struct Along {
   std::vector<double> t, tool, force;
-  std::optional<double> tool_noise;
+  std::optional<TipNoise> noise;
 
   Along(const Cleaned& all, const Eigen::Vector3d& direction, double from, double to) {
     for (std::size_t i = 0; i < all.t.size(); ++i) {
@@ -190,14 +195,16 @@ struct Along {
       tool.push_back(all.tip.at(all.t[i]).dot(direction));
       force.push_back(all.force[i].dot(direction));
     }
-    tool_noise = interpolated_noise(all.tip, direction, t);
+    noise = noise_of(all.tip, direction, t);
   }
   /// Moves the series to the episode.
   void move_to(ContactEpisode& episode) {
     episode.t = std::move(t);
     episode.tool = std::move(tool);
     episode.force = std::move(force);
-    episode.tool_noise = tool_noise;
+    if (!noise) return;
+    episode.tip_noise = noise->own;
+    episode.tool_noise = noise->interpolated;
   }
 };
 

@@ -25,6 +25,32 @@ constexpr double kRateDuration = 0.10;  // [s]
 constexpr double kMaxNoise = 0.01;  // smoothed noise over force: a third of the drop after a peak
 constexpr double kMaxHalfWidth = 0.030;  // [s] half width; the peak is wider than that
 
+/// Relative std of the compliance by a line through a push's loading, of a law with an exponent of
+/// 1 to 2.
+constexpr double kLoadingLineStd = 0.3;
+
+/// Relative std of the compliance d / (n F) of a contact under `force`, by d = (F / k)^(1/n):
+/// beyond the forces of the presses, d follows from the exponent.
+double compliance_std(const ObjectIdentification& object, double pressed, double force) {
+  const ObjectParameters& known = object.parameters;
+  if (!known.contact_stiffness) return kLoadingLineStd;
+  const ParameterValue exponent = known.contact_exponent.value_or(ParameterValue{1.0, {}});
+  const double n = exponent.value;
+  const ContactFit& fit = object.presses.best();
+  const double stiffness_std = known.contact_stiffness->std.value_or(0.0);
+  const double penetration_std =
+      fit.is_valid ? fit.penetration_std : stiffness_std / (n * known.contact_stiffness->value);
+  const double beyond = pressed > 0.0 ? std::max(0.0, std::log(force / pressed)) : 0.0;
+  return std::hypot(penetration_std, exponent.std.value_or(0.0) / n * (1.0 + beyond / n));
+}
+
+double largest_force(const std::vector<IdentifiedContact*>& contacts) {
+  double largest = 0.0;
+  for (const IdentifiedContact* one : contacts)
+    largest = std::max(largest, one->episode.peak_force);
+  return largest;
+}
+
 /// Mass, friction and damping of all slides: with the mass that was weighed, and without.
 struct SlidesPosterior {
   FrictionPosterior joint;
@@ -34,9 +60,7 @@ struct SlidesPosterior {
 };
 
 SlidesPosterior infer(const std::vector<FrictionSample>& samples, std::optional<double> given_mass,
-                      const IdentificationOptions& options) {
-  FrictionPriors priors = options.friction_priors;
-  priors.gravity = options.sliding.gravity;
+                      FrictionPriors priors) {
   SlidesPosterior result{infer_friction(samples, priors), {}, false};
   const IdentifiedParameter& mass = result.inertial_mass = result.joint.mass;
   const bool is_contradicted = given_mass && mass.is_excited &&
@@ -255,9 +279,14 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
     sliding.mass = known_mass;
     result.sliding = identify_sliding(slides, *contact_law, sliding);
   }
+  const double pressed = largest_force(contacts_of(contacts, object, true));
+  const ContactCompliance compliance{contact_law,
+                                     compliance_std(result, pressed, largest_force(all))};
+  FrictionPriors priors = options.friction_priors;
+  priors.gravity = options.sliding.gravity;
   result.slide_samples =
-      friction_samples(body.tracked.empty() ? pushes : all, contact_law, body, tip, tool_radius);
-  take_sliding(infer(result.slide_samples, known_mass, options), given_mass, result);
+      friction_samples(body.tracked.empty() ? pushes : all, compliance, body, tip, tool_radius);
+  take_sliding(infer(result.slide_samples, known_mass, priors), given_mass, result);
   find_limits(pushes, contact_law, options, result);
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {
     result.is_contact_off_centre = true;

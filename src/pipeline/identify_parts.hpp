@@ -61,7 +61,7 @@ void check_press_lines(std::vector<IdentifiedContact>& contacts, std::size_t obj
 /// Pushes that turn the object; needs tracking.
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const BodyMotion& body, const PathView& tip, double tool_radius,
-                         ObjectIdentification& result);
+                         const IdentificationOptions& options, ObjectIdentification& result);
 
 /// Friction between tip and object, where the tip slid along one flat face, as in a slot, an
 /// oblique hole or a push beside the centre, at any speed: the force along the slip over that along

@@ -10,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include "pcavr/core/median.hpp"
 #include "pcavr/geometry/convex_hull.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
@@ -115,12 +116,25 @@ class TrackedMotion {
 struct SmoothSlide {
   double half_width = 0.0, interval = 0.0;
   double speed_std = 0.0, acceleration_std = 0.0, force_std = 0.0;
+  double compliance_std = 0.0;  ///< relative
   std::vector<SmoothedSample> object, tool, compression, force;
   std::array<std::vector<SmoothedSample>, 2> force_base;
 };
 
-SmoothSlide smooth_slide(const IdentifiedContact& contact,
-                         const std::optional<HuntCrossley>& contact_law, double tool_interval) {
+/// [m] of the compression, by that of the force: the contact's damping hides it from differences of
+/// successive samples.
+double compression_noise(const std::vector<double>& depth, const std::vector<double>& force,
+                         double exponent) {
+  std::vector<double> compliances;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    if (force[i] > 0.0 && depth[i] > 0.0) compliances.push_back(depth[i] / (exponent * force[i]));
+  }
+  return compliances.empty() ? 0.0 : median(std::move(compliances)) * estimate_noise_std(force);
+}
+
+SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactCompliance& compliance,
+                         double tool_interval) {
+  const std::optional<HuntCrossley>& contact_law = compliance.law;
   const ContactEpisode& episode = contact.episode;
   SmoothSlide push;
   push.interval = mean_interval(episode.t);
@@ -136,11 +150,15 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact,
   for (std::size_t i = 0; i < force.size(); ++i) object[i] = episode.tool[i] - depth[i];
   // Noise as of one tool sample: between two of them the positions are interpolated.
   const double spacing = std::max(push.interval, tool_interval);
-  const double noise = std::max(estimate_noise_std(object), estimate_noise_std(episode.tool));
+  const double tip = episode.tip_noise.value_or(estimate_noise_std(episode.tool));
+  const double exponent = contact_law ? contact_law->exponent : 1.0;
+  const double noise = std::max(std::hypot(tip, compression_noise(depth, force, exponent)),
+                                estimate_noise_std(object));
   const double cube = std::pow(push.half_width, 3);
   push.speed_std = noise * std::sqrt(15.0 / 7.0 * spacing / cube);
   push.acceleration_std =
       noise * std::sqrt(22.5 * spacing / (cube * push.half_width * push.half_width));
+  push.compliance_std = compliance.std;
   push.force_std =
       estimate_noise_std(force) / std::sqrt(correlated_samples(push.half_width, push.interval));
   const auto smoothed = [&](const std::vector<double>& values) {
@@ -166,11 +184,11 @@ class Slides {
     }
   }
 
-  void add(const IdentifiedContact& contact, const std::optional<HuntCrossley>& contact_law,
+  void add(const IdentifiedContact& contact, const ContactCompliance& compliance,
            std::size_t number, std::vector<FrictionSample>& samples) const {
     const ContactEpisode& episode = contact.episode;
     if (episode.t.size() < 20 || episode.kind == ContactKind::press) return;
-    const SmoothSlide push = smooth_slide(contact, contact_law, mean_interval(tip_.t()));
+    const SmoothSlide push = smooth_slide(contact, compliance, mean_interval(tip_.t()));
     double from = episode.begin;
     if (episode.breakaway.is_found) from = episode.breakaway.t + kSlideSettle + push.half_width;
     double next = from;
@@ -240,6 +258,8 @@ class Slides {
     sample.force_std = push.force_std;
     sample.speed_std = push.speed_std;
     sample.acceleration_std = push.acceleration_std;
+    sample.speed_change = push.compliance_std * push.compression[i].rate;
+    sample.acceleration_change = push.compliance_std * push.compression[i].acceleration;
     sample.travel = speed * push.half_width;
     if (body_.tracked.empty()) return sample;
     const std::optional<Twist> twist = motion_.at(t, speed);
@@ -291,12 +311,12 @@ class Slides {
 }  // namespace
 
 std::vector<FrictionSample> friction_samples(const std::vector<IdentifiedContact*>& pushes,
-                                             const std::optional<HuntCrossley>& contact_law,
+                                             const ContactCompliance& compliance,
                                              const BodyMotion& body, const PathView& tip,
                                              double tool_radius) {
   std::vector<FrictionSample> samples;
   const Slides slides(body, tip, tool_radius);
-  for (std::size_t i = 0; i < pushes.size(); ++i) slides.add(*pushes[i], contact_law, i, samples);
+  for (std::size_t i = 0; i < pushes.size(); ++i) slides.add(*pushes[i], compliance, i, samples);
   return samples;
 }
 

@@ -12,12 +12,17 @@
 
 namespace pcavr {
 
+/// By which a contact is compressed, and so the object's motion follows from the tip's.
+struct ContactCompliance {
+  std::optional<HuntCrossley> law = {};  ///< without one, that of each push's own loading
+  double std = 0.0;                      ///< relative, under the force of sliding
+};
+
 /// The power balances of all pushes in which the object slid, however slowly. Where the object was
 /// tracked, its rotation and its motion along the touched face count; else it moves as the tip
-/// does, less the contact's compression. Samples are one smoothing apart. Without a contact law the
-/// compression is that of each push's own loading.
+/// does, less the contact's compression. Samples are one smoothing apart.
 [[nodiscard]] std::vector<FrictionSample> friction_samples(
-    const std::vector<IdentifiedContact*>& pushes, const std::optional<HuntCrossley>& contact_law,
+    const std::vector<IdentifiedContact*>& pushes, const ContactCompliance& compliance,
     const BodyMotion& body, const PathView& tip, double tool_radius);
 
 }  // namespace pcavr

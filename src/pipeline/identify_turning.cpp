@@ -9,6 +9,7 @@
 
 #include "pcavr/core/median.hpp"
 #include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/identification/jackknife.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
 #include "identify_parts.hpp"
@@ -86,6 +87,9 @@ PushSample sample_between(const Planar& a, const Planar& b, const Eigen::Vector2
   return sample;
 }
 
+/// Friction takes power: an object that moves against the force is put back.
+bool is_braked(const PushSample& sample) { return sample.wrench.dot(sample.twist) > 0.0; }
+
 /// Mean of force and moment about the object's centre of mass over [begin, end].
 struct MeanLoad {
   Eigen::Vector2d force = Eigen::Vector2d::Zero();
@@ -111,7 +115,8 @@ class Turning {
         if (std::hypot((b.p_base - a.p_base).norm(), kRotationLever * turn) < kMinTurnDisplacement)
           continue;
         const MeanLoad load = mean_load(contact, *from, pose);
-        if (load.count >= 3.0) samples.push_back(sample_between(a, b, load.force, load.moment));
+        const PushSample sample = sample_between(a, b, load.force, load.moment);
+        if (load.count >= 3.0 && is_braked(sample)) samples.push_back(sample);
         from = &pose;
       }
     }
@@ -147,7 +152,7 @@ class Turning {
 
 /// Friction radius of an ellipsoidal limit surface, r^2 = (m / f) (v / omega), as the median over
 /// the samples with sufficient rotation.
-std::optional<ParameterValue> radius_of(const std::vector<PushSample>& samples) {
+std::optional<ParameterValue> ellipsoid_radius(const std::vector<PushSample>& samples) {
   std::vector<double> radii;
   for (const PushSample& sample : samples) {
     const double translation = sample.twist.head<2>().norm();
@@ -173,6 +178,41 @@ double radius_of(const LimitSurface& surface) {
   return sliding_load(surface, {0.0, 0.0, 1.0}).z() / force;
 }
 
+/// Of the fitted limit surface. The ellipsoid's radius from nearly straight pushes is biased: a
+/// quarter too small for a square patch.
+std::optional<double> radius_of(const std::vector<PushSample>& samples,
+                                const LimitSurfaceFitOptions& options) {
+  const LimitSurfaceFit fit = fit_limit_surface(samples, options);
+  if (fit.status == LimitSurfaceFitStatus::fitted) return radius_of(fit.surface);
+  const std::optional<ParameterValue> radius = ellipsoid_radius(samples);
+  return radius ? std::optional(radius->value) : std::nullopt;
+}
+
+/// The samples of an object's twist, by the push that they are from.
+using SamplesOfPushes = std::vector<std::vector<PushSample>>;
+
+std::vector<PushSample> samples_without(const SamplesOfPushes& pushes, std::size_t group) {
+  std::vector<PushSample> samples;
+  for (std::size_t i = 0; i < pushes.size(); ++i) {
+    if (jackknife_group(i, pushes.size()) == group) continue;
+    samples.insert(samples.end(), pushes[i].begin(), pushes[i].end());
+  }
+  return samples;
+}
+
+/// Std of the friction radius by leaving out pushes [m]: those of one push share its contact point.
+/// Nothing where few pushes decide whether there is a radius.
+std::optional<double> radius_std(const SamplesOfPushes& pushes,
+                                 const LimitSurfaceFitOptions& options) {
+  std::vector<double> radii;
+  for (std::size_t group = 0; group < jackknife_groups(pushes.size()); ++group) {
+    const std::optional<double> radius = radius_of(samples_without(pushes, group), options);
+    if (radius) radii.push_back(*radius);
+  }
+  if (radii.size() < 2) return std::nullopt;
+  return jackknife_std(radii);
+}
+
 /// That of uniform pressure on the body's support, scaled to a friction radius [m].
 LimitSurface surface_of_support(const BodyMotion& body, double radius) {
   ObjectParameters known;
@@ -185,31 +225,32 @@ LimitSurface surface_of_support(const BodyMotion& body, double radius) {
 
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const BodyMotion& body, const PathView& tip, double tool_radius,
-                         ObjectIdentification& result) {
+                         const IdentificationOptions& options, ObjectIdentification& result) {
   if (body.tracked.empty()) return;
   const Turning turning(body, tip, tool_radius);
-  int pushes = 0;
+  SamplesOfPushes pushes;
   for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
-    const std::size_t before = result.turning.size();
-    turning.add(*push, result.turning);
-    pushes += result.turning.size() > before ? 1 : 0;
+    std::vector<PushSample> samples;
+    turning.add(*push, samples);
+    result.turning.insert(result.turning.end(), samples.begin(), samples.end());
+    if (!samples.empty()) pushes.push_back(std::move(samples));
   }
-  if (const auto radius = radius_of(result.turning)) {
+  std::optional<ParameterValue> radius = ellipsoid_radius(result.turning);
+  result.surface = fit_limit_surface(result.turning, options.limit_surface);
+  const bool is_fitted = result.surface.status == LimitSurfaceFitStatus::fitted;
+  if (radius) {
+    if (is_fitted) radius->value = radius_of(result.surface.surface);
+    radius->std = std::max(*radius->std, radius_std(pushes, options.limit_surface).value_or(0.0));
     result.friction_radius = radius;
     result.parameters.friction_radius = radius;
-    result.parameters.sources.pushes["friction_radius"] = pushes;
+    result.parameters.sources.pushes["friction_radius"] = static_cast<int>(pushes.size());
   }
-  result.surface = fit_limit_surface(result.turning);
-  if (result.surface.status != LimitSurfaceFitStatus::fitted) return;
-  if (result.friction_radius) {
-    // The ellipsoid's radius from nearly straight pushes is biased: a quarter too small for a
-    // square patch. The radius of the fitted surface is used instead.
-    result.friction_radius->value = radius_of(result.surface.surface);
-    result.parameters.friction_radius = result.friction_radius;
+  if (!is_fitted) return;
+  if (radius) {
     // Its shape: fifteen coefficients also follow the errors of the contact point and of few
     // pushes, which the support's shape does not have.
-    result.surface = fit_limit_surface(result.turning, {},
-                                       surface_of_support(body, result.friction_radius->value));
+    result.surface = fit_limit_surface(result.turning, options.limit_surface,
+                                       surface_of_support(body, radius->value));
   }
   result.parameters.limit_surface = result.surface.surface;
 }

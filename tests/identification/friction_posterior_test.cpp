@@ -112,6 +112,71 @@ TEST(FrictionPosterior, FindsTheMassOfAModulatedPush) {
   expect_coverage(mass, "mass");
 }
 
+/// Pushes of one body whose friction differs by `scatter` from push to push, and of its last value
+/// keeps the share `kept`.
+std::vector<FrictionSample> scattered_pushes(const Body& body, int count, double scatter,
+                                             double kept, Random& random) {
+  std::vector<FrictionSample> all;
+  double level = random.normal();
+  for (int push = 0; push < count; ++push) {
+    Body one = body;
+    one.scatter = 0.01;
+    one.coulomb *= 1.0 + scatter * level;
+    for (FrictionSample sample : pushes_of(one, {0.02}, 0.0, random)) {
+      sample.push = static_cast<std::size_t>(push);
+      all.push_back(sample);
+    }
+    level = kept * level + std::sqrt(1.0 - kept * kept) * random.normal();
+  }
+  return all;
+}
+
+Scores scores_of_scattered(double scatter, double kept, std::uint64_t seed,
+                           const FrictionPriors& priors = {}) {
+  Random random(seed);
+  Scores scores;
+  for (int i = 0; i < 25; ++i) {
+    const Body body = random_body(random);
+    const FrictionPosterior found =
+        infer_friction(scattered_pushes(body, 10, scatter, kept, random), priors);
+    for (const SlidingForce& row : found.sliding_force) {
+      scores.add({row.force, row.std, true}, body.coulomb + body.viscous * row.speed);
+    }
+  }
+  return scores;
+}
+
+TEST(FrictionPosterior, CoversFrictionThatDiffersByATenthFromPushToPush) {
+  expect_coverage(scores_of_scattered(0.10, 0.0, 74), "scattered");
+}
+
+TEST(FrictionPosterior, IsLessSureOfFrictionThatDriftsFromPushToPush) {
+  FrictionPriors independent;
+  independent.push_correlation = 0.0;
+  const Scores without = scores_of_scattered(0.03, 0.8, 75, independent);
+  const Scores scores = scores_of_scattered(0.03, 0.8, 75);
+  EXPECT_LT(scores.worst(), 0.75 * without.worst());
+  EXPECT_LT(scores.worst(), 5.0);
+  EXPECT_GE(scores.share_within(2.0), 0.85);
+  EXPECT_LT(without.share_within(2.0), 0.85);
+}
+
+TEST(FrictionPosterior, IsLessSureOfTheMassWhereTheComplianceIsNotKnown) {
+  // The contact is softer than supposed: tip and object differ by more in speed.
+  Random random(76);
+  const Body body;
+  std::vector<FrictionSample> samples = pushes_of(body, {0.06, 0.06}, 0.003, random);
+  constexpr double kPerAcceleration = 0.004;  // [s] object behind the tip, by the compression
+  for (FrictionSample& sample : samples) sample.speed -= kPerAcceleration * sample.acceleration;
+  const FrictionPosterior sure = infer_friction(samples);
+  for (FrictionSample& sample : samples) {
+    sample.speed_change = kPerAcceleration * sample.acceleration;
+  }
+  const FrictionPosterior unsure = infer_friction(samples);
+  const double change = body.viscous * kPerAcceleration;
+  EXPECT_NEAR(unsure.mass.std, std::hypot(sure.mass.std, change), 0.3 * change);
+}
+
 TEST(FrictionPosterior, WidensTheCoulombFrictionByAViscousFrictionThatIsNotExcited) {
   Random random(73);
   const Body body;

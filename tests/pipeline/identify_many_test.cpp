@@ -1,13 +1,18 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/friction/limit_surface_fit.hpp"
 #include "pcavr/pipeline/identify.hpp"
+#include "pcavr/prediction/body_physics.hpp"
 
 #include "pipeline/identified_case.hpp"
 #include "pipeline/input_faults.hpp"
@@ -80,7 +85,78 @@ TEST(IdentifyMany, FindsTheFrictionRadiusOfBoxes) {
     EXPECT_NEAR(box.friction_radius->value, radius, 0.15 * radius);
     EXPECT_EQ(box.surface.status, LimitSurfaceFitStatus::fitted);
     EXPECT_LT(box.surface.median_angle, 0.1);
+    EXPECT_LT(std::abs(box.friction_radius->value - radius), 3.0 * *box.friction_radius->std);
   }
+}
+
+/// Of the CAD body's lowest face, scaled to the identified friction radius.
+LimitSurface surface_of_support(const IdentifiableObject& object, double radius) {
+  ObjectParameters known;
+  known.friction_radius = ParameterValue{radius, {}};
+  const Pose& T_base_object = object.tracked.front().T_base_object;
+  return *complete_physics(known, object.model, T_base_object).physics.limit_surface;
+}
+
+TEST(IdentifyMany, FitsTheLimitSurfaceAboutThatOfTheSupport) {
+  const IdentifiedCase made = identified_case(ToolTask::turn, 3, kWhole);
+  IdentificationOptions options;
+  const auto usual = identify(made.input, IdentificationGoal::friction, options);
+  options.limit_surface.given_prior_weight = 1e-6;
+  const auto free = identify(made.input, IdentificationGoal::friction, options);
+  ASSERT_TRUE(usual && free);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ObjectIdentification& box = usual->objects[i];
+    const LimitSurface support =
+        surface_of_support(made.input.objects[i], box.friction_radius->value);
+    const LimitSurfaceFit expected = fit_limit_surface(box.turning, {}, support);
+    EXPECT_EQ(box.surface.surface.coefficients, expected.surface.coefficients);
+    EXPECT_EQ(box.parameters.limit_surface->coefficients, expected.surface.coefficients);
+    EXPECT_NE(box.surface.surface.coefficients, free->objects[i].surface.surface.coefficients);
+  }
+}
+
+/// The recorded pushes with a body that turns about the tip by `rate` [rad/s] while it moves, and
+/// is put back after it.
+IdentificationInput turned_by(IdentificationInput input, double rate) {
+  for (IdentifiableObject& object : input.objects) {
+    double angle = 0.0;
+    std::vector<TrackedPose> turned = object.tracked;
+    for (std::size_t i = 1; i < turned.size(); ++i) {
+      const Pose& T_base_before = object.tracked[i - 1].T_base_object;
+      const Pose& T_base_object = object.tracked[i].T_base_object;
+      const double step = turned[i].t - turned[i - 1].t;
+      const double path = (T_base_object.translation() - T_base_before.translation()).norm();
+      constexpr double kMoving = 0.02;  // [m/s]
+      angle = path > kMoving * step ? angle + rate * step : 0.0;
+      const auto next =
+          std::lower_bound(input.t_tool.begin(), std::prev(input.t_tool.end()), turned[i].t);
+      const Eigen::Vector3d& p_base_tip =
+          input.p_base_tip[static_cast<std::size_t>(next - input.t_tool.begin())];
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+      const Pose T_base_turned(turn, p_base_tip - turn * p_base_tip);
+      turned[i].T_base_object = T_base_turned * T_base_object;
+    }
+    object.tracked = turned;
+  }
+  return input;
+}
+
+TEST(IdentifyMany, WithholdsTheContactLawWhereMostPushesTurnTheObject) {
+  const IdentifiedCase made = identified_case(ToolTask::push, 3, kWhole);
+  const auto straight = identify(made.input, IdentificationGoal::friction);
+  const auto turning = identify(turned_by(made.input, 0.3), IdentificationGoal::friction);
+  ASSERT_TRUE(straight.has_value()) << straight.error().to_string();
+  ASSERT_TRUE(turning.has_value()) << turning.error().to_string();
+  EXPECT_TRUE(straight->objects[0].parameters.contact_stiffness.has_value());
+  // Neither off the centre, nor below the sliding friction.
+  for (const IdentifiedContact& contact : turning->contacts) {
+    if (contact.object != 0U) continue;
+    EXPECT_LT(std::abs(contact.lever), 0.01);
+  }
+  const ObjectIdentification& turned = turning->objects[0];
+  EXPECT_GT(turned.limit_of_pushes.limit.value, turned.friction.coulomb.value);
+  EXPECT_FALSE(turned.parameters.contact_stiffness.has_value());
+  EXPECT_TRUE(turned.is_contact_off_centre);
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ std::vector<FrictionSample> samples_of(IdentifiedContact& contact) {
   for (const double x : contact.episode.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
   const PathView tip(contact.episode.t, p_base_tip);
   const CadModel model;
-  return friction_samples({&contact}, HuntCrossley{.stiffness = kStiffness, .exponent = 1.0},
+  return friction_samples({&contact}, {HuntCrossley{.stiffness = kStiffness, .exponent = 1.0}, 0.1},
                           {model, {}}, tip, 0.005);
 }
 
@@ -84,6 +84,21 @@ TEST(FrictionSamples, KeepBothHalvesOfAModulatedPush) {
   });
   EXPECT_GE(faster, 12);
   EXPECT_GE(slower, 12);
+}
+
+TEST(FrictionSamples, StateWhatTheContactsComplianceChanges) {
+  // The force, and with it the compression, changes by 12 N/s: 0.4 mm/s.
+  std::vector<double> object, force;
+  for (double t = 0.0; t < 1.5; t += kStep) {
+    object.push_back(0.03 * std::max(t - 0.2, 0.0));
+    force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce + 12.0 * (t - 0.2));
+  }
+  IdentifiedContact contact = push_of(object, force, 0.2);
+  const std::vector<FrictionSample> samples = samples_of(contact);
+  ASSERT_GE(samples.size(), 10U);
+  for (const FrictionSample& sample : samples) {
+    EXPECT_NEAR(sample.speed_change, 0.1 * 12.0 / kStiffness, 1e-6) << "at " << sample.t << " s";
+  }
 }
 
 }  // namespace

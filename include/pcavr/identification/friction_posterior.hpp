@@ -32,6 +32,9 @@ struct FrictionSample {
   double force_std = 0.0;     ///< [N] noise; independent between samples
   double speed_std = 0.0;
   double acceleration_std = 0.0;
+  /// What the true speed [m/s] and acceleration [m/s^2] of the object exceed these by where the
+  /// contact is stiffer by one std of its compliance: one cause for all samples.
+  double speed_change = 0.0, acceleration_change = 0.0;
   /// Share of the mean speed that is due to rotation: 1 - |v_centre| / mean|v_p|. It grows with the
   /// support's size, which is known only as well as the pressure's distribution.
   double rotation_share = 0.0;
@@ -48,6 +51,7 @@ struct FrictionPriors {
   double max_viscous;          ///< [N s/m] viscous friction: uniform from 0 to this
   double scatter;              ///< share: std of friction from push to push and place to place, ...
   double scatter_factor;       ///< ... log-normal with this median and this factor as its std
+  double push_correlation;     ///< maximum correlation of successive pushes' friction
   double correlation_path;     ///< [m] of travel over which friction varies with the place
   double bias_std;             ///< [N] of the force's bias in one push
   double stribeck_share;       ///< by which friction at rest exceeds that of fast sliding, +- it

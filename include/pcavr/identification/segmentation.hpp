@@ -58,6 +58,7 @@ struct ContactEpisode {
   /// Along `direction_base`, with some free time before and after. Bias and drift are removed.
   std::vector<double> t, tool, force;
   std::optional<double> tool_noise = {};  ///< [m] std of `tool`, from the tip's own samples
+  std::optional<double> tip_noise = {};   ///< [m] of these: interpolation averages two of them
 
   [[nodiscard]] ForceMotion series() const { return {t, tool, force, tool_noise}; }
 };

@@ -83,6 +83,7 @@ struct IdentificationOptions {
   LimitingFrictionOptions limiting_friction;
   SlidingOptions sliding;
   FrictionPriors friction_priors;
+  LimitSurfaceFitOptions limit_surface;
   PlanOptions plan;               ///< of plan_motion
   EstimatorOptions<3> estimator;  ///< of the comparison of BSLS, EWRLS and affRLS on the presses
   /// Damping from impacts; empty: the published law that paper B's criterion chooses (eq. 12). The

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identification/push_effects.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
+
+namespace pcavr::detail {
+namespace {
+
+constexpr int kPerPush = 3;
+constexpr double kSampleStd = 0.2;
+
+/// Random rows and values of some pushes: their sums, and themselves.
+struct Samples {
+  Eigen::MatrixXd rows;
+  Eigen::VectorXd values;
+  std::vector<PushSums<2>> pushes;
+  NormalEquations<2> equations;
+
+  explicit Samples(int count)
+      : rows(kPerPush * count, 2),
+        values(kPerPush * count),
+        pushes(static_cast<std::size_t>(count)) {
+    Random random(5);
+    for (int i = 0; i < kPerPush * count; ++i) {
+      rows.row(i) << 1.0, random.normal();
+      values[i] = random.normal();
+      const double weight = 1.0 / (kSampleStd * kSampleStd);
+      const Eigen::Vector2d row = rows.row(i);
+      equations.information += weight * row * row.transpose();
+      equations.weighted += weight * values[i] * row;
+      equations.misfit += weight * values[i] * values[i];
+      equations.log_determinant -= std::log(weight);
+      PushSums<2>& push = pushes[static_cast<std::size_t>(i / kPerPush)];
+      push.weight += weight;
+      push.row += weight * row;
+      push.value += weight * values[i];
+    }
+  }
+};
+
+/// The same by the covariance of all values.
+NormalEquations<2> dense_equations(const Samples& samples, const PushScatter& scatter) {
+  const Eigen::Index count = samples.values.size();
+  Eigen::MatrixXd covariance(count, count);
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < count; ++k) {
+      const int apart = std::abs(i / kPerPush - k / kPerPush);
+      covariance(i, k) = scatter.std * scatter.std * std::pow(scatter.correlation, apart);
+      if (apart == 0) covariance(i, k) += scatter.bias_std * scatter.bias_std;
+      if (i == k) covariance(i, k) += kSampleStd * kSampleStd;
+    }
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+  NormalEquations<2> equations;
+  equations.information = samples.rows.transpose() * factor.solve(samples.rows);
+  equations.weighted = samples.rows.transpose() * factor.solve(samples.values);
+  equations.misfit = samples.values.dot(factor.solve(samples.values));
+  const Eigen::MatrixXd lower = factor.matrixL();
+  equations.log_determinant = 2.0 * lower.diagonal().array().log().sum();
+  return equations;
+}
+
+TEST(PushEffects, AreMarginalisedAsByTheCovarianceOfAllSamples) {
+  for (const PushScatter& scatter :
+       {PushScatter{0.1, 0.3, 0.0}, PushScatter{0.0, 0.5, 0.7}, PushScatter{0.2, 0.4, 0.95}}) {
+    for (const int count : {1, 2, 5}) {
+      const Samples samples(count);
+      NormalEquations<2> found = samples.equations;
+      marginalise_pushes(samples.pushes, scatter, found);
+      const NormalEquations<2> expected = dense_equations(samples, scatter);
+      EXPECT_TRUE(found.information.isApprox(expected.information, 1e-9)) << count;
+      EXPECT_TRUE(found.weighted.isApprox(expected.weighted, 1e-9)) << count;
+      EXPECT_NEAR(found.misfit, expected.misfit, 1e-9 * expected.misfit) << count;
+      EXPECT_NEAR(found.log_determinant, expected.log_determinant, 1e-9) << count;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pcavr::detail
