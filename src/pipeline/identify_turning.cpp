@@ -87,9 +87,6 @@ PushSample sample_between(const Planar& a, const Planar& b, const Eigen::Vector2
   return sample;
 }
 
-/// Friction takes power: an object that moves against the force is put back.
-bool is_braked(const PushSample& sample) { return sample.wrench.dot(sample.twist) > 0.0; }
-
 /// Mean of force and moment about the object's centre of mass over [begin, end].
 struct MeanLoad {
   Eigen::Vector2d force = Eigen::Vector2d::Zero();
@@ -115,8 +112,7 @@ class Turning {
         if (std::hypot((b.p_base - a.p_base).norm(), kRotationLever * turn) < kMinTurnDisplacement)
           continue;
         const MeanLoad load = mean_load(contact, *from, pose);
-        const PushSample sample = sample_between(a, b, load.force, load.moment);
-        if (load.count >= 3.0 && is_braked(sample)) samples.push_back(sample);
+        if (load.count >= 3.0) samples.push_back(sample_between(a, b, load.force, load.moment));
         from = &pose;
       }
     }
