@@ -14,7 +14,8 @@ using Texture = TextureOptions;
 constexpr auto kTextureFields = std::to_array<OptionField<Texture>>({
     {"enabled", &Texture::enabled, 1.0, 0.0, 1.0, "", "give the static mesh a texture",
      "0: the mesh has the fused colours of its vertices; 1: the build takes longer"},
-    {"max_views", &Texture::max_views, 48, 1, 1000, "", "maximum number of images used",
+    // More than 32 take longer than a quarter of the rest of the build, where the camera is fixed.
+    {"max_views", &Texture::max_views, 32, 1, 1000, "", "maximum number of images used",
      "lower: parts are seen by few images; higher: slower, more memory"},
     {"max_view_memory", &Texture::max_view_memory, 192, 16, 100'000, "MiB",
      "maximum memory of the images used", "lower: fewer large images; higher: more memory"},
