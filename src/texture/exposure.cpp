@@ -54,8 +54,8 @@ Color median_of(std::vector<Sample>& samples) {
       return a.color[channel] < b.color[channel];
     });
     const std::size_t middle = samples.size() / 2;
-    median[channel] =
-        0.5 * (samples[middle].color[channel] + samples[samples.size() - 1 - middle].color[channel]);
+    median[channel] = 0.5 * (samples[middle].color[channel] +
+                             samples[samples.size() - 1 - middle].color[channel]);
   }
   return median;
 }

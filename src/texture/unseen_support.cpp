@@ -182,6 +182,7 @@ TriangleMesh find_unseen_support(const std::vector<SupportArea>& areas,
       views.begin(), views.end(), [](const TextureView& view) { return !view.is_dynamic.empty(); });
   if (!has_dynamic || static_mesh_base.colors.empty()) return result;
   std::vector<DepthView> from;
+  from.reserve(views.size());
   for (const TextureView& view : views) {
     from.push_back({&view, on_grid(color_camera, view.depth.width(), view.depth.height()),
                     view.T_base_camera.inverse()});

@@ -27,8 +27,7 @@ GrayImage picture_of(const Scene& scene, std::size_t level, const ColorImage& at
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       const Eigen::Vector3d ray = T_base_camera.rotation() * camera.unproject({x, y}, 1.0);
-      const auto hit =
-          query.cast(T_base_camera.translation().cast<float>(), ray.cast<float>());
+      const auto hit = query.cast(T_base_camera.translation().cast<float>(), ray.cast<float>());
       if (!hit) continue;
       const auto& [a, b, c] = mesh.triangles[hit->triangle];
       const Eigen::Vector2f at = (1.0F - hit->u - hit->v) * uv[a] + hit->u * uv[b] + hit->v * uv[c];
@@ -45,7 +44,8 @@ TEST(SceneTexture, ATagOfARecordingIsDecodedInTheCoarsestLevel) {
   Recording recording = read_recording(shared_data("tabletop")).value();
   // A quarter of the frames, of all of the path.
   std::vector<FrameFiles> frames;
-  for (std::size_t i = 0; i < recording.frames.size(); i += 4) frames.push_back(recording.frames[i]);
+  for (std::size_t i = 0; i < recording.frames.size(); i += 4)
+    frames.push_back(recording.frames[i]);
   recording.frames = frames;
   const Expected<Scene> scene = build_scene(recording, BuildOptions());
   ASSERT_TRUE(scene) << scene.error().to_string();
@@ -61,12 +61,11 @@ TEST(SceneTexture, ATagOfARecordingIsDecodedInTheCoarsestLevel) {
   const auto marker = std::find_if(markers.begin(), markers.end(),
                                    [](const auto& m) { return m.role == MarkerRole::base; });
   ASSERT_NE(marker, markers.end());
-  const Pose T_base_camera(
-      Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX())),
-      marker->T_parent_marker.translation() + Eigen::Vector3d(0.0, 0.0, 0.4));
+  const Pose T_base_camera(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX())),
+                           marker->T_parent_marker.translation() + Eigen::Vector3d(0.0, 0.0, 0.4));
   TagDetector detector = TagDetector::create({marker->id.family}).value();
-  const std::vector<TagDetection> found = detector.detect(
-      picture_of(*scene, level, atlas, *recording.manifest.camera, T_base_camera));
+  const std::vector<TagDetection> found =
+      detector.detect(picture_of(*scene, level, atlas, *recording.manifest.camera, T_base_camera));
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found.front().id, marker->id);
   EXPECT_EQ(found.front().hamming, 0);
