@@ -284,19 +284,24 @@ void compare(Picture picture, const ColorImage& recorded, Comparison& sum) {
   }
 }
 
-void save(const std::string& file, const Picture& picture, const ColorImage& recorded) {
-  ColorImage both(picture.width() * 2, picture.height());
+/// The picture, the recorded one, and four times the absolute difference between them.
+void save(const std::string& file, Picture picture, const ColorImage& recorded) {
+  even_out(picture, recorded);
+  ColorImage three(picture.width() * 3, picture.height());
+  const auto rgb = [](const Eigen::Vector3d& c) {
+    const auto byte = [](double v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0, 255.0)); };
+    return Rgb8{byte(c.x()), byte(c.y()), byte(c.z())};
+  };
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
-      const Eigen::Vector3d c = picture(x, y).value_or(Eigen::Vector3d::Zero());
-      const auto byte = [](double v) {
-        return static_cast<std::uint8_t>(std::clamp(v, 0.0, 255.0));
-      };
-      both(x, y) = {byte(c.x()), byte(c.y()), byte(c.z())};
-      both(x + picture.width(), y) = recorded(x, y);
+      three(x + picture.width(), y) = recorded(x, y);
+      if (!picture(x, y)) continue;
+      three(x, y) = rgb(*picture(x, y));
+      three(x + 2 * picture.width(), y) =
+          rgb(4.0 * (*picture(x, y) - vector_of(recorded(x, y))).cwiseAbs());
     }
   }
-  const std::string bytes = pcavr::encode_color_png(both);
+  const std::string bytes = pcavr::encode_color_png(three);
   if (std::FILE* out = std::fopen(file.c_str(), "wb")) {
     std::fwrite(bytes.data(), 1, bytes.size(), out);
     std::fclose(out);

@@ -13,6 +13,7 @@
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/live_world.hpp"
+#include "pcavr/serve/qr_code.hpp"
 
 #include "content_text.hpp"
 #include "gzip.hpp"
@@ -120,11 +121,30 @@ std::optional<HttpResponse> HttpHandler::reject_upgrade(const HttpRequest& reque
   return std::nullopt;
 }
 
+std::string HttpHandler::address_with_code(const HttpRequest& request) const {
+  const std::string name = name_of_host(request.host);
+  const bool is_local =
+      equals_ignoring_case(name, "localhost") || name.starts_with("127.") || name == "::1";
+  if (code_.empty() || is_local || !is_paired(request)) return {};
+  return (request.is_encrypted ? "https://" : "http://") + request.host + "/#code=" + code_;
+}
+
+HttpResponse HttpHandler::code_picture(const HttpRequest& request) const {
+  const std::string address = address_with_code(request);
+  if (address.empty()) return error_response(404, "no address with a code for other machines");
+  HttpResponse response;
+  response.headers.emplace_back("Cache-Control", "no-store");
+  response.content =
+      std::make_shared<const Content>(Content{"image/svg+xml", qr_code_svg(address), false});
+  return response;
+}
+
 HttpResponse HttpHandler::session(const HttpRequest& request) const {
   return json_response(200, {{"protocol", kLiveProtocolVersion},
                              {"version", info_.version},
                              {"paired", is_paired(request)},
                              {"mode", info_.is_replay ? "replay" : "live"},
+                             {"code_picture", !address_with_code(request).empty()},
                              {"scene", info_.scene}});
 }
 
@@ -190,6 +210,7 @@ HttpResponse HttpHandler::respond(const HttpRequest& request) {
   if (!is_scene) return fetch(page_, path, request);
   if (!is_paired(request))
     return error_response(401, "not paired: POST the code to /api/pair first");
+  if (path == "/api/code.svg") return code_picture(request);
   return fetch(scene_, path, request);
 }
 

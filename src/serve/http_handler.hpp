@@ -65,6 +65,10 @@ class HttpHandler {
  private:
   [[nodiscard]] std::optional<HttpResponse> reject_cross_origin(const HttpRequest& request) const;
   [[nodiscard]] bool is_paired(const HttpRequest& request) const;
+  /// The address that opens the page on another machine with the code entered: the one by which
+  /// this client came. Empty where it is that of this machine alone, or no code is needed.
+  [[nodiscard]] std::string address_with_code(const HttpRequest& request) const;
+  [[nodiscard]] HttpResponse code_picture(const HttpRequest& request) const;
   [[nodiscard]] HttpResponse session(const HttpRequest& request) const;
   [[nodiscard]] HttpResponse pair(const HttpRequest& request);
   [[nodiscard]] HttpResponse fetch(const ContentSource& source, const std::string& path,

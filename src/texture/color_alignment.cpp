@@ -11,6 +11,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "exposure.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -90,16 +92,10 @@ class GrayLevel {
   Image<float> image_;
 };
 
-/// A surface point, and the views that see it.
-struct Point {
-  Eigen::Vector3f p_base;
-  std::vector<std::uint32_t> views;
-};
-
-std::vector<Point> sample_points(const std::vector<PaintedView>& views, const TriangleMesh& mesh,
-                                 Parallelism parallelism) {
+std::vector<SeenPoint> sample_points(const std::vector<PaintedView>& views,
+                                     const TriangleMesh& mesh, Parallelism parallelism) {
   const std::size_t stride = mesh.vertices.size() / kMaxPoints + 1;
-  std::vector<Point> points(mesh.vertices.size() / stride);
+  std::vector<SeenPoint> points(mesh.vertices.size() / stride);
   parallel_for(parallelism, points.size(), kPointsPerChunk,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t i = begin; i < end; ++i) {
@@ -114,7 +110,7 @@ std::vector<Point> sample_points(const std::vector<PaintedView>& views, const Tr
                    }
                  }
                });
-  std::erase_if(points, [](const Point& point) { return point.views.size() < 2; });
+  std::erase_if(points, [](const SeenPoint& point) { return point.views.size() < 2; });
   return points;
 }
 
@@ -150,7 +146,7 @@ struct Look {
 
 class Alignment {
  public:
-  Alignment(std::vector<PaintedView>& views, std::vector<Point> points,
+  Alignment(std::vector<PaintedView>& views, std::vector<SeenPoint> points,
             const ColorRegistration& given, Parallelism parallelism)
       : views_(views), points_(std::move(points)), given_(given), parallelism_(parallelism) {}
 
@@ -166,7 +162,7 @@ class Alignment {
   [[nodiscard]] double mean_displacement(const ColorRegistration& registration) const {
     double sum = 0.0;
     double count = 0.0;
-    for (const Point& point : points_) {
+    for (const SeenPoint& point : points_) {
       const PaintedView& view = views_[point.views.front()];
       const Eigen::Vector3d p = view.view().T_base_camera.inverse() * point.p_base.cast<double>();
       const Eigen::Vector3d a = registration.T_color_depth * p;
@@ -273,7 +269,7 @@ class Alignment {
 
  private:
   /// A point in its views, with derivatives; empty where fewer than two see it.
-  void look(const Point& point, std::vector<Look>& looks) const {
+  void look(const SeenPoint& point, std::vector<Look>& looks) const {
     looks.clear();
     for (const std::uint32_t i : point.views) {
       const PaintedView& view = views_[i];
@@ -287,7 +283,7 @@ class Alignment {
       const double pixels = given_.camera.width / 640.0;
       Look look;
       look.view = i;
-      look.gray = gain * value->gray;
+      look.gray = gain * value->gray + static_cast<double>(view.offset.mean());
       const Eigen::RowVector2d gradient = gain * value->gradient;
       look.by_registration << gradient.dot(
           Eigen::RowVector2d(given_.camera.fx * p.x() / p.z(), given_.camera.fy * p.y() / p.z())),
@@ -330,62 +326,19 @@ class Alignment {
   }
 
   std::vector<PaintedView>& views_;
-  std::vector<Point> points_;
+  std::vector<SeenPoint> points_;
   const ColorRegistration& given_;
   Parallelism parallelism_;
   std::vector<std::optional<GrayLevel>> levels_;
 };
-
-/// Gains that bring each view to the mean over the views, by channel; their mean over the views
-/// stays 1.
-void even_out_gains(std::vector<PaintedView>& views, const std::vector<Point>& points) {
-  constexpr int kRounds = 3;
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<Eigen::Array3d> sums(views.size(), Eigen::Array3d::Zero());
-    std::vector<double> counts(views.size(), 1e-9);
-    std::vector<std::pair<std::uint32_t, Eigen::Vector3f>> seen;
-    for (const Point& point : points) {
-      seen.clear();
-      Eigen::Array3d mean = Eigen::Array3d::Zero();
-      for (const std::uint32_t i : point.views) {
-        const Eigen::Vector3d p = views[i].in_color_camera(point.p_base);
-        const Eigen::Vector2d pixel = views[i].color_camera().project(p);
-        if (!views[i].color_camera().contains(pixel)) continue;
-        seen.emplace_back(i, views[i].color_at(pixel.cast<float>()));
-        mean += seen.back().second.cast<double>().array();
-      }
-      if (seen.size() < 2) continue;
-      mean /= static_cast<double>(seen.size());
-      if (mean.minCoeff() < 8.0 || mean.maxCoeff() > 245.0) continue;  // clipped
-      for (const auto& [i, color] : seen) {
-        const Eigen::Array3d ratio = mean / color.cast<double>().array().max(4.0);
-        // Moved things, shadows and highlights say nothing about the exposure.
-        if (ratio.minCoeff() < 0.7 || ratio.maxCoeff() > 1.4) continue;
-        sums[i] += ratio.log();
-        counts[i] += 1.0;
-      }
-    }
-    Eigen::Array3d all = Eigen::Array3d::Zero();
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      // As if some points had the ratio 1: views that share few points keep their exposure.
-      constexpr double kPriorPoints = 50.0;
-      sums[i] /= counts[i] + kPriorPoints;
-      all += sums[i] / static_cast<double>(views.size());
-    }
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const Eigen::Array3d factor = (sums[i] - all).exp();
-      views[i].gain = views[i].gain.array() * factor.cast<float>();
-    }
-  }
-}
 
 }  // namespace
 
 ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMesh& mesh_base,
                                const ColorRegistration& given, bool with_poses,
                                Parallelism parallelism) {
-  const std::vector<Point> points = sample_points(views, mesh_base, parallelism);
-  even_out_gains(views, points);
+  const std::vector<SeenPoint> points = sample_points(views, mesh_base, parallelism);
+  even_out_exposures(views, points);
   if (!with_poses || views.size() < 3 || points.size() < 100) return given;
   Alignment alignment(views, points, given, parallelism);
   Vector7d x = Vector7d::Zero();
@@ -408,7 +361,7 @@ ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMe
     alignment.set_level(factor);
     for (int i = 0; i < 3; ++i) alignment.step_poses();
   }
-  even_out_gains(views, points);
+  even_out_exposures(views, points);
   return registration;
 }
 

@@ -11,7 +11,7 @@
 
 namespace pcavr {
 
-/// Evens out the views' exposures and white balances (PaintedView::gain), and, if `with_poses`,
+/// Evens out the views' exposures and white balances (exposure.hpp), and, if `with_poses`,
 /// refines the registration of all and the pose of each view, so that the views agree on the
 /// colours of the mesh [Zhou & Koltun 2014, sec. 4]: damped Gauss-Newton from coarse to fine
 /// images. Returns the registration; it is the given one where another one does not agree better.

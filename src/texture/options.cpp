@@ -14,7 +14,8 @@ using Texture = TextureOptions;
 constexpr auto kTextureFields = std::to_array<OptionField<Texture>>({
     {"enabled", &Texture::enabled, 1.0, 0.0, 1.0, "", "give the static mesh a texture",
      "0: the mesh has the fused colours of its vertices; 1: the build takes longer"},
-    {"max_views", &Texture::max_views, 48, 1, 1000, "", "maximum number of images used",
+    // More than 32 take longer than a quarter of the rest of the build, where the camera is fixed.
+    {"max_views", &Texture::max_views, 32, 1, 1000, "", "maximum number of images used",
      "lower: parts are seen by few images; higher: slower, more memory"},
     {"max_view_memory", &Texture::max_view_memory, 192, 16, 100'000, "MiB",
      "maximum memory of the images used", "lower: fewer large images; higher: more memory"},
@@ -28,10 +29,11 @@ constexpr auto kTextureFields = std::to_array<OptionField<Texture>>({
     {"view_interval", &Texture::view_interval, 0.2, 0.0, 3600.0, "s",
      "time between views up to which only the sharpest is a candidate",
      "lower: blurred images are used; higher: what a moved body hid is seen by few images"},
-    // With mipmaps, 2048 x 1536 texels of 4 bytes are 16 MiB of a headset's memory.
+    // With mipmaps, 2048 x 1024 texels of 4 bytes are 11 MiB of a headset's memory; its panels and
+    // cards need 5 of the 16 MiB that it has at 72 Hz.
     {"atlas_width", &Texture::atlas_width, 2048, 64, 16384, "px", "width of the texture",
      "lower: blurred; higher: more memory on the graphics card"},
-    {"atlas_height", &Texture::atlas_height, 1536, 64, 16384, "px", "maximum height of the texture",
+    {"atlas_height", &Texture::atlas_height, 1024, 64, 16384, "px", "maximum height of the texture",
      "lower: blurred; higher: more memory on the graphics card"},
     {"texels_per_pixel", &Texture::texels_per_pixel, 1.2, 0.1, 8.0, "",
      "texels per pixel of the nearest view, where the atlas has room",

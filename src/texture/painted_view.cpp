@@ -21,6 +21,7 @@ constexpr int kEdgeRadius = 3;       ///< [px] of depth: its edges are that unce
 constexpr float kSurfaceError = 0.008F;
 constexpr float kNoiseFactor = 3.0F;  ///< [std]
 constexpr std::uint8_t kMaxDistance = 255;
+constexpr std::uint8_t kSaturated = 250;  ///< JPEG leaves it a little below 255
 
 /// The smallest positive value in a square window; a row, then a column filter.
 DepthImage minimum_around(const DepthImage& depth, int radius) {
@@ -183,7 +184,13 @@ Eigen::Vector3f PaintedView::color_at(const Eigen::Vector2f& pixel) const {
   };
   const Eigen::Vector3f above = (1.0F - u) * at(0, 0) + u * at(1, 0);
   const Eigen::Vector3f below = (1.0F - u) * at(0, 1) + u * at(1, 1);
-  return gain.cwiseProduct((1.0F - v) * above + v * below);
+  return gain.cwiseProduct((1.0F - v) * above + v * below) + offset;
+}
+
+bool PaintedView::is_overexposed(const Eigen::Vector2f& pixel) const {
+  const Rgb8& c = view_->color(static_cast<int>(std::lround(pixel.x())),
+                               static_cast<int>(std::lround(pixel.y())));
+  return std::max({c.r, c.g, c.b}) >= kSaturated;
 }
 
 void weigh_sharpness(std::vector<PaintedView>& views) {

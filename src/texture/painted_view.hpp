@@ -36,8 +36,10 @@ class PaintedView {
   [[nodiscard]] std::optional<Sighting> look_up(const Eigen::Vector3f& p_base,
                                                 const Eigen::Vector3f& normal_base) const;
 
-  /// The colour at a pixel inside the image, bilinear, with the view's gain.
+  /// The colour at a pixel inside the image, bilinear, with the view's gain and offset.
   [[nodiscard]] Eigen::Vector3f color_at(const Eigen::Vector2f& pixel) const;
+  /// Whether the sensor was saturated there: the surface is at least as bright as the colour.
+  [[nodiscard]] bool is_overexposed(const Eigen::Vector2f& pixel) const;
 
   [[nodiscard]] Eigen::Vector3d in_color_camera(const Eigen::Vector3f& p_base) const;
   [[nodiscard]] const CameraModel& color_camera() const { return registration_.camera; }
@@ -46,7 +48,9 @@ class PaintedView {
   [[nodiscard]] float focal() const { return static_cast<float>(registration_.camera.fx); }
   [[nodiscard]] Eigen::Vector3f position_base() const { return position_base_; }
 
-  Eigen::Vector3f gain = Eigen::Vector3f::Ones();  ///< by channel
+  /// By channel: an evened out colour is gain * color + offset, of 255.
+  Eigen::Vector3f gain = Eigen::Vector3f::Ones();
+  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
   float sharpness_weight = 1.0F;
 
  private:

@@ -20,6 +20,9 @@ namespace {
 constexpr double kBehind = 0.03;
 /// The squares lie that much below the plane, so that the scan is drawn above them [m].
 constexpr double kBelow = 0.001;
+/// Squares by which what something dynamic hid is continued to the scan beside it: depth at edges
+/// is not fused, so that the scan may end before the mask begins.
+constexpr int kGap = 3;
 /// Squares per side of an area; larger areas get larger squares.
 constexpr int kMaxSide = 1000;
 
@@ -39,6 +42,7 @@ bool is_inside(const std::vector<Eigen::Vector3d>& outline, const Eigen::Vector3
   return true;
 }
 
+/// Of several views, the last in this order counts.
 enum class Evidence { none, hidden_by_dynamic, seen_through };
 
 Evidence evidence_of(const DepthView& from, const Eigen::Vector3d& p_base) {
@@ -52,6 +56,21 @@ Evidence evidence_of(const DepthView& from, const Eigen::Vector3d& p_base) {
   if (!mask.empty() && mask(*x, *y) != 0) return Evidence::hidden_by_dynamic;
   const double measured = static_cast<double>(from.view->depth(*x, *y));
   return measured > p.z() + kBehind ? Evidence::seen_through : Evidence::none;
+}
+
+/// The mask and its neighbours in `other`.
+MaskImage grown_into(const MaskImage& mask, const MaskImage& other) {
+  MaskImage grown = mask;
+  const auto is_set = [&](int x, int y) { return mask.contains(x, y) && mask(x, y) != 0; };
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (other(x, y) == 0) continue;
+      const bool is_beside =
+          is_set(x - 1, y) || is_set(x + 1, y) || is_set(x, y - 1) || is_set(x, y + 1);
+      if (is_beside) grown(x, y) = 1;
+    }
+  }
+  return grown;
 }
 
 /// One area as a grid of points.
@@ -70,6 +89,8 @@ class AreaGrid {
                      const std::vector<DepthView>& views, TriangleMesh& result) const {
     ColorImage colors(columns_, rows_);
     MaskImage is_scanned(columns_, rows_);
+    MaskImage is_on_scan(columns_, rows_);
+    MaskImage is_gap(columns_, rows_);
     MaskImage is_unseen(columns_, rows_);
     bool has_unseen = false;
     for (int y = 0; y < rows_; ++y) {
@@ -80,15 +101,19 @@ class AreaGrid {
           colors(x, y) = mesh.colors[mesh.triangles[near->triangle][0]];
           is_scanned(x, y) = 1;
         }
-        const bool is_on_scan = near && static_cast<double>(near->distance) < 0.5 * cell_;
-        if (!is_on_scan && is_inside(area_.outline_base, p) && is_hidden_by_dynamic(p, views)) {
-          is_unseen(x, y) = 1;
-          has_unseen = true;
-        }
+        is_on_scan(x, y) = near && static_cast<double>(near->distance) < 0.5 * cell_ ? 1 : 0;
+        if (is_on_scan(x, y) != 0 || !is_inside(area_.outline_base, p)) continue;
+        const Evidence evidence = evidence_of_all(p, views);
+        is_unseen(x, y) = evidence == Evidence::hidden_by_dynamic ? 1 : 0;
+        is_gap(x, y) = evidence == Evidence::none && near ? 1 : 0;
+        has_unseen = has_unseen || is_unseen(x, y) != 0;
       }
     }
     if (!has_unseen) return;
     fill_gaps(colors, is_scanned);
+    for (int i = 0; i < kGap; ++i) is_unseen = grown_into(is_unseen, is_gap);
+    // A point counts as on the scan up to half a square beyond the scan's edge.
+    is_unseen = grown_into(is_unseen, is_on_scan);
     append_squares(is_unseen, colors, result);
   }
 
@@ -99,15 +124,14 @@ class AreaGrid {
     return {at.x(), at.y(), (area_.plane_base.offset - n.head<2>().dot(at)) / n.z()};
   }
 
-  [[nodiscard]] static bool is_hidden_by_dynamic(const Eigen::Vector3d& p,
-                                                 const std::vector<DepthView>& views) {
-    bool is_hidden = false;
+  [[nodiscard]] static Evidence evidence_of_all(const Eigen::Vector3d& p,
+                                                const std::vector<DepthView>& views) {
+    Evidence all = Evidence::none;
     for (const DepthView& view : views) {
-      const Evidence evidence = evidence_of(view, p);
-      if (evidence == Evidence::seen_through) return false;
-      is_hidden = is_hidden || evidence == Evidence::hidden_by_dynamic;
+      all = std::max(all, evidence_of(view, p));
+      if (all == Evidence::seen_through) break;
     }
-    return is_hidden;
+    return all;
   }
 
   /// The squares with an unseen corner: those at the rim reach below the scan.
@@ -158,6 +182,7 @@ TriangleMesh find_unseen_support(const std::vector<SupportArea>& areas,
       views.begin(), views.end(), [](const TextureView& view) { return !view.is_dynamic.empty(); });
   if (!has_dynamic || static_mesh_base.colors.empty()) return result;
   std::vector<DepthView> from;
+  from.reserve(views.size());
   for (const TextureView& view : views) {
     from.push_back({&view, on_grid(color_camera, view.depth.width(), view.depth.height()),
                     view.T_base_camera.inverse()});

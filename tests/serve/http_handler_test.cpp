@@ -8,6 +8,7 @@
 
 #include "pcavr/core/output.hpp"
 #include "pcavr/serve/certificate.hpp"
+#include "pcavr/serve/qr_code.hpp"
 
 #include "serve/gzip.hpp"
 #include "support/temporary_folder.hpp"
@@ -125,6 +126,32 @@ TEST_F(HttpHandlerTest, LoopbackClientsArePaired) {
   EXPECT_EQ(handler.respond(request).status, 200U);
   EXPECT_EQ(make_handler(false).respond(get("/scene/a.glb")).status, 200U);
   EXPECT_TRUE(make_handler(false).code().empty());
+}
+
+TEST_F(HttpHandlerTest, OnlyAPairedClientGetsTheCodeAsAPicture) {
+  HttpHandler handler = make_handler();
+  HttpRequest picture = get("/api/code.svg");
+  EXPECT_EQ(handler.respond(picture).status, 401U);
+  const auto offers = [&](HttpRequest request) {
+    request.target = "/api/session";
+    return handler.respond(request).content->body.find("\"code_picture\":true") !=
+           std::string::npos;
+  };
+  EXPECT_FALSE(offers(picture));
+  const std::string cookie = header(pair(handler, handler.code()), "Set-Cookie");
+  picture.cookie = cookie.substr(0, cookie.find(';'));
+  EXPECT_TRUE(offers(picture));
+  const HttpResponse found = handler.respond(picture);
+  ASSERT_EQ(found.status, 200U);
+  EXPECT_EQ(found.content->media_type, "image/svg+xml");
+  EXPECT_EQ(header(found, "Cache-Control"), "no-store");
+  EXPECT_EQ(found.content->body, qr_code_svg("https://192.168.1.5:8080/#code=" + handler.code()));
+  // Another machine cannot use an address of this one alone.
+  for (const char* host : {"localhost:8080", "127.0.0.1:8080", "[::1]:8080"}) {
+    picture.host = host;
+    EXPECT_FALSE(offers(picture)) << host;
+    EXPECT_EQ(handler.respond(picture).status, 404U) << host;
+  }
 }
 
 TEST_F(HttpHandlerTest, RejectsCrossOriginRequests) {

@@ -113,6 +113,24 @@ TEST(QrCode, HasAWhiteBorder) {
   EXPECT_EQ(cv::countNonZero(modules.colRange(0, 4)), 4 * modules.rows);
 }
 
+TEST(QrCode, ThePictureHasTheSameModules) {
+  const std::string text = "https://192.168.1.20:8080/#code=K7QXM2";
+  const cv::Mat modules = drawn(qr_code_for_terminal(text));
+  const std::string svg = qr_code_svg(text);
+  std::size_t black = 0;
+  for (int row = 0; row < modules.rows; ++row) {
+    for (int column = 0; column < modules.cols; ++column) {
+      const std::string module =
+          'M' + std::to_string(column) + ' ' + std::to_string(row) + "h1v1h-1z";
+      const bool is_black = modules.at<unsigned char>(row, column) == 0;
+      EXPECT_EQ(svg.find(module) != std::string::npos, is_black && row < modules.cols);
+      black += is_black ? 1 : 0;
+    }
+  }
+  EXPECT_GT(black, 100U);
+  EXPECT_EQ(qr_code_svg(""), "");
+}
+
 TEST(QrCode, IsEmptyWithoutText) {
   EXPECT_EQ(qr_code_for_terminal(""), "");
   EXPECT_EQ(qr_code_for_terminal(std::string(1000, 'a')), "");

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/model/cad_model.hpp"
+
 #include "texture/painted_wall.hpp"
 
 namespace pcavr {
@@ -61,6 +63,35 @@ TEST(UnseenSupport, FillsWhatOnlyDynamicPixelsHid) {
     EXPECT_LT(found.vertices[i].head<2>().norm(), kHole + 0.02F);
     EXPECT_NEAR(found.vertices[i].z(), 0.0F, 0.002F);
     EXPECT_EQ(found.colors[i], (Rgb8{100, 110, 120}));
+  }
+}
+
+// The scan ends between two squares, on one side some millimetres beside what a body hid.
+TEST(UnseenSupport, LeavesNoSeamBesideTheScan) {
+  TriangleMesh table = a_table_with_holes();
+  for (Eigen::Vector3f& v : table.vertices) v.x() += 0.0008F;
+  std::vector<TextureView> views = the_views(false);
+  for (TextureView& view : views) {
+    for (int y = 0; y < view.depth.height(); ++y) {
+      for (int x = 0; x < view.depth.width(); ++x) {
+        const Eigen::Vector3d p =
+            view.T_base_camera * test::wall_camera().unproject({x, y}, double(view.depth(x, y)));
+        if (std::hypot(p.x(), p.y()) > kHole + 0.003) view.is_dynamic(x, y) = 0;
+      }
+    }
+  }
+  const TriangleMesh found =
+      find_unseen_support({the_area()}, table, views, test::wall_camera(), 0.005);
+  ASSERT_FALSE(found.triangles.empty());
+  const SurfaceQuery scan(table);
+  const SurfaceQuery filled(found);
+  for (float x = -0.07F; x < 0.07F; x += 0.001F) {
+    for (float y = -0.07F; y < 0.07F; y += 0.001F) {
+      const Eigen::Vector3f above(x, y, 0.1F);
+      EXPECT_TRUE(scan.cast(above, -Eigen::Vector3f::UnitZ()) ||
+                  filled.cast(above, -Eigen::Vector3f::UnitZ()))
+          << x << ", " << y;
+    }
   }
 }
 

@@ -5,7 +5,7 @@ import { fetchScene, type SessionInfo } from './scene/scene_model';
 import { Session } from './session/session';
 import { byId } from './ui/dom';
 import { Messages } from './ui/messages';
-import { pair } from './ui/pairing';
+import { offerOtherDevice, pair } from './ui/pairing';
 import { ThemeSwitch } from './ui/theme';
 import { Page } from './page';
 
@@ -15,6 +15,7 @@ async function main(): Promise<void> {
   const theme = new ThemeSwitch();
   try {
     const info = await pair();
+    offerOtherDevice(info);
     await open(info, messages, theme);
   } catch (error) {
     const text = error instanceof Error ? error.message : String(error);

@@ -33,7 +33,7 @@ const statsSeconds = 0.25; // between updates of the displayed numbers, so that 
 const vibrationMs = 30;
 // Triangles of the scan that render at full frame rate: on a GPU, a headset or phone, a software
 // renderer.
-const triangleBudgets = { gpu: 2_000_000, mobile: 400_000, software: 50_000 };
+const triangleBudgets = { gpu: 2_000_000, mobile: 280_000, software: 50_000 };
 
 /// The page around the 3D view: panels, navigation, tool, session.
 export class Page {

@@ -39,6 +39,7 @@ test('an unpaired client gets the page, but nothing of the scene', limit, async 
     '/scene/scene.glb',
     '/api/replay.bin',
     '/api/frames/0.jpg',
+    '/api/code.svg',
   ])
     assert.equal(await statusOf(path), 401, path);
   const unpaired = new Live(stage.server.url);
@@ -70,6 +71,16 @@ test('the address of the QR code pairs, and the code leaves it', limit, async ()
   await loaded(page);
   assert.equal(await page.locator('#pairing[open]').count(), 0);
   assert.doesNotMatch(page.url(), /code/);
+});
+
+test('a paired page shows the code for another device', limit, async () => {
+  const { page, seen } = await stage.open();
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await loaded(page);
+  await page.click('#other-device summary');
+  await page.waitForFunction(() => document.querySelector('#other-device img').naturalWidth > 0);
+  await screenshot(page, 'other-device');
+  assert.deepEqual(seen.errors, []);
 });
 
 test(

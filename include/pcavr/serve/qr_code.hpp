@@ -10,4 +10,7 @@ namespace pcavr {
 /// white whatever the terminal's colours are. Empty where the text is too long for one.
 [[nodiscard]] std::string qr_code_for_terminal(const std::string& text);
 
+/// The same as an SVG picture.
+[[nodiscard]] std::string qr_code_svg(const std::string& text);
+
 }  // namespace pcavr

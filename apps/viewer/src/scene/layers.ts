@@ -21,7 +21,7 @@ export type LayerName = (typeof layerNames)[number];
 
 export const layerTitles: Record<LayerName, string> = {
   mesh: 'Scanned mesh',
-  unseen: 'Unseen support',
+  unseen: 'Filled in',
   cloud: 'Point cloud',
   occupancy: 'Occupied cells',
   bodies: 'CAD bodies',
@@ -33,6 +33,23 @@ export const layerTitles: Record<LayerName, string> = {
   planes: 'Support planes',
   guards: 'Guard surfaces',
   cameras: 'Camera path',
+};
+
+/// A sentence on hover.
+export const layerHints: Record<LayerName, string> = {
+  mesh: 'The surface that the camera recorded, without the objects that can be moved.',
+  unseen: 'Parts of the table that no image shows because an object was in front: a guess.',
+  cloud: 'The recorded points, averaged.',
+  occupancy: 'Where the recording has something, as cubes.',
+  bodies: 'The objects by their CAD models, where the simulation has them.',
+  arm: "The robot's links.",
+  ghosts: 'Outlines of the objects where the camera tracked them.',
+  labels: 'Names of the objects, and how they move.',
+  tags: 'The printed tags that cameras find.',
+  frames: 'Axes of base and objects: x red, y green, z blue.',
+  planes: 'The surfaces that objects stand on.',
+  guards: 'Surfaces that stop the tool.',
+  cameras: 'Where the camera was while recording.',
 };
 
 const shownAtFirst: readonly LayerName[] = [

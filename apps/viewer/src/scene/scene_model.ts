@@ -52,6 +52,7 @@ export interface SessionInfo {
   paired: boolean;
   mode: 'live' | 'replay';
   scene: string;
+  code_picture: boolean; // the server has a QR code for other devices
 }
 
 /// Fetches JSON; throws an Error with path and HTTP status.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { layerNames, layerTitles, type LayerName, type Layers } from '../scene/layers';
+import { layerHints, layerNames, layerTitles, type LayerName, type Layers } from '../scene/layers';
 import type { SceneModel } from '../scene/scene_model';
 import { byId, create } from './dom';
 
@@ -14,7 +14,7 @@ export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): 
     box.disabled = !present.includes(name);
     box.addEventListener('change', () => layers.show(name, box.checked));
     boxes.set(name, box);
-    const label = create('label', {}, box, layerTitles[name]);
+    const label = create('label', { title: layerHints[name] }, box, layerTitles[name]);
     label.classList.toggle('absent', box.disabled);
     panel.append(label);
   }

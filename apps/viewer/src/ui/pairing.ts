@@ -26,6 +26,17 @@ export async function pair(): Promise<SessionInfo> {
   });
 }
 
+/// Shows the QR code of this page's address with the pairing code, once it is asked for.
+export function offerOtherDevice({ code_picture }: SessionInfo): void {
+  const details = byId('other-device', HTMLDetailsElement);
+  details.hidden = !code_picture;
+  const picture = details.querySelector('img')!;
+  picture.addEventListener('load', () => details.scrollIntoView());
+  details.addEventListener('toggle', () => {
+    if (details.open) picture.src = '/api/code.svg';
+  });
+}
+
 /// The code of the address that the server's QR code has; removed from it, as links are passed on.
 function takeCodeOfLink(): string | null {
   const fields = new URLSearchParams(location.hash.slice(1));

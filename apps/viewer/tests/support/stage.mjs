@@ -14,12 +14,13 @@ export const limit = { timeout: 60_000 }; // [ms]
 export const sceneArguments = ({ scene, parameters }) => [scene, '--parameters', parameters];
 
 /// Set up before the tests of a file and torn down after them; pages are closed after each test.
-/// `serverArguments`: of `pcavr serve` for the scene. `changeRecording`: see makeScene. `skip`: no setup, as all tests are skipped.
+/// `serverArguments`: of `pcavr serve` for the scene. `changeRecording`, `images`: see makeScene. `skip`: no setup, as all tests are skipped.
 /// `onReady` runs after the setup: the hooks of one file don't wait for each other.
 export function setStage(
   {
     serverArguments = sceneArguments,
     changeRecording,
+    images,
     headset = false,
     world = false,
     skip = false,
@@ -30,7 +31,7 @@ export function setStage(
 
   before(async () => {
     if (skip) return;
-    stage.scene = makeScene(changeRecording);
+    stage.scene = makeScene(changeRecording, images);
     stage.server = await serve(...serverArguments(stage.scene));
     stage.browser = await openBrowser();
     if (headset) await installHeadset(stage.browser.context);

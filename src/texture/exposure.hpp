@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "painted_view.hpp"
+
+namespace pcavr {
+
+/// A surface point, and the views that see it.
+struct SeenPoint {
+  Eigen::Vector3f p_base;
+  std::vector<std::uint32_t> views;
+};
+
+/// Sets each view's gain and offset by channel, so that it agrees with the median over the views:
+/// automatic exposure and white balance change the gain, stray light and the black level the
+/// offset. Over the views, the geometric mean of the gains is 1, the mean of the offsets 0.
+void even_out_exposures(std::vector<PaintedView>& views, const std::vector<SeenPoint>& points);
+
+}  // namespace pcavr
