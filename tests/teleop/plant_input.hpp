@@ -46,8 +46,8 @@ inline ObjectParameters true_parameters(const PlantParameters& plant) {
   return known;
 }
 
-/// Both boxes of a push, or of another task; `known`: the sites have the plant's parameters, else the
-/// mass only.
+/// Both boxes of a push, or of another task; `known`: the sites have the plant's parameters, else
+/// the mass only.
 inline PlantInput plant_input(std::uint64_t seed, bool known, const SensorFaults& faults = {},
                               ToolTask task = ToolTask::push) {
   PlantInput made{make_plant_case(task, seed), {}, {}};
