@@ -15,8 +15,8 @@ namespace {
 
 /// A sensor without noise, as a simulated one, needs some all the same: that of a good encoder [m].
 constexpr double kMinNoise = 1e-7;
-/// Random walk of the velocity that the search begins with [m^2/s^3]: white noise of the acceleration
-/// of 0.3 m/s^2 at 500 Hz, as an arm that starts and stops.
+/// Random walk of the velocity that the search begins with [m^2/s^3]: white noise of the
+/// acceleration of 0.3 m/s^2 at 500 Hz, as an arm that starts and stops.
 constexpr double kFirstDensity = 1.8e-4;
 /// More hardly changes the path (10 and 100 were tried).
 constexpr int kIterations = 20;
@@ -61,8 +61,8 @@ class Smoother {
     for (std::size_t k = t_.size() - 1; k-- > 0;) {
       const double dt = t_[k + 1] - t_[k];
       const Gaussian& next = predicted_[k + 1];
-      const Eigen::Matrix2d gain = filtered_[k].covariance * transition(dt).transpose() *
-                                   next.covariance.inverse();
+      const Eigen::Matrix2d gain =
+          filtered_[k].covariance * transition(dt).transpose() * next.covariance.inverse();
       motion[k].mean += gain * (motion[k + 1].mean - next.mean);
       motion[k].covariance +=
           gain * (motion[k + 1].covariance - next.covariance) * gain.transpose();
@@ -102,8 +102,7 @@ class Smoother {
         state.covariance = moved * state.covariance * moved.transpose() + density_[k] * dt * walk;
         predicted_[k] = state;
       }
-      const Eigen::Vector2d gain =
-          state.covariance.col(0) / (state.covariance(0, 0) + variance_);
+      const Eigen::Vector2d gain = state.covariance.col(0) / (state.covariance(0, 0) + variance_);
       state.mean += gain * (position_[k] - state.mean.x());
       state.covariance -= gain * state.covariance.row(0).eval();
       filtered_[k] = state;
@@ -113,16 +112,16 @@ class Smoother {
   std::span<const double> t_;
   std::span<const double> position_;
   double variance_;
-  double min_density_ = 0.0;      ///< [m^2/s^3]
-  std::vector<double> density_;   ///< of the velocity's random walk up to a sample
+  double min_density_ = 0.0;     ///< [m^2/s^3]
+  std::vector<double> density_;  ///< of the velocity's random walk up to a sample
   std::vector<Gaussian> filtered_;
   std::vector<Gaussian> predicted_;
 };
 
 }  // namespace
 
-std::vector<MotionSample> smooth_motion(std::span<const double> t,
-                                        std::span<const double> position, double noise) {
+std::vector<MotionSample> smooth_motion(std::span<const double> t, std::span<const double> position,
+                                        double noise) {
   PCAVR_REQUIRE(t.size() == position.size() && t.size() >= 2, t.size(), position.size());
   Smoother smoother(t, position, std::max(noise, kMinNoise));
   std::vector<double> walk(t.size());

@@ -16,9 +16,9 @@ struct MotionSample {
 
 /// A motion without its sensor's white noise, at each sample [Rauch, Tung & Striebel 1965]. The
 /// velocity is a random walk whose strength is found about each sample by expectation maximisation
-/// [Shumway & Stoffer 1982]: much is averaged where the tip is held or moves evenly, and little where
-/// it stops or turns. Windows of a fixed shape round such corners, or leave noise next to them.
-/// Stamps ascend strictly; `noise` [m] is the std of a sample.
+/// [Shumway & Stoffer 1982]: much is averaged where the tip is held or moves evenly, and little
+/// where it stops or turns. Windows of a fixed shape round such corners, or leave noise next to
+/// them. Stamps ascend strictly; `noise` [m] is the std of a sample.
 [[nodiscard]] std::vector<MotionSample> smooth_motion(std::span<const double> t,
                                                       std::span<const double> position,
                                                       double noise);
