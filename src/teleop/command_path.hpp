@@ -11,17 +11,16 @@
 
 namespace pcavr {
 
-/// The operator's command of a recording: the tip's path, sampled every `step` [s] and smoothed
-/// over +-20 ms, up to +-80 ms where the motion is slow and +-320 ms where it is even: the pose
-/// sensor's noise would be rendered as force. A live operator's command has no such noise and needs
-/// none of this. Computed in blocks of some seconds.
+/// The operator's command of a recording: the tip's path, sampled every `step` [s], without the
+/// pose sensor's noise, which would be rendered as force: see smooth_motion. A live operator's
+/// command has no such noise and needs none of this. Computed in blocks of some seconds.
 class CommandPath {
  public:
   /// Keeps a reference; `tip` must outlive it and have two samples or more.
   CommandPath(const TipPath& tip, double start, double step);
   /// At start + step * cycle. Cheapest in ascending order.
   [[nodiscard]] Eigen::Vector3d at(std::size_t cycle);
-  /// [m/s^2], 1.2 % low at 10 Hz.
+  /// [m/s^2].
   [[nodiscard]] Eigen::Vector3d acceleration_at(std::size_t cycle);
 
  private:
@@ -30,7 +29,6 @@ class CommandPath {
   const TipPath& tip_;
   double start_;
   double step_;
-  double half_width_;
   std::size_t block_ = ~std::size_t{0};
   std::vector<Eigen::Vector3d> path_;  ///< of the block's cycles
   std::vector<Eigen::Vector3d> acceleration_;

@@ -315,9 +315,17 @@ bool RobotObject::is_pressed(const Touch& tip) const {
 
 void RobotObject::measure_surface(const TouchSample& sample, const PoseEstimate& estimate) {
   const double force = monitor.resting_force();
-  if (!is_pushed() || force <= options_.min_force || measured_frame_ == frames_) return;
+  if (force <= options_.min_force || measured_frame_ == frames_) return;
+  // A press shows the height, unless it has been identified, from more samples.
+  const bool is_press = monitor.is_touched() && monitor.is_press();
+  if (is_press && learner.known().contact_surface_offset) return;
+  if (!is_press && !is_pushed()) return;
   measured_frame_ = frames_;
-  const Touch tip = surface_.touch(estimate.T_base_object, sample.p_base_tip, tool_radius_);
+  // At the operator's site height and tilt remain those of the scene.
+  const Pose T_base_shown =
+      is_press ? pose_at(planar_pose_of(estimate.T_base_object), source_->T_base_object)
+               : estimate.T_base_object;
+  const Touch tip = surface_.touch(T_base_shown, sample.p_base_tip, tool_radius_);
   if (!std::isfinite(tip.gap) || !is_pressed(tip)) return;
   const double std = std::hypot(estimate.std, options_.contact_std,
                                 options_.clock_std * std::max(monitor.tip_speed(), 0.0));

@@ -46,9 +46,11 @@ inline ObjectParameters true_parameters(const PlantParameters& plant) {
   return known;
 }
 
-/// Both boxes of a push; `known`: the sites have the plant's parameters, else the mass only.
-inline PlantInput plant_input(std::uint64_t seed, bool known, const SensorFaults& faults = {}) {
-  PlantInput made{make_plant_case(ToolTask::push, seed), {}, {}};
+/// Both boxes of a push, or of another task; `known`: the sites have the plant's parameters, else
+/// the mass only.
+inline PlantInput plant_input(std::uint64_t seed, bool known, const SensorFaults& faults = {},
+                              ToolTask task = ToolTask::push) {
+  PlantInput made{make_plant_case(task, seed), {}, {}};
   made.run = run_plant(made.plant.bodies, made.plant.tool, made.plant.moves);
   for (std::size_t i = 0; i < made.plant.bodies.size(); ++i) {
     const PlantBody& body = made.plant.bodies[i];

@@ -110,6 +110,33 @@ TEST(RunTeleop, CorrectsTheForceOfASlideWhosePlaceIsRight) {
   }
 }
 
+TEST(RunTeleop, LearnsFromPressesHowHighABodyIs) {
+  PlantInput made = plant_input(3, false, {}, ToolTask::press);
+  const Pose lower = Pose::from_translation({0.0, 0.0, -0.0006});
+  for (TeleopObject& object : made.input.objects) {
+    object.T_base_object = lower * object.T_base_object;
+    for (TrackedPose& pose : object.tracked) pose.T_base_object = lower * pose.T_base_object;
+  }
+  const TeleopRun run = run_teleop(made.input, {}).value();
+  for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+    double largest = 0.0, end = 0.0;
+    for (const ForceRow& row : run.forces) {
+      if (row.object != i) continue;
+      largest = std::max(largest, row.measured);
+      end = std::max(end, row.t);
+    }
+    // Of the last two of seven presses, which take about a second each.
+    double measured = 0.0, rendered = 0.0;
+    for (const ForceRow& row : run.forces) {
+      if (row.object != i || row.t < end - 1.5 || row.measured < 0.5 * largest) continue;
+      measured += row.measured;
+      rendered += row.predicted;
+    }
+    ASSERT_GT(measured, 0.0) << i;
+    EXPECT_NEAR(rendered / measured, 1.0, 0.1) << i;
+  }
+}
+
 TEST(RunTeleop, KeepsCorrectingOverALinkWithJitter) {
   const PlantInput made = plant_input(kSeed, false);
   const TeleopRun even = run_teleop(made.input, {}).value();
