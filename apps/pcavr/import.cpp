@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "pcavr/bag_import/csv_series.hpp"
 #include "pcavr/cloud/cloud_list.hpp"
 #include "pcavr/recording/camera_file.hpp"
 #include "pcavr/recording/import_joint_log.hpp"
@@ -41,7 +42,7 @@ bool is_of_bag(const ImportArguments& arguments) {
   std::error_code code;
   const bool is_recording =
       std::filesystem::exists(std::filesystem::path(arguments.source) / "recording.yaml", code);
-  return !is_recording && is_bag(arguments.source);
+  return !is_recording && (has_csv_series(arguments.source) || is_bag(arguments.source));
 }
 
 bool is_of_clouds(const ImportArguments& arguments) {
@@ -102,14 +103,21 @@ Expected<CommandResult> import_sequence(const ImportArguments& arguments,
 
 Expected<CommandResult> import_from_bag(const ImportArguments& arguments,
                                         const Observer& observer) {
-  const std::string cloud_option =
-      arguments.clouds.manifest.empty() ? first_cloud_option(arguments.clouds) : std::string();
+  CloudArguments others = arguments.clouds;
+  others.manifest.clear();
+  others.T_base_world.clear();
+  const std::string cloud_option = first_cloud_option(others);
   if (!cloud_option.empty()) {
     return Error{.message = cloud_option + " is for point clouds, but this is a bag",
                  .file = arguments.source};
   }
   BagImportOptions options;
   options.manifest = arguments.clouds.manifest;
+  if (!arguments.clouds.T_base_world.empty()) {
+    const Expected<Pose> pose = parse_world_pose(arguments.clouds.T_base_world);
+    if (!pose) return pose.error();
+    options.T_base_world = *pose;
+  }
   options.stride = arguments.options.stride;
   options.first = arguments.options.first;
   if (arguments.depth_scale > 0.0) options.depth_scale = arguments.depth_scale;
