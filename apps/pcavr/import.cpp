@@ -134,7 +134,7 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
   if (const std::string option = first_bag_option(arguments.bag); !option.empty()) {
     return Error{.message = option + " is for bags, but this is none",
                  .file = arguments.source,
-                 .hint = "give a .bag, .mcap or .db3 file, or the folder of one"};
+                 .hint = "give a .bag, .mcap or .db3 file, the folder of one, or CSV files"};
   }
   if (is_joint_log(arguments)) return import_joints(arguments);
   if (is_of_clouds(arguments)) return import_sequence(arguments, observer);
@@ -178,8 +178,9 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
 void add_import(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("import",
-                         "Convert a bag of ROS 1 or ROS 2, a TUM RGB-D or 7-Scenes folder, point "
-                         "clouds, or the log of an arm into a recording");
+                         "Convert a bag of ROS 1 or ROS 2, CSV files of poses and forces, a TUM "
+                         "RGB-D or 7-Scenes folder, point clouds, or the log of an arm into a "
+                         "recording");
   command->footer(
       "Example:\n  pcavr import rgbd_dataset_freiburg1_desk --camera calib/cameras/kinect_v1.yaml "
       "-o desk\n  pcavr import clouds/ --poses poses.txt -o scan\n  pcavr import push.bag "
@@ -189,8 +190,8 @@ void add_import(CLI::App& app, Action& action) {
   command
       ->add_option(
           "source", arguments->source,
-          "Bag (.bag, .mcap, .db3 or a folder), folder, cloud file (.pcd, .ply), or list of "
-          "clouds 'timestamp path'")
+          "Bag (.bag, .mcap, .db3 or a folder), folder, what the names of a run's CSV files begin "
+          "with, cloud file (.pcd, .ply), or list of clouds 'timestamp path'")
       ->required();
   add_output_option(*command, arguments->output, "Folder for the recording");
   command

@@ -32,6 +32,8 @@ Expected<std::vector<std::pair<std::string, std::string>>> parse_objects(
   return objects;
 }
 
+constexpr InputRange kToolDelay{"delay of the tool's poses", -1.0, 1.0, "s",
+                                "loggers and networks; clocks further apart are another fault"};
 constexpr InputRange kTare{"time before the first contact", 1e-3, 3600.0, "s",
                            "from one sample to an hour"};
 
@@ -67,12 +69,13 @@ std::string world_text(const WorldPlacement& world) {
   const Eigen::Vector3d p = world.T_base_world.translation();
   const Eigen::Quaterniond& q = world.T_base_world.rotation();
   return fmt::format(
-      "world   found from {} samples in contact, {:.2f} mm apart (std): +- {:.1f} mm, +- {:.2f} deg; "
+      "world   found from {} samples in contact, {:.2f} mm apart (std): +- {:.1f} mm, +- {:.2f} "
+      "deg; "
       "tool {:.0f} +- {:.0f} ms late, taken off\n"
-      "    --T-base-world {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f}\n",
+      "    --T-base-world {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} --tool-delay {:.4f}\n",
       world.samples, 1e3 * world.residual, 1e3 * world.position_std,
       world.turn_std * 180.0 / std::numbers::pi, 1e3 * world.tool_delay, 1e3 * world.delay_std,
-      p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+      p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), world.tool_delay);
 }
 
 std::string counts_text(const ImportedStream& stream) {
@@ -187,8 +190,10 @@ nlohmann::ordered_json json_of(const SurveyedTopic& topic, Stamp begin, const st
 }  // namespace
 
 void add_bag_options(CLI::App& command, BagArguments& arguments) {
-  CLI::App* group = command.add_option_group(
-      "bags", "ROS 1 (.bag) and ROS 2 (.mcap, .db3, folders); 'pcavr inspect BAG' lists topics");
+  CLI::App* group = command.add_option_group("bags",
+                                             "ROS 1 (.bag), ROS 2 (.mcap, .db3, folders) and CSV "
+                                             "files, each a topic; 'pcavr inspect' lists "
+                                             "topics");
   BagTopicOptions& topics = arguments.topics;
   const auto add = [&](const char* name, std::string& value, const char* what) {
     group->add_option(name, value, what);
@@ -216,9 +221,12 @@ void add_bag_options(CLI::App& command, BagArguments& arguments) {
                   "For sensors that report the force on the tool");
   add_number(*group, "--tare", arguments.tare, kTare,
              "Take the force's mean over this time from its start off: bias and tool's weight [s]");
-  group->add_flag("--find-world", arguments.find_world,
-                  "Find --T-base-world, the pose of the objects' world frame in base, and the tool's "
-                  "delay from a push: the tip touches the first object's sides (--manifest)");
+  add_number(*group, "--tool-delay", arguments.tool_delay, kToolDelay,
+             "Take this time off the stamps of the tool's poses [s]");
+  group->add_flag(
+      "--find-world", arguments.find_world,
+      "Find --T-base-world, the pose of the objects' world frame in base, and the tool's "
+      "delay from a push: the tip touches the first object's sides (--manifest)");
   group->add_option("--world-runs", arguments.world_bags,
                     "Further runs of this object by which --find-world finds it");
   add("--joint-topic", topics.joint_topic, "Joint states");
@@ -247,6 +255,7 @@ std::string first_bag_option(const BagArguments& arguments) {
   if (!t.joint_topic.empty()) return "--joint-topic";
   if (!arguments.objects.empty()) return "--object";
   if (arguments.tare > 0.0) return "--tare";
+  if (arguments.tool_delay != 0.0) return "--tool-delay";
   if (arguments.find_world) return "--find-world";
   if (!arguments.world_bags.empty()) return "--world-runs";
   return arguments.stamps != "header" ? "--stamps" : "";
@@ -265,6 +274,7 @@ Expected<CommandResult> run_import_bag(const std::string& source, const OutputOp
   }
   options.invert_wrench = arguments.invert_wrench;
   options.tare = arguments.tare;
+  options.tool_delay = arguments.tool_delay;
   if (arguments.find_world) {
     const auto sides = pushed_sides(options);
     if (!sides) return sides.error();

@@ -245,15 +245,16 @@ class BagImport {
   /// Takes the objects' poses from their world frame, given or found, to base, and the tool's to
   /// the tracker's clock.
   Expected<void> place_world() {
-    if (objects_.empty()) return {};
     std::optional<Pose> T_base_world = options_.T_base_world;
-    if (options_.pushed_sides) {
+    double tool_delay = options_.tool_delay;
+    if (options_.pushed_sides && !objects_.empty()) {
       const Expected<WorldPlacement> found = find_world();
       if (!found) return found.error();
       T_base_world = found->T_base_world;
-      tool_.content = delayed(tool_.content, -found->tool_delay);
+      tool_delay = found->tool_delay;
       report_.world = *found;
     }
+    tool_.content = delayed(tool_.content, -tool_delay);
     if (!T_base_world) return {};
     for (ImportedSeries<Trajectory>& object : objects_) {
       Trajectory T_base_object;

@@ -50,7 +50,8 @@ Pose pose_near(const Trajectory& trajectory, Stamp stamp) {
 
 /// The mean over `duration` [s] from the first row; zero for no duration.
 FramedWrench tare_of(const std::vector<const StampedValue<FramedWrench>*>& rows, double duration) {
-  FramedWrench mean{.force = Eigen::Vector3d::Zero(), .torque = Eigen::Vector3d::Zero(), .frame = {}};
+  FramedWrench mean{
+      .force = Eigen::Vector3d::Zero(), .torque = Eigen::Vector3d::Zero(), .frame = {}};
   double count = 0.0;
   for (const auto* row : rows) {
     if (to_seconds(row->stamp - rows.front()->stamp) >= duration) break;

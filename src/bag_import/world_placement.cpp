@@ -20,11 +20,14 @@ namespace {
 constexpr double kPushing = 0.5;      // of the large forces: less may be the tool in the air
 constexpr double kMinSpeed = 0.002;   // [m/s] of the object: slower it may be at rest
 constexpr double kHalfWindow = 0.03;  // [s] for speeds: some samples of any tracker
-constexpr double kDelayStd = 0.05;    // [s] prior: loggers and networks
 constexpr std::size_t kMinSamples = 20;
+constexpr double kMinNoise = 5e-5;   // [m] of robots and motion capture together
 constexpr double kMaxError = 0.005;  // [m] of place and gap: a finger is not thicker
 
 using Parameters = Eigen::Vector4d;  // x, y [m], turn [rad], delay [s]
+
+/// Before: a room, any turn, and the delay of loggers and networks.
+Parameters prior_stds() { return {1.0, 1.0, 3.0, 0.05}; }
 
 Duration duration_of(double seconds) {
   return Duration{static_cast<std::int64_t>(std::llround(1e9 * seconds))};
@@ -97,7 +100,7 @@ class WorldFit {
     double scale = 0.02;  // [m] of the guess
     for (int i = 0; i < 40; ++i) {
       x += step(x, scale);
-      scale = std::max(0.7 * scale, 1.5 * std::max(spread_of(gaps(x)), 1e-5));
+      scale = std::max(0.7 * scale, 1.5 * std::max(spread_of(gaps(x)), kMinNoise));
     }
     return placement(x, scale);
   }
@@ -132,12 +135,13 @@ class WorldFit {
   }
 
   /// The object's centre is ahead of the tip, half its width away: a turn and a shift in closed
-  /// form [Arun et al. 1987].
+  /// form [Umeyama 1991].
   [[nodiscard]] Parameters first_guess() const {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const Eigen::Vector3d& corner : sides_.outline_object) centre += corner;
     centre /= static_cast<double>(sides_.outline_object.size());
-    const double reach = sides_.tip_radius - signed_distance(sides_.outline_object, centre.head<2>());
+    const double reach =
+        sides_.tip_radius - signed_distance(sides_.outline_object, centre.head<2>());
     Eigen::Matrix2Xd in_world(2, instants_.size()), in_base(2, instants_.size());
     for (Eigen::Index i = 0; i < in_world.cols(); ++i) {
       const PushInstant& instant = instants_[static_cast<std::size_t>(i)];
@@ -147,8 +151,8 @@ class WorldFit {
     }
     const Eigen::Vector2d mean_world = in_world.rowwise().mean();
     const Eigen::Vector2d mean_base = in_base.rowwise().mean();
-    const Eigen::Matrix2d product = (in_base.colwise() - mean_base) *
-                                    (in_world.colwise() - mean_world).transpose();
+    const Eigen::Matrix2d product =
+        (in_base.colwise() - mean_base) * (in_world.colwise() - mean_world).transpose();
     const double turn = std::atan2(product(1, 0) - product(0, 1), product.trace());
     const Eigen::Vector2d shift = mean_base - Eigen::Rotation2Dd(turn) * mean_world;
     return {shift.x(), shift.y(), turn, 0.0};
@@ -179,14 +183,14 @@ class WorldFit {
       normal.matrix += weight * gradient * gradient.transpose();
       normal.right -= weight * at[i] * gradient;
     }
-    const double prior = std::pow(scale / kDelayStd, 2);
-    normal.matrix(3, 3) += prior;
-    normal.right[3] -= prior * x[3];
+    const Parameters prior = (scale * prior_stds().cwiseInverse()).array().square();
+    normal.matrix.diagonal() += prior;
+    normal.right[3] -= prior[3] * x[3];  // the others' first guess is as good as any
     return normal;
   }
   [[nodiscard]] Parameters step(const Parameters& x, double scale) const {
     const Normal normal = normal_equations(x, scale);
-    return normal.matrix.completeOrthogonalDecomposition().solve(normal.right);
+    return normal.matrix.ldlt().solve(normal.right);
   }
 
   /// Gaps that follow each other are alike: by how much they count less than independent ones.
@@ -206,17 +210,16 @@ class WorldFit {
     WorldPlacement found{.T_base_world = world_of(x), .tool_delay = x[3]};
     found.samples = gaps.size();
     found.residual = spread_of(gaps);
-    const double variance = std::pow(found.residual, 2) * repetition(gaps, scale);
+    const double variance =
+        std::pow(std::max(found.residual, kMinNoise), 2) * repetition(gaps, scale);
     const Eigen::Matrix4d covariance =
-        variance *
-        normal_equations(x, scale).matrix.completeOrthogonalDecomposition().pseudoInverse();
+        variance * normal_equations(x, scale).matrix.ldlt().solve(Eigen::Matrix4d::Identity());
     const Eigen::Matrix2d place = covariance.topLeftCorner<2, 2>();
-    found.position_std = std::sqrt(
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(place).eigenvalues().maxCoeff());
+    found.position_std =
+        std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(place).eigenvalues().maxCoeff());
     found.turn_std = std::sqrt(covariance(2, 2));
     found.delay_std = std::sqrt(covariance(3, 3));
-    found.T_base_world =
-        Pose(found.T_base_world.rotation(), Eigen::Vector3d(x[0], x[1], height()));
+    found.T_base_world = Pose(found.T_base_world.rotation(), Eigen::Vector3d(x[0], x[1], height()));
     return found;
   }
 
@@ -241,21 +244,22 @@ class WorldFit {
 
 PushedSides PushedSides::of(const TriangleMesh& mesh_object, double tip_radius) {
   std::vector<Eigen::Vector3d> points;
-  for (const Eigen::Vector3f& vertex : mesh_object.vertices) points.push_back(vertex.cast<double>());
+  for (const Eigen::Vector3f& vertex : mesh_object.vertices)
+    points.push_back(vertex.cast<double>());
   return {.outline_object = convex_hull_xy(std::move(points)),
           .middle_object = bounds(mesh_object.vertices).center().cast<double>().z(),
           .tip_radius = tip_radius};
 }
 
-Expected<WorldPlacement> find_world(std::span<const PushSeries> pushes,
-                                    const PushedSides& sides) {
+Expected<WorldPlacement> find_world(std::span<const PushSeries> pushes, const PushedSides& sides) {
   PCAVR_REQUIRE(sides.outline_object.size() >= 3, sides.outline_object.size());
   PCAVR_REQUIRE(sides.tip_radius >= 0.0, sides.tip_radius);
   WorldFit fit(pushes, sides);
   const Error unfit{.message = {},
                     .place = "--find-world",
-                    .hint = "take a run that pushes the object and turns it by some 30 degrees, or "
-                            "give --T-base-world"};
+                    .hint =
+                        "take a run that pushes the object and turns it by some 30 degrees, or "
+                        "give --T-base-world"};
   const auto error = [&](std::string message) {
     Error found = unfit;
     found.message = std::move(message);

@@ -33,8 +33,9 @@ struct PushedSides {
 };
 
 struct WorldPlacement {
-  Pose T_base_world;        ///< turned about z only; the z axes of both frames point up
-  double tool_delay = 0.0;  ///< [s] the tip was where a row puts it this much before the row's stamp
+  Pose T_base_world;  ///< turned about z only; the z axes of both frames point up
+  double tool_delay =
+      0.0;  ///< [s] the tip was where a row puts it this much before the row's stamp
   double position_std = 0.0;  ///< [m] of the less certain horizontal direction
   double turn_std = 0.0;      ///< [rad]
   double delay_std = 0.0;     ///< [s]
