@@ -45,10 +45,10 @@ struct CsvTwin {
 
   [[nodiscard]] Pose T_base_object(double t) const {
     const double s = progress(t);
-    const Eigen::Vector3d way = side == 0 ? Eigen::Vector3d(0.02, 0.15, 0.0)
-                                          : Eigen::Vector3d(0.15, -0.02, 0.0);
-    return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(
-                    (side == 0 ? 0.5 : -0.6) * turn * s, Eigen::Vector3d::UnitZ())),
+    const Eigen::Vector3d way =
+        side == 0 ? Eigen::Vector3d(0.02, 0.15, 0.0) : Eigen::Vector3d(0.15, -0.02, 0.0);
+    return Pose(Eigen::Quaterniond(Eigen::AngleAxisd((side == 0 ? 0.5 : -0.6) * turn * s,
+                                                     Eigen::Vector3d::UnitZ())),
                 Eigen::Vector3d(0.3, 0.1, 0.0) + s * way);
   }
   /// On the side, moving along it; before and after the push away from it.
@@ -56,8 +56,8 @@ struct CsvTwin {
     const double away = std::max(0.0, 1.0 - t) + std::max(0.0, t - 3.5);
     const double along = 0.01 - 0.03 * progress(t);
     const double off = -kHalf - kRadius - 0.05 * away;
-    const Eigen::Vector3d p_object = side == 0 ? Eigen::Vector3d(along, off, 0.02)
-                                               : Eigen::Vector3d(off, along, 0.02);
+    const Eigen::Vector3d p_object =
+        side == 0 ? Eigen::Vector3d(along, off, 0.02) : Eigen::Vector3d(off, along, 0.02);
     return T_base_object(t) * p_object;
   }
 
@@ -67,8 +67,9 @@ struct CsvTwin {
     const Eigen::Quaterniond q = upside_down();
     const auto row = [](double t, const Eigen::Vector3d& p, const auto& rest) {
       char text[300];
-      const int size = std::snprintf(text, sizeof(text), "%.9f,%.9f,%.9f,%.9f,%.9f,%.12f,%.12f,%.12f", kStart + t + 0.003,
-                                     kStart + t, p.x(), p.y(), p.z(), rest[0], rest[1], rest[2]);
+      const int size = std::snprintf(
+          text, sizeof(text), "%.9f,%.9f,%.9f,%.9f,%.9f,%.12f,%.12f,%.12f", kStart + t + 0.003,
+          kStart + t, p.x(), p.y(), p.z(), rest[0], rest[1], rest[2]);
       return std::string(text, static_cast<std::size_t>(size));
     };
     for (int i = 0; i < kRows; ++i) {
@@ -78,8 +79,12 @@ struct CsvTwin {
       object += row(t, seen.translation(), seen.rotation().vec()) + "," +
                 std::to_string(seen.rotation().w()) + "\n";
       const Eigen::Vector3d on_object =
-          is_touched(t) ? Eigen::Vector3d((side == 0 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX()) * 2.0) : Eigen::Vector3d::Zero();
-      const Eigen::Vector3d seen_force = Eigen::Vector3d(0.1, -2.1, 0.9) - q.conjugate() * on_object;
+          is_touched(t)
+              ? Eigen::Vector3d((side == 0 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX()) *
+                                2.0)
+              : Eigen::Vector3d::Zero();
+      const Eigen::Vector3d seen_force =
+          Eigen::Vector3d(0.1, -2.1, 0.9) - q.conjugate() * on_object;
       force += row(t, seen_force, Eigen::Vector3d(0.01, 0.02, 0.03)) + "\n";
     }
     ASSERT_TRUE(write_file(prefix.string() + "_tip.csv", tip));
@@ -105,10 +110,10 @@ class CsvSeriesTest : public ::testing::Test {
                            "tool: {radius: 0.005}\n"));
     ASSERT_TRUE(write_file(folder_.path() / "b.obj", "v 0 0 0\n"));
     const double h = CsvTwin::kHalf;
-    options_.pushed_sides = PushedSides{
-        .outline_object = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}},
-        .middle_object = 0.02,
-        .tip_radius = CsvTwin::kRadius};
+    options_.pushed_sides =
+        PushedSides{.outline_object = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}},
+                    .middle_object = 0.02,
+                    .tip_radius = CsvTwin::kRadius};
   }
   [[nodiscard]] fs::path run(const char* name) const { return folder_.path() / name; }
   [[nodiscard]] fs::path out() const { return folder_.path() / "out"; }

@@ -12,11 +12,12 @@
 namespace pcavr {
 namespace {
 
-constexpr double kHalfEdge = 0.05;     // [m]
+constexpr double kHalfEdge = 0.05;    // [m]
 constexpr double kTipRadius = 0.005;  // [m]
-constexpr double kPushSpeed = 0.04;    // [m/s]
+constexpr double kPushSpeed = 0.04;   // [m/s]
 
-/// A tip rests 1 mm beside a box for 3 s, pushes it for 2 s, and rises fast, which the sensor feels.
+/// A tip rests 1 mm beside a box for 3 s, pushes it for 2 s, and rises fast, which the sensor
+/// feels.
 class RestingTip : public testing::Test {
  protected:
   RestingTip() {

@@ -46,9 +46,9 @@ struct WorldPlacement {
 /// Where the tracker's world frame is in base: so that the tip, wherever force and motion say that
 /// it pushes the object, touches the object's side. Horizontal place, turn about z and the clocks'
 /// difference are fitted (Gauss-Newton, Cauchy weights); the height puts the middle of the object's
-/// sides at the tip's height. Several pushes of one object share all of it: different sides tell a
-/// shift from a delay. An Error, without file, for pushes that are too short, that turn the object
-/// too little to tell (position_std above 5 mm), or do not fit (residual above 5 mm).
+/// sides at the tip's height. Several pushes of one object share all of it: on different sides a
+/// shift is known from a delay. An Error, without file, for pushes that are too short, that turn
+/// the object too little (position_std above 5 mm), or do not fit (residual above 5 mm).
 [[nodiscard]] Expected<WorldPlacement> find_world(std::span<const PushSeries> pushes,
                                                   const PushedSides& sides);
 
