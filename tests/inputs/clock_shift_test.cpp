@@ -16,16 +16,17 @@ constexpr double kHalfEdge = 0.05;    // [m]
 constexpr double kTipRadius = 0.005;  // [m]
 constexpr double kPushSpeed = 0.04;   // [m/s]
 
-/// A tip rests 1 mm beside a box for 3 s, pushes it for 2 s, and rises fast, which the sensor
+/// A tip rests 1 mm beside a box for 3 s, pushes it for 0.5 s, and leaves fast, which the sensor
 /// feels.
 class RestingTip : public testing::Test {
  protected:
   RestingTip() {
     for (int i = 0; i <= 800; ++i) {
       const double t = 0.01 * i;
-      const double way = kPushSpeed * std::clamp(t - 3.0, 0.0, 2.0);
+      const double way = kPushSpeed * std::clamp(t - 3.0, 0.0, 0.5);
       t_.push_back(t);
-      tip_.push_back({-kHalfEdge - kTipRadius - 0.001 + way, 0.0, 0.3 * std::max(0.0, t - 5.0)});
+      const double back = 0.3 * std::max(0.0, t - 3.5);
+      tip_.push_back({-kHalfEdge - kTipRadius - 0.001 + way - back, 0.0, 0.0});
       const Eigen::Vector3d box(std::max(0.0, way - 0.001), 0.0, 0.0);
       tracked_.push_back({.t = t, .T_base_object = Pose::from_translation(box)});
     }
@@ -40,8 +41,8 @@ class RestingTip : public testing::Test {
   [[nodiscard]] std::optional<InputFault> fault() {
     Segmentation found;
     found.contacts.resize(2);
-    found.contacts[0].begin = 3.0, found.contacts[0].end = 5.0;
-    found.contacts[1].begin = 5.1, found.contacts[1].end = 8.0;
+    found.contacts[0].begin = 3.0, found.contacts[0].end = 3.5;
+    found.contacts[1].begin = 3.6, found.contacts[1].end = 6.5;
     return clock_fault(series_, found, PathView(t_, tip_), BodyPoses(series_.bodies, surfaces_));
   }
 
