@@ -33,6 +33,7 @@ def run(*words):
     done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"{' '.join(map(str, words))}: {done.stderr.strip()}")
+    return done.stdout
 
 
 def rows(path):
@@ -154,14 +155,15 @@ class Bench:
         return [self.identify(write_half(train, work / name, begin, end), work / f"{name}-found")
                 for name, begin, end in ends]
 
-    def errors(self, test, work, radius):
-        """The angle between the twists [deg], and the end position's error [mm]."""
+    def errors(self, test, work, file, radius):
+        """The angle between the twists [deg], and the end position's error [mm], predicted by the
+        parameters of a file."""
         scene, replay = work / "scene", work / "run"
         work.mkdir(parents=True, exist_ok=True)
         run(*self.command, "build", test, "-o", scene, "--force")
         run(*self.command, "replay", test, "--scene", scene, "-o", replay, "--force",
-            "--no-corrections", "--keep-parameters", "--parameters",
-            work.parent / "parameters.yaml", "--forward-delay", 0, "--backward-delay", 0)
+            "--no-corrections", "--keep-parameters", "--parameters", file,
+            "--forward-delay", 0, "--backward-delay", 0)
         tracked = rows(next(test.glob("tracked/objects/*/tracked.txt")))
         predicted = rows(next(replay.glob("objects/*/predicted.txt")))
         centre = base_centre(next(test.glob("objects/*.obj")))
@@ -174,7 +176,7 @@ class Bench:
         found = self.identify(folder / "train", work)
         pairs = pairs_of(self.halves(folder / "train", work))
         radius = found.get("friction_radius", 0.05)
-        errors = [self.errors(test, work / test.name, radius)
+        errors = [self.errors(test, work / test.name, work / "parameters.yaml", radius)
                   for test in sorted(folder.glob("test*"))]
         apart = [f"{key} {z:+.1f}" for key, z in pairs if abs(z) > MAX_Z]
         coefficient = found.get("sliding_friction_coefficient", math.nan)

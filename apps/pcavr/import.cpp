@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "pcavr/bag_import/csv_series.hpp"
 #include "pcavr/cloud/cloud_list.hpp"
 #include "pcavr/recording/camera_file.hpp"
 #include "pcavr/recording/import_joint_log.hpp"
@@ -41,7 +42,7 @@ bool is_of_bag(const ImportArguments& arguments) {
   std::error_code code;
   const bool is_recording =
       std::filesystem::exists(std::filesystem::path(arguments.source) / "recording.yaml", code);
-  return !is_recording && is_bag(arguments.source);
+  return !is_recording && (has_csv_series(arguments.source) || is_bag(arguments.source));
 }
 
 bool is_of_clouds(const ImportArguments& arguments) {
@@ -102,14 +103,21 @@ Expected<CommandResult> import_sequence(const ImportArguments& arguments,
 
 Expected<CommandResult> import_from_bag(const ImportArguments& arguments,
                                         const Observer& observer) {
-  const std::string cloud_option =
-      arguments.clouds.manifest.empty() ? first_cloud_option(arguments.clouds) : std::string();
+  CloudArguments others = arguments.clouds;
+  others.manifest.clear();
+  others.T_base_world.clear();
+  const std::string cloud_option = first_cloud_option(others);
   if (!cloud_option.empty()) {
     return Error{.message = cloud_option + " is for point clouds, but this is a bag",
                  .file = arguments.source};
   }
   BagImportOptions options;
   options.manifest = arguments.clouds.manifest;
+  if (!arguments.clouds.T_base_world.empty()) {
+    const Expected<Pose> pose = parse_world_pose(arguments.clouds.T_base_world);
+    if (!pose) return pose.error();
+    options.T_base_world = *pose;
+  }
   options.stride = arguments.options.stride;
   options.first = arguments.options.first;
   if (arguments.depth_scale > 0.0) options.depth_scale = arguments.depth_scale;
@@ -126,7 +134,7 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
   if (const std::string option = first_bag_option(arguments.bag); !option.empty()) {
     return Error{.message = option + " is for bags, but this is none",
                  .file = arguments.source,
-                 .hint = "give a .bag, .mcap or .db3 file, or the folder of one"};
+                 .hint = "give a .bag, .mcap or .db3 file, the folder of one, or CSV files"};
   }
   if (is_joint_log(arguments)) return import_joints(arguments);
   if (is_of_clouds(arguments)) return import_sequence(arguments, observer);
@@ -170,8 +178,9 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
 void add_import(CLI::App& app, Action& action) {
   CLI::App* command =
       app.add_subcommand("import",
-                         "Convert a bag of ROS 1 or ROS 2, a TUM RGB-D or 7-Scenes folder, point "
-                         "clouds, or the log of an arm into a recording");
+                         "Convert a bag of ROS 1 or ROS 2, CSV files of poses and forces, a TUM "
+                         "RGB-D or 7-Scenes folder, point clouds, or the log of an arm into a "
+                         "recording");
   command->footer(
       "Example:\n  pcavr import rgbd_dataset_freiburg1_desk --camera calib/cameras/kinect_v1.yaml "
       "-o desk\n  pcavr import clouds/ --poses poses.txt -o scan\n  pcavr import push.bag "
@@ -181,8 +190,8 @@ void add_import(CLI::App& app, Action& action) {
   command
       ->add_option(
           "source", arguments->source,
-          "Bag (.bag, .mcap, .db3 or a folder), folder, cloud file (.pcd, .ply), or list of "
-          "clouds 'timestamp path'")
+          "Bag (.bag, .mcap, .db3 or a folder), folder, what the names of a run's CSV files begin "
+          "with, cloud file (.pcd, .ply), or list of clouds 'timestamp path'")
       ->required();
   add_output_option(*command, arguments->output, "Folder for the recording");
   command

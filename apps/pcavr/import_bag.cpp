@@ -3,9 +3,15 @@
 #include "import_bag.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include <fmt/core.h>
 
+#include "pcavr/core/input_ranges.hpp"
+#include "pcavr/model/cad_model.hpp"
+#include "pcavr/recording/manifest_template.hpp"
+
+#include "number_option.hpp"
 #include "output_option.hpp"
 
 namespace pcavr::app {
@@ -24,6 +30,52 @@ Expected<std::vector<std::pair<std::string, std::string>>> parse_objects(
     objects.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return objects;
+}
+
+constexpr InputRange kToolDelay{"delay of the tool's poses", -1.0, 1.0, "s",
+                                "loggers and networks; clocks further apart are another fault"};
+constexpr InputRange kTare{"time before the first contact", 1e-3, 3600.0, "s",
+                           "from one sample to an hour"};
+
+/// Of the first object that is to be imported, as the manifest has it.
+Expected<PushedSides> pushed_sides(const BagImportOptions& options) {
+  Error error{.message = {}, .place = "--find-world"};
+  const auto fail = [&](std::string message, std::string hint) {
+    error.message = std::move(message);
+    error.hint = std::move(hint);
+    return error;
+  };
+  if (options.T_base_world) {
+    return fail("can't be combined with --T-base-world", "give one of them");
+  }
+  if (options.topics.objects.empty()) {
+    return fail("needs the pushed object", "give --object NAME=TOPIC");
+  }
+  const Expected<Manifest> manifest = read_manifest_template(options.manifest);
+  if (!manifest) return manifest.error();
+  const std::string& name = options.topics.objects.front().first;
+  for (const ObjectEntry& object : manifest->objects) {
+    if (object.name != name || object.mesh.empty() || !manifest->tool_radius) continue;
+    const auto mesh = read_mesh(options.manifest.parent_path() / object.mesh);
+    if (!mesh) return mesh.error();
+    const PushedSides sides = PushedSides::of(*mesh, *manifest->tool_radius);
+    if (sides.outline_object.size() >= 3) return sides;
+  }
+  return fail("needs the mesh of object '" + name + "' and the tool's radius",
+              "give --manifest FILE, a recording.yaml with both");
+}
+
+std::string world_text(const WorldPlacement& world) {
+  const Eigen::Vector3d p = world.T_base_world.translation();
+  const Eigen::Quaterniond& q = world.T_base_world.rotation();
+  return fmt::format(
+      "world   found from {} samples in contact, {:.2f} mm apart (std): +- {:.1f} mm, +- {:.2f} "
+      "deg; "
+      "tool {:.0f} +- {:.0f} ms late, taken off\n"
+      "    --T-base-world {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} --tool-delay {:.4f}\n",
+      world.samples, 1e3 * world.residual, 1e3 * world.position_std,
+      world.turn_std * 180.0 / std::numbers::pi, 1e3 * world.tool_delay, 1e3 * world.delay_std,
+      p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), world.tool_delay);
 }
 
 std::string counts_text(const ImportedStream& stream) {
@@ -60,6 +112,7 @@ std::string summary_of(const BagImportReport& report, const std::string& folder)
     has_frames = has_frames || stream.file.starts_with("rgb");
     has_force = has_force || stream.file == "wrench.csv";
   }
+  if (report.world) text += world_text(*report.world);
   for (const std::string& note : report.notes) text += "not taken: " + note + "\n";
   text += "next: pcavr inspect " + folder;
   if (has_frames) text += "; pcavr build " + folder + " -o SCENE";
@@ -87,6 +140,17 @@ nlohmann::ordered_json json_of(const BagImportReport& report, const std::string&
     json["streams"].push_back(entry);
   }
   json["not_taken"] = report.notes;
+  if (const auto& world = report.world) {
+    const Eigen::Vector3d p = world->T_base_world.translation();
+    const Eigen::Quaterniond& q = world->T_base_world.rotation();
+    json["world"] = {{"T_base_world", {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}},
+                     {"position_std_m", world->position_std},
+                     {"turn_std_rad", world->turn_std},
+                     {"tool_delay_s", world->tool_delay},
+                     {"tool_delay_std_s", world->delay_std},
+                     {"residual_m", world->residual},
+                     {"samples", world->samples}};
+  }
   return json;
 }
 
@@ -126,8 +190,10 @@ nlohmann::ordered_json json_of(const SurveyedTopic& topic, Stamp begin, const st
 }  // namespace
 
 void add_bag_options(CLI::App& command, BagArguments& arguments) {
-  CLI::App* group = command.add_option_group(
-      "bags", "ROS 1 (.bag) and ROS 2 (.mcap, .db3, folders); 'pcavr inspect BAG' lists topics");
+  CLI::App* group = command.add_option_group("bags",
+                                             "ROS 1 (.bag), ROS 2 (.mcap, .db3, folders) and CSV "
+                                             "files, each a topic; 'pcavr inspect' lists "
+                                             "topics");
   BagTopicOptions& topics = arguments.topics;
   const auto add = [&](const char* name, std::string& value, const char* what) {
     group->add_option(name, value, what);
@@ -149,9 +215,20 @@ void add_bag_options(CLI::App& command, BagArguments& arguments) {
       "The robot's base, into which poses and forces are transformed by TF");
   add("--wrench-topic", topics.wrench_topic, "Forces of the tool on its surroundings");
   add("--wrench-frame", topics.wrench_frame,
-      "The forces' frame, instead of that in their headers; the base frame: they are not rotated");
+      "The forces' frame, instead of that in their headers; the base frame: they are not rotated; "
+      "tool: the axes of the tool's poses");
   group->add_flag("--invert-wrench", arguments.invert_wrench,
                   "For sensors that report the force on the tool");
+  add_number(*group, "--tare", arguments.tare, kTare,
+             "Take the force's mean over this time from its start off: bias and tool's weight [s]");
+  add_number(*group, "--tool-delay", arguments.tool_delay, kToolDelay,
+             "Take this time off the stamps of the tool's poses [s]");
+  group->add_flag(
+      "--find-world", arguments.find_world,
+      "Find --T-base-world, the pose of the objects' world frame in base, and the tool's "
+      "delay from a push: the tip touches the first object's sides (--manifest)");
+  group->add_option("--world-runs", arguments.world_bags,
+                    "Further runs of this object by which --find-world finds it");
   add("--joint-topic", topics.joint_topic, "Joint states");
   group->add_option("--object", arguments.objects,
                     "NAME=TOPIC: poses of a tracked object; may be repeated");
@@ -177,6 +254,10 @@ std::string first_bag_option(const BagArguments& arguments) {
   if (arguments.invert_wrench) return "--invert-wrench";
   if (!t.joint_topic.empty()) return "--joint-topic";
   if (!arguments.objects.empty()) return "--object";
+  if (arguments.tare > 0.0) return "--tare";
+  if (arguments.tool_delay != 0.0) return "--tool-delay";
+  if (arguments.find_world) return "--find-world";
+  if (!arguments.world_bags.empty()) return "--world-runs";
   return arguments.stamps != "header" ? "--stamps" : "";
 }
 
@@ -192,6 +273,14 @@ Expected<CommandResult> run_import_bag(const std::string& source, const OutputOp
     options.p_tool_tip = Eigen::Vector3d::Map(arguments.tool_offset.data());
   }
   options.invert_wrench = arguments.invert_wrench;
+  options.tare = arguments.tare;
+  options.tool_delay = arguments.tool_delay;
+  if (arguments.find_world) {
+    const auto sides = pushed_sides(options);
+    if (!sides) return sides.error();
+    options.pushed_sides = *sides;
+    options.world_bags.assign(arguments.world_bags.begin(), arguments.world_bags.end());
+  }
   Expected<OutputFolder> folder =
       create_output(output, OutputKind::recording, {source, options.manifest});
   if (!folder) return folder.error();

@@ -19,6 +19,10 @@ struct BagArguments {
   std::string stamps = "header";
   bool invert_wrench = false;
   std::vector<double> tool_offset;  ///< [m] x y z; empty: not given
+  double tare = 0.0;                ///< [s] 0: nothing is taken off
+  double tool_delay = 0.0;          ///< [s]
+  bool find_world = false;
+  std::vector<std::string> world_bags;  ///< by which it is found, beside the source
 };
 
 void add_bag_options(CLI::App& command, BagArguments& arguments);

@@ -15,19 +15,6 @@
 namespace pcavr::app {
 namespace {
 
-Expected<Pose> parse_pose(const std::vector<double>& numbers) {
-  Error error{.message = "is not tx ty tz qx qy qz qw",
-              .place = "--T-base-world",
-              .hint = "give a position in metres and a unit quaternion"};
-  if (numbers.size() != 7) return error;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!ranges::kCoordinate.contains(numbers[i])) return error;
-  }
-  if (check_unit_quaternion(std::span(numbers).subspan(3))) return error;
-  return Pose({numbers[6], numbers[3], numbers[4], numbers[5]},
-              {numbers[0], numbers[1], numbers[2]});
-}
-
 std::string poses_line(const CloudImportReport& report) {
   std::string text = report.poses == CloudPoses::given        ? "poses      given"
                      : report.poses == CloudPoses::viewpoints ? "poses      the clouds' viewpoints"
@@ -82,6 +69,19 @@ nlohmann::ordered_json json_of(const CloudImportReport& report, const std::strin
 
 }  // namespace
 
+Expected<Pose> parse_world_pose(const std::vector<double>& numbers) {
+  Error error{.message = "is not tx ty tz qx qy qz qw",
+              .place = "--T-base-world",
+              .hint = "give a position in metres and a unit quaternion"};
+  if (numbers.size() != 7) return error;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!ranges::kCoordinate.contains(numbers[i])) return error;
+  }
+  if (check_unit_quaternion(std::span(numbers).subspan(3))) return error;
+  return Pose({numbers[6], numbers[3], numbers[4], numbers[5]},
+              {numbers[0], numbers[1], numbers[2]});
+}
+
 void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
   CLI::App* group = command.add_option_group(
       "point clouds", "PCD or PLY files, one for each frame, organised or not");
@@ -91,7 +91,7 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
                     "aligned with each other");
   group
       ->add_option("--T-base-world", arguments.T_base_world,
-                   "Pose of the world frame in base: tx ty tz qx qy qz qw")
+                   "Pose of the world frame of clouds or of --object in base: tx ty tz qx qy qz qw")
       ->expected(7);
   group->add_flag("--anchor-tags", arguments.anchor_tags,
                   "Find the world frame's pose by the base tags of --manifest in the clouds' "
@@ -126,7 +126,7 @@ Expected<CommandResult> run_import_clouds(const CloudPaths& paths, const CloudAr
   options.parallelism = {arguments.threads};
   if (!arguments.unit.empty()) options.unit = arguments.unit == "mm" ? 1e-3 : 1.0;
   if (!arguments.T_base_world.empty()) {
-    const Expected<Pose> pose = parse_pose(arguments.T_base_world);
+    const Expected<Pose> pose = parse_world_pose(arguments.T_base_world);
     if (!pose) return pose.error();
     options.T_base_world = *pose;
   }

@@ -29,6 +29,9 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments);
 /// The first of these options that was given; empty for none.
 [[nodiscard]] std::string first_cloud_option(const CloudArguments& arguments);
 
+/// The pose that --T-base-world gives as numbers.
+[[nodiscard]] Expected<Pose> parse_world_pose(const std::vector<double>& numbers);
+
 struct CloudPaths {
   std::string source;
   OutputOption output;

@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/bag_import/csv_series.hpp"
 #include "pcavr/core/input_file.hpp"
 #include "pcavr/pipeline/consistency.hpp"
 #include "pcavr/recording/frame_reader.hpp"
@@ -137,7 +138,8 @@ Expected<CommandResult> inspect(const fs::path& folder, const Configuration& con
                                         : inspect_run(folder);
     break;
   }
-  if (!is_output && is_bag(folder)) return inspect_bag(folder, observer);
+  if (!is_output && (has_csv_series(folder) || is_bag(folder)))
+    return inspect_bag(folder, observer);
   if (!checks) return checks.error();
   return describe_checks(*checks);
 }

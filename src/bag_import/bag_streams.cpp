@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/bag_import/csv_series.hpp"
 #include "pcavr/core/input_ranges.hpp"
 
 #include "bag_import/decoded_header.hpp"
@@ -170,7 +171,7 @@ Stamp StampRule::stamp_of(const SurveyedTopic& topic, const RosHeader& header,
 Expected<BagStreams> collect_streams(const std::filesystem::path& bag,
                                      const BagSelection& selection, const BagSurvey& survey,
                                      const StampRule& stamps, const Observer& observer) {
-  Expected<std::unique_ptr<BagReader>> reader = open_bag(bag);
+  Expected<std::unique_ptr<BagReader>> reader = open_bag_or_csv(bag);
   if (!reader) return reader.error();
   StreamCollector collector(selection, survey, stamps);
   std::vector<const SurveyedTopic*> topics;

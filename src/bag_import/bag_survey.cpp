@@ -6,6 +6,8 @@
 #include <array>
 #include <limits>
 
+#include "pcavr/bag_import/csv_series.hpp"
+
 #include "bag_import/decoded_header.hpp"
 
 namespace pcavr {
@@ -164,7 +166,7 @@ bool BagSurvey::has_frame(const std::string& frame) const {
 }
 
 Expected<BagSurvey> survey_bag(const std::filesystem::path& bag, const Observer& observer) {
-  Expected<std::unique_ptr<BagReader>> reader = open_bag(bag);
+  Expected<std::unique_ptr<BagReader>> reader = open_bag_or_csv(bag);
   if (!reader) return reader.error();
   BagSurvey survey;
   std::vector<TopicSurveyor> surveyors;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pcavr/bag_import/camera_images.hpp"
+#include "pcavr/bag_import/csv_series.hpp"
 #include "pcavr/recording/image_codec.hpp"
 #include "pcavr/recording/pairing.hpp"
 
@@ -178,7 +179,7 @@ Expected<FrameCounts> import_frames(const std::filesystem::path& bag, const BagS
                                     const StampRule& stamps, const std::vector<FramePlan>& plan,
                                     const CameraModel& camera, double depth_scale,
                                     RecordingWriter& writer, const Observer& observer) {
-  Expected<std::unique_ptr<BagReader>> reader = open_bag(bag);
+  Expected<std::unique_ptr<BagReader>> reader = open_bag_or_csv(bag);
   if (!reader) return reader.error();
   FrameAssembler assembler(plan, selection.color != nullptr, camera, depth_scale, writer);
   for (std::size_t done = 0;;) {

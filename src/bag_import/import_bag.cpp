@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <memory>
 #include <utility>
 
 #include "pcavr/bag_import/camera_images.hpp"
@@ -54,6 +56,37 @@ class BagImport {
       : bag_(bag), target_(target), options_(options), observer_(observer) {}
 
   Expected<BagImportReport> run() {
+    const Expected<StampRule> collected = collect();
+    if (!collected) return collected.error();
+    const StampRule& stamps = *collected;
+    if (const auto done = prepare_camera(); !done) return done.error();
+    const SeriesImporter importer(bag_, selection_, options_, streams_, stamps, observer_);
+    if (const auto done = read_series(importer); !done) return done.error();
+    if (const auto placed = place_world(); !placed) return placed.error();
+    if (selection_.depth == nullptr) state_first_poses();
+    RecordingWriter writer(target_, manifest_);
+    if (const auto done = write_series(importer, writer); !done) return done.error();
+    if (const auto done = write_frames(importer, stamps, writer); !done) return done.error();
+    const auto copied = copy_manifest_files(manifest_, options_.manifest.parent_path(), target_);
+    if (!copied) return copied.error();
+    if (const auto done = writer.finish(); !done) return done.error();
+    return std::move(report_);
+  }
+
+  /// The time series alone, objects in their world frame.
+  Expected<void> read_push() {
+    const Expected<StampRule> stamps = collect();
+    if (!stamps) return stamps.error();
+    return read_series(SeriesImporter(bag_, selection_, options_, streams_, *stamps, observer_));
+  }
+  /// Of the first object; empty where there is none.
+  [[nodiscard]] PushSeries push() const {
+    static const Trajectory kNone;
+    return {tool_.content, wrench_.content, objects_.empty() ? kNone : objects_.front().content};
+  }
+
+ private:
+  Expected<StampRule> collect() {
     if (const auto done = prepare(); !done) return done.error();
     const StampRule stamps(survey_, selection_, options_.use_receive_stamps);
     report_other_clocks(stamps);
@@ -63,18 +96,9 @@ class BagImport {
     for (const std::string& frame : streams_.frames.reparented()) {
       warn("frame '" + frame + "' has several parents in TF; the first is used");
     }
-    if (const auto done = prepare_camera(); !done) return done.error();
-    RecordingWriter writer(target_, manifest_);
-    const SeriesImporter importer(bag_, selection_, options_, streams_, stamps, observer_);
-    if (const auto done = write_series(importer, writer); !done) return done.error();
-    if (const auto done = write_frames(importer, stamps, writer); !done) return done.error();
-    const auto copied = copy_manifest_files(manifest_, options_.manifest.parent_path(), target_);
-    if (!copied) return copied.error();
-    if (const auto done = writer.finish(); !done) return done.error();
-    return std::move(report_);
+    return stamps;
   }
 
- private:
   void warn(const std::string& text) const { observer_.on_warning(bag_.string() + ": " + text); }
 
   /// What can be checked before the bag is read again.
@@ -161,31 +185,108 @@ class BagImport {
     return text;
   }
 
-  Expected<void> write_series(const SeriesImporter& importer, RecordingWriter& writer) {
+  Expected<void> read_series(const SeriesImporter& importer) {
     Expected<ImportedSeries<Trajectory>> tool = tip_series(importer);
     if (!tool) return tool.error();
-    if (!tool->content.empty()) {
-      if (auto written = writer.write_tool(tool->content); !written) return written;
-    }
-    add_stream(tool->stream);
+    tool_ = *std::move(tool);
     if (selection_.wrench != nullptr) {
-      const auto wrench = importer.wrench(tool->content);
+      auto wrench = importer.wrench(tool_.content);
       if (!wrench) return wrench.error();
-      if (auto written = writer.write_wrench(wrench->content); !written) return written;
-      add_stream(wrench->stream);
-    }
-    if (selection_.joints != nullptr) {
-      const auto joints = importer.joints();
-      if (!joints) return joints.error();
-      if (joints->stream.rows > 0) {
-        if (auto written = writer.write_joints(joints->content); !written) return written;
-      }
-      add_stream(joints->stream);
+      wrench_ = *std::move(wrench);
     }
     for (const auto& [name, topic] : selection_.objects) {
-      if (const auto written = write_object(importer, name, *topic); !written) return written;
+      auto poses = importer.poses(*topic, object_file(name).string());
+      if (!poses) return poses.error();
+      objects_.push_back(*std::move(poses));
     }
     return {};
+  }
+
+  /// Without images only the manifest says where a body starts.
+  void state_first_poses() {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      if (objects_[i].content.empty()) continue;
+      for (ObjectEntry& entry : manifest_.objects) {
+        const bool is_it = entry.name == selection_.objects[i].first && !entry.mesh.empty();
+        if (is_it && !entry.T_base_object) {
+          entry.T_base_object = objects_[i].content.poses().front().pose;
+        }
+      }
+    }
+  }
+
+  Expected<void> write_series(const SeriesImporter& importer, RecordingWriter& writer) {
+    if (!tool_.content.empty()) {
+      if (auto written = writer.write_tool(tool_.content); !written) return written;
+    }
+    add_stream(tool_.stream);
+    if (selection_.wrench != nullptr) {
+      if (auto written = writer.write_wrench(wrench_.content); !written) return written;
+      add_stream(wrench_.stream);
+    }
+    if (const auto written = write_joints(importer, writer); !written) return written;
+    for (const ImportedSeries<Trajectory>& object : objects_) {
+      if (const auto written = write_object(object); !written) return written;
+    }
+    return {};
+  }
+
+  Expected<void> write_joints(const SeriesImporter& importer, RecordingWriter& writer) {
+    if (selection_.joints == nullptr) return {};
+    const auto joints = importer.joints();
+    if (!joints) return joints.error();
+    if (joints->stream.rows > 0) {
+      if (auto written = writer.write_joints(joints->content); !written) return written;
+    }
+    add_stream(joints->stream);
+    return {};
+  }
+
+  /// Takes the objects' poses from their world frame, given or found, to base, and the tool's to
+  /// the tracker's clock.
+  Expected<void> place_world() {
+    std::optional<Pose> T_base_world = options_.T_base_world;
+    double tool_delay = options_.tool_delay;
+    if (options_.pushed_sides && !objects_.empty()) {
+      const Expected<WorldPlacement> found = find_world();
+      if (!found) return found.error();
+      T_base_world = found->T_base_world;
+      tool_delay = found->tool_delay;
+      report_.world = *found;
+    }
+    tool_.content = delayed(tool_.content, -tool_delay);
+    if (!T_base_world) return {};
+    for (ImportedSeries<Trajectory>& object : objects_) {
+      Trajectory T_base_object;
+      for (const TimedPose& row : object.content.poses()) {
+        T_base_object.append(row.stamp, *T_base_world * row.pose);
+      }
+      object.content = std::move(T_base_object);
+      object.stream.frame = "world, placed in base";
+    }
+    return {};
+  }
+
+  [[nodiscard]] Expected<WorldPlacement> find_world() const {
+    std::vector<std::unique_ptr<BagImport>> others;  // of which the series stay in place
+    std::vector<PushSeries> pushes{push()};
+    for (const fs::path& bag : options_.world_bags) {
+      others.push_back(std::make_unique<BagImport>(bag, target_, options_, observer_));
+      if (const auto done = others.back()->read_push(); !done) return done.error();
+      pushes.push_back(others.back()->push());
+    }
+    Expected<WorldPlacement> found = pcavr::find_world(pushes, *options_.pushed_sides);
+    if (found) return found;
+    Error error = found.error();
+    error.file = bag_.string();
+    return error;
+  }
+
+  static Trajectory delayed(const Trajectory& poses, double seconds) {
+    Trajectory moved;
+    const Duration shift{static_cast<std::int64_t>(std::llround(1e9 * seconds))};
+    for (const TimedPose& row : poses.poses()) moved.append(row.stamp + shift, row.pose);
+    return moved;
   }
 
   /// Of the tip, by its place in the tool's frame.
@@ -218,17 +319,18 @@ class BagImport {
     return series;
   }
 
-  Expected<void> write_object(const SeriesImporter& importer, const std::string& name,
-                              const SurveyedTopic& topic) {
-    const fs::path file = fs::path("tracked") / "objects" / name / "tracked.txt";
-    const auto poses = importer.poses(topic, file.string());
-    if (!poses) return poses.error();
+  static fs::path object_file(const std::string& name) {
+    return fs::path("tracked") / "objects" / name / "tracked.txt";
+  }
+
+  Expected<void> write_object(const ImportedSeries<Trajectory>& object) {
+    const fs::path file = target_ / object.stream.file;
     std::error_code code;
-    fs::create_directories((target_ / file).parent_path(), code);
-    if (auto written = write_file(target_ / file, format_trajectory(poses->content)); !written) {
+    fs::create_directories(file.parent_path(), code);
+    if (auto written = write_file(file, format_trajectory(object.content)); !written) {
       return written;
     }
-    add_stream(poses->stream);
+    add_stream(object.stream);
     return {};
   }
 
@@ -297,6 +399,9 @@ class BagImport {
   BagSelection selection_;  ///< points into survey_
   BagStreams streams_;
   Manifest manifest_;
+  ImportedSeries<Trajectory> tool_ = {};
+  ImportedSeries<std::vector<WrenchSample>> wrench_ = {};
+  std::vector<ImportedSeries<Trajectory>> objects_;  ///< as selection_.objects
   BagImportReport report_;
 };
 

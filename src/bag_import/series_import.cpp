@@ -12,6 +12,8 @@
 namespace pcavr {
 namespace {
 
+constexpr std::string_view kToolAxes = "tool";  ///< --wrench-frame: those of the tool's poses
+
 void leave_out_row(ImportedStream& stream, const std::string& reason) {
   if (stream.left_out++ == 0) stream.left_out_reason = reason;
 }
@@ -44,6 +46,20 @@ Pose pose_near(const Trajectory& trajectory, Stamp stamp) {
   if (after == poses.begin()) return after->pose;
   return stamp - std::prev(after)->stamp < after->stamp - stamp ? std::prev(after)->pose
                                                                 : after->pose;
+}
+
+/// The mean over `duration` [s] from the first row; zero for no duration.
+FramedWrench tare_of(const std::vector<const StampedValue<FramedWrench>*>& rows, double duration) {
+  FramedWrench mean{
+      .force = Eigen::Vector3d::Zero(), .torque = Eigen::Vector3d::Zero(), .frame = {}};
+  double count = 0.0;
+  for (const auto* row : rows) {
+    if (to_seconds(row->stamp - rows.front()->stamp) >= duration) break;
+    count += 1.0;
+    mean.force += (row->value.force - mean.force) / count;
+    mean.torque += (row->value.torque - mean.torque) / count;
+  }
+  return mean;
 }
 
 std::vector<std::string> joints_to_import(const SurveyedTopic& topic) {
@@ -196,13 +212,14 @@ Expected<ImportedSeries<std::vector<WrenchSample>>> SeriesImporter::wrench(
   const std::string frame = given.empty() && !topic.frames.empty() ? topic.frames.front() : given;
   const bool is_other = !base.empty() && !frame.empty() && frame != base;
   const auto links = is_other ? streams_.frames.chain(base, frame) : std::nullopt;
-  if (is_other && !links && !given.empty()) {
+  const bool is_tools = !links && given == kToolAxes && !T_base_tool.empty();
+  if (is_other && !links && !given.empty() && !is_tools) {
     return Error{.message = "no TF chain from '" + base + "' to '" + given + "'",
                  .file = bag_.string(),
                  .place = "--wrench-frame",
                  .hint = "choose a frame that TF connects with the base frame"};
   }
-  if (!links && frame != base && !frame.empty()) {
+  if (!links && frame != base && !frame.empty() && !is_tools) {
     observer_.on_warning(
         bag_.string() + ": " + topic.topic.name + ": forces are in frame '" + frame +
         "', which TF does not connect with the base frame; taken as they are; give "
@@ -210,12 +227,20 @@ Expected<ImportedSeries<std::vector<WrenchSample>>> SeriesImporter::wrench(
   }
   const bool has_tip = links && !T_base_tool.empty();
   series.stream.frame =
-      !links
+      is_tools ? "the tool's axes; torque about the sensor"
+      : !links
           ? (frame.empty() ? "not stated" : frame) + (frame == base ? "" : ", taken as base axes")
           : "rotated: " + chain_text(base, *links) +
                 (has_tip ? "; torque about the tip" : "; torque about the sensor");
-  for (const auto* row : sorted_rows(streams_.wrench, series.stream)) {
-    WrenchSample sample{row->stamp, row->value.force, row->value.torque};
+  const auto rows = sorted_rows(streams_.wrench, series.stream);
+  const FramedWrench tare = tare_of(rows, options_.tare);
+  for (const auto* row : rows) {
+    WrenchSample sample{row->stamp, row->value.force - tare.force, row->value.torque - tare.torque};
+    if (is_tools) {
+      const Eigen::Quaterniond R_base_tool = pose_near(T_base_tool, row->stamp).rotation();
+      sample.force = R_base_tool * sample.force;
+      sample.torque = R_base_tool * sample.torque;
+    }
     if (links) {
       const std::optional<Pose> T_base_sensor = streams_.frames.lookup(*links, row->stamp);
       if (!T_base_sensor) {

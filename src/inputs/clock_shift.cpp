@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/core.h>
 
@@ -29,6 +30,10 @@ constexpr double kSamePeak = 1.0;          // [s]
 constexpr double kEstimatedOffset = 0.25;  // [s] search range of force_offset
 /// A tip closer than this to a surface may touch it: poses and meshes have errors of millimetres.
 constexpr double kTouchRange = 0.003;  // [m]
+
+/// A tip that rests beside an object may touch it or not: it says nothing. Faster than the noise of
+/// arms and trackers.
+constexpr double kMoving = 0.002;  // [m/s]
 
 /// Samples on a uniform grid from `start` on.
 struct Signal {
@@ -56,6 +61,18 @@ Signal touching(const InputSeries& series, const PathView& tip, const BodyPoses&
   return signal;
 }
 
+/// The same with NaN where the tip rests within that range.
+Signal without_rests(Signal touch, const PathView& tip) {
+  for (std::size_t k = 0; k < touch.values.size(); ++k) {
+    const double t = touch.start + kGridInterval * static_cast<double>(k);
+    const Eigen::Vector3d way = tip.at(t) - tip.at(t - kGridInterval);
+    if (touch.values[k] > 0.0 && way.norm() < kMoving * kGridInterval) {
+      touch.values[k] = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  return touch;
+}
+
 /// 1 while the force shows contact.
 Signal loaded(const InputSeries& series, const Segmentation& found) {
   Signal signal{series.t_force.front(), {}};
@@ -69,20 +86,21 @@ Signal loaded(const InputSeries& series, const Segmentation& found) {
   return signal;
 }
 
-/// Pearson correlation of a[i] and b[i + lag] over their overlap; nothing where that is too short,
-/// or one of them is constant.
+/// Pearson correlation of a[i] and b[i + lag] over their overlap, without the a[i] that are NaN;
+/// nothing where too few are left, or one of them is constant.
 std::optional<double> correlation(const std::vector<double>& a, const std::vector<double>& b,
                                   std::ptrdiff_t lag) {
   const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -lag);
   const std::ptrdiff_t end = std::min(std::ssize(a), std::ssize(b) - lag);
-  const double n = static_cast<double>(end - begin);
-  if (n < kMinShared * static_cast<double>(std::min(a.size(), b.size()))) return std::nullopt;
-  double sum_a = 0.0, sum_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+  double n = 0.0, sum_a = 0.0, sum_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
   for (std::ptrdiff_t i = begin; i < end; ++i) {
     const double x = a[static_cast<std::size_t>(i)];
     const double y = b[static_cast<std::size_t>(i + lag)];
-    sum_a += x, sum_b += y, aa += x * x, bb += y * y, ab += x * y;
+    if (std::isnan(x)) continue;
+    n += 1.0, sum_a += x, sum_b += y, aa += x * x, bb += y * y, ab += x * y;
   }
+  const auto clear = std::count_if(a.begin(), a.end(), [](double x) { return !std::isnan(x); });
+  if (n < kMinShared * static_cast<double>(std::min(clear, std::ssize(b)))) return std::nullopt;
   const double square = (aa - sum_a * sum_a / n) * (bb - sum_b * sum_b / n);
   if (!(square > 0.0)) return std::nullopt;
   return (ab - sum_a * sum_b / n) / std::sqrt(square);
@@ -114,12 +132,14 @@ double max_correlation_if(const std::vector<Match>& matches, const auto& is_coun
   return max_correlation;
 }
 
-}  // namespace
+struct ShiftedClock {
+  Match best;
+  double as_written = 0.0;  ///< correlation
+  bool is_only_shift = false;
+};
 
-std::optional<InputFault> clock_fault(const InputSeries& series, const Segmentation& found,
-                                      const PathView& tip, const BodyPoses& poses) {
-  if (found.contacts.size() < kMinContacts || series.bodies.empty()) return std::nullopt;
-  const std::vector<Match> matches = match_all(touching(series, tip, poses), loaded(series, found));
+std::optional<ShiftedClock> shifted_clock(const Signal& touch, const Signal& load) {
+  const std::vector<Match> matches = match_all(touch, load);
   if (matches.empty()) return std::nullopt;
   const Match best = *std::max_element(
       matches.begin(), matches.end(),
@@ -133,11 +153,24 @@ std::optional<InputFault> clock_fault(const InputSeries& series, const Segmentat
   const bool is_fault = best.correlation >= kDecisive && std::abs(best.shift) > kEstimatedOffset &&
                         as_written <= kMaxAsWritten && (is_only_shift || gain >= kClearLead);
   if (!is_fault) return std::nullopt;
+  return ShiftedClock{best, as_written, is_only_shift};
+}
+
+}  // namespace
+
+std::optional<InputFault> clock_fault(const InputSeries& series, const Segmentation& found,
+                                      const PathView& tip, const BodyPoses& poses) {
+  if (found.contacts.size() < kMinContacts || series.bodies.empty()) return std::nullopt;
+  const Signal touch = touching(series, tip, poses);
+  const Signal load = loaded(series, found);
+  const auto clock = shifted_clock(touch, load);
+  if (!clock || !shifted_clock(without_rests(touch, tip), load)) return std::nullopt;
   const std::string text = fmt::format(
       "the force is about {:.1f} s {} than the tool's motion{}: shifted by that, it shows "
       "contact when the tip is at an object (correlation {:.2f}, as written {:.2f})",
-      std::abs(best.shift), best.shift > 0.0 ? "later" : "earlier",
-      is_only_shift ? "" : ", or by another shift", best.correlation, as_written);
+      std::abs(clock->best.shift), clock->best.shift > 0.0 ? "later" : "earlier",
+      clock->is_only_shift ? "" : ", or by another shift", clock->best.correlation,
+      clock->as_written);
   return InputFault{InputFaultKind::clock,
                     {.message = text, .file = "wrench.csv", .hint = "put both on one clock"}};
 }

@@ -101,6 +101,9 @@ class RobotSite {
                                                          const SiteComparison& seen);
   /// Whether a correction of the pose would be worse than the error by the time that it is shown.
   [[nodiscard]] bool grows_beyond(double gap, std::size_t index, const CorrectionMessage& message);
+  /// [m] Below it a gap between the sites says nothing while the object rests here.
+  [[nodiscard]] double resting_noise(const RobotObject& object, const TouchSample& sample,
+                                     const SiteComparison& seen) const;
   /// Whether any of the last contacts would have been predicted worse with these parameters.
   [[nodiscard]] bool worsens_contacts(std::size_t index, const ObjectParameters& parameters);
   [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;

@@ -136,6 +136,15 @@ bool RobotSite::grows_beyond(double gap, std::size_t index, const CorrectionMess
   return displayed && kGrowthStds * *displayed > gap;
 }
 
+double RobotSite::resting_noise(const RobotObject& object, const TouchSample& sample,
+                                const SiteComparison& seen) const {
+  if (!seen.operator_slides) return kRestStds * seen.position_std;
+  // A slide is noticed here after it began: up to what is no slide yet, and the tip's path since
+  // the latest frame, the operator's site may be ahead and right.
+  return options_.phases.slow_slide_displacement +
+         (sample.p_base_tip - tip_.at(object.latest().t)).norm();
+}
+
 bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& parameters) {
   const RobotObject& object = objects_[index];
   if (is_empty(parameters) || object.is_shared || !has_force(now_)) return false;
@@ -210,9 +219,8 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
     // Again, since newly identified contact parameters change it.
     message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
     if (seen.operator_slides || slides(object.monitor.phase())) message.twist = object.twist();
-    const bool is_moving = seen.operator_slides || seen.robot_slides;
-    const bool is_noise =
-        is_moving ? grows_beyond(gap, index, message) : gap < kRestStds * seen.position_std;
+    const bool is_noise = seen.robot_slides ? grows_beyond(gap, index, message)
+                                            : gap < resting_noise(object, sample, seen);
     if (is_noise) {
       message.pose.reset();
       message.twist.reset();

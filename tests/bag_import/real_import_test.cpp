@@ -113,5 +113,38 @@ TEST(RealImport, WrongSerializationIsAnError) {
   EXPECT_NE(survey.error().message.find("'wrong_format'"), std::string::npos);
 }
 
+/// Ten pushes of a steel block of 100 mm, with motion capture in its own frame.
+TEST(RealImport, HalvesOfRawRunsFindOneWorld) {
+  PCAVR_NEEDS_SHARED_DATA("real/push_mit/St_block");
+  const auto run = [](int i) {
+    return shared_data("real/push_mit/St_block/Test_st_" + std::to_string(i));
+  };
+  BagImportOptions options;
+  options.topics.tool_topic = "tip";
+  options.topics.wrench_topic = "ft";
+  options.topics.wrench_frame = "tool";
+  options.topics.objects = {{"block", "obj"}};
+  options.invert_wrench = true;
+  options.tare = 0.2;
+  options.p_tool_tip.z() = 0.16;
+  options.pushed_sides = PushedSides{
+      .outline_object = {{-0.05, -0.05, 0}, {0.05, -0.05, 0}, {0.05, 0.05, 0}, {-0.05, 0.05, 0}},
+      .middle_object = 0.0065,
+      .tip_radius = 0.00475};
+  std::vector<WorldPlacement> worlds;
+  for (const int first : {1, 6}) {
+    const TemporaryFolder folder;
+    options.world_bags = {run(first + 1), run(first + 2), run(first + 3), run(first + 4)};
+    const auto report = import_bag(run(first), folder.path(), options);
+    ASSERT_TRUE(report) << report.error().to_string();
+    worlds.push_back(report->world.value());
+    EXPECT_LT(worlds.back().residual, 0.001);
+    EXPECT_NEAR(worlds.back().tool_delay, 0.02, 0.005);
+  }
+  const Pose difference = worlds[0].T_base_world.inverse() * worlds[1].T_base_world;
+  EXPECT_LT(difference.translation().norm(), 0.002);
+  EXPECT_LT(difference.log().tail<3>().norm(), 0.005);
+}
+
 }  // namespace
 }  // namespace pcavr

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/bag_import/bag_selection.hpp"
+#include "pcavr/bag_import/world_placement.hpp"
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/geometry/camera.hpp"
@@ -27,9 +28,15 @@ struct BagImportOptions {
   std::filesystem::path manifest = {};
   bool use_receive_stamps = false;  ///< instead of the stamps in the headers
   bool invert_wrench = false;       ///< for sensors that report the force on the tool
+  double tare = 0.0;  ///< [s] the wrench's mean over this time from its start is taken off
   Eigen::Vector3d p_tool_tip = Eigen::Vector3d::Zero();  ///< [m] the tip in the tool's frame
-  std::size_t stride = 1;                                ///< take every n-th frame
-  std::size_t first = 0;                                 ///< skip the frames before this one
+  double tool_delay = 0.0;                               ///< [s] the tool's stamps are late by it
+  /// Of the objects' world frame, where TF does not have it; or by the first object's sides.
+  std::optional<Pose> T_base_world = {};
+  std::optional<PushedSides> pushed_sides = {};
+  std::vector<std::filesystem::path> world_bags = {};  ///< by which it is found, beside this one
+  std::size_t stride = 1;                              ///< take every n-th frame
+  std::size_t first = 0;                               ///< skip the frames before this one
 };
 
 /// One file of the recording, or its images.
@@ -49,8 +56,9 @@ struct ImportedStream {
 struct BagImportReport {
   std::vector<ImportedStream> streams;
   std::string base_frame;
-  std::vector<std::string> notes;  ///< what was not taken, and by which option it can be
-  double duration = 0.0;           ///< [s] of the bag
+  std::optional<WorldPlacement> world = {};  ///< where it was to be found
+  std::vector<std::string> notes;            ///< what was not taken, and by which option it can be
+  double duration = 0.0;                     ///< [s] of the bag
   std::size_t messages = 0;
 };
 
