@@ -23,7 +23,8 @@ constexpr double kGivenExponent = 1.5;
 constexpr double kGivenExponentStd = 0.289;  // 1 / sqrt(12)
 /// Relative bias of the stiffness under that exponent by creep: 2 to 4 % on the same plants.
 constexpr double kCreep = 0.04;
-constexpr double kMinStds = 2.0;  // a stiffness nearer to 0 is not identified
+constexpr double kMinStds = 2.0;        // a stiffness nearer to 0 is not identified
+constexpr double kMaxDepthShare = 2.0;  // of the tip's way: it is pressed in a little at touch
 
 /// All presses share one surface position where they have the same direction.
 bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
@@ -115,6 +116,20 @@ ForceMotion until_alarm(const ContactEpisode& episode) {
   return {all.t.first(count), all.tool.first(count), all.force.first(count), all.tool_noise};
 }
 
+/// Whether no tip would be deeper in the object than twice the way that it moved in contact: else
+/// the object gave way before its breakaway was found, and the law is that of its friction.
+bool is_within_travel(const ContactFit& fit, const std::vector<ForceMotion>& pushes) {
+  double force = 0.0, travel = 0.0;
+  for (const ForceMotion& push : pushes) {
+    if (push.tool.empty()) continue;
+    force = std::max(force, *std::max_element(push.force.begin(), push.force.end()));
+    const auto [first, last] = std::minmax_element(push.tool.begin(), push.tool.end());
+    travel = std::max(travel, *last - *first);
+  }
+  const double depth = std::pow(force / fit.stiffness.value, 1.0 / fit.exponent.value);
+  return depth <= kMaxDepthShare * travel;
+}
+
 /// Relative std of the stiffness from push to push, which the joint fit does not include.
 double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFitOptions& options) {
   std::vector<double> logs;
@@ -157,7 +172,8 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     IdentifiedParameter& stiffness = faces[i].contact.hunt_crossley.stiffness;
     const double share = std::hypot(kCreep, stiffness_scatter(series[i], options));
     stiffness.std = std::hypot(stiffness.std, stiffness.value * share);
-    stiffness.is_excited = stiffness.value > kMinStds * stiffness.std;
+    stiffness.is_excited = stiffness.value > kMinStds * stiffness.std &&
+                           is_within_travel(faces[i].contact.hunt_crossley, series[i]);
   }
   return faces;
 }
