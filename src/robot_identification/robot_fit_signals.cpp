@@ -54,7 +54,8 @@ void RobotFitter::fit_plainly(RobotFit& fit) {
 }
 
 /// Torques that are late by L are tau(t - L), about tau - L dtau/dt: one further unknown that all
-/// joints share. Only what predicts rows that were left out better is removed.
+/// joints share. An unusual lag is removed only where rows that were left out are predicted better
+/// without it.
 void RobotFitter::remove_torque_lag(RobotFit& fit) {
   std::vector<JointRows> extended = joints_;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -95,7 +96,8 @@ void RobotFitter::remove_torque_lag(RobotFit& fit) {
     const BlockSystem system = block_system(rows, train_, kBlocks);
     return cross_validate(system, selection, prior_).array().log().sum();
   };
-  if (is_certain && left_out_error(moved) < left_out_error(joints_)) {
+  const bool is_usual = std::abs(fit.torque_lag) <= options_.usual_torque_lag;
+  if (is_certain && (is_usual || left_out_error(moved) < left_out_error(joints_))) {
     joints_ = std::move(moved);
   } else {
     fit.torque_lag = 0.0;
