@@ -18,6 +18,8 @@ import statistics
 import subprocess
 import sys
 
+from command import run
+
 
 # metric: (unit, required, target); both are upper limits.
 METRICS = {
@@ -57,11 +59,7 @@ class Cases:
         self.samples = {metric: [] for metric in METRICS}
 
     def run(self, *words):
-        words = [str(word) for word in words]
-        done = subprocess.run([self.pcavr, *words, "--json"], capture_output=True, text=True)
-        if done.returncode != 0:
-            raise RuntimeError(f"pcavr {' '.join(words)}: {done.stderr.strip()}")
-        return json.loads(done.stdout)
+        return run(self.pcavr, *words)
 
     def add(self, metric, value, where):
         if value is not None:

@@ -15,24 +15,15 @@ more than --tolerance (the truth's noise: 0.05 mm and 2 %). Needs only python3.
 --keep-without uses the runs without corrections that an earlier call left in the work folder: they
 depend on the prediction alone.
 """
-import argparse
 import json
-import pathlib
 import re
-import subprocess
 import sys
+
+from command import recordings_parser, run
 
 METRICS = {"mean": "predicted.touched.translation.mean_m",
            "p95": "predicted.touched.translation.p95_m",
            "max": "predicted.all.translation.max_m"}
-
-
-def run(*words):
-    words = [str(word) for word in words]
-    done = subprocess.run([*words, "--json"], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(words)}: {done.stderr.strip()}")
-    return json.loads(done.stdout)
 
 
 class Comparison:
@@ -85,13 +76,8 @@ def recordings_below(data, only):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--data", type=pathlib.Path, required=True)
-    parser.add_argument("--pcavr", default="build/test/apps/pcavr/pcavr")
-    parser.add_argument("--only", default="")
+    parser = recordings_parser(__doc__, "out/corrections")
     parser.add_argument("--parameters", help="a parameter file, for all recordings")
-    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/corrections"))
     parser.add_argument("--keep-without", action="store_true")
     parser.add_argument("--tolerance", type=float, nargs=2, default=(0.05, 0.02),
                         help="[mm], and relative")

@@ -14,26 +14,17 @@ their stds; and over the tests the median angle between the twists of the whole 
 tracked [deg] (rotations times the friction radius), and the median error of the end position [mm].
 Needs only python3.
 """
-import argparse
-import json
 import math
-import pathlib
 import re
 import statistics
-import subprocess
 import sys
+
+from command import recordings_parser, run
 
 CLEAR_OF_CONTACT = 0.1  # of the largest force: less is a tool in the air
 MAX_Z = 2.5
 KEYS = ["sliding_friction_coefficient", "limiting_static_friction", "friction_radius",
         "viscous_friction"]
-
-
-def run(*words):
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(map(str, words))}: {done.stderr.strip()}")
-    return done.stdout
 
 
 def rows(path):
@@ -190,13 +181,8 @@ class Bench:
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--data", type=pathlib.Path, required=True)
-    parser.add_argument("--pcavr", default="build/test/apps/pcavr/pcavr")
-    parser.add_argument("--only", default="")
+    parser = recordings_parser(__doc__, "out/held-out")
     parser.add_argument("--config", help="of pcavr")
-    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/held-out"))
     arguments = parser.parse_args()
     bench = Bench(arguments)
     print(f"{'object':<24}{'coefficient':>16}{'radius':>8}{'halves':>8}{'twist':>9}{'end':>8}"

@@ -17,15 +17,14 @@ friction that its runs give [N]; and over the runs after the first, replayed ope
 error of the end position [mm] by the first run's parameters, and by the mass and a guessed
 coefficient of 0.5. Needs only python3.
 """
-import argparse
-import json
 import math
 import pathlib
 import re
 import statistics
 import sys
 
-from held_out_pushes import Bench, run
+from command import recordings_parser, run
+from held_out_pushes import Bench
 
 #: Half the side, the middle in the tracker's frame [m], mass [kg], tip above the lower end [m].
 BODIES = {
@@ -70,9 +69,8 @@ class Block:
     def find_world(self):
         """The options that place the tracker's world, and the gap between tip and sides [m]."""
         half = self.runs[:len(self.runs) // 2]
-        report = json.loads(run(*self.bench.command, "import", half[0], *self.options,
-                                "-o", self.work / "found", "--find-world", "--world-runs",
-                                *half[1:], "--json"))["world"]
+        report = run(*self.bench.command, "import", half[0], *self.options, "-o",
+                     self.work / "found", "--find-world", "--world-runs", *half[1:])["world"]
         return (["--T-base-world", *report["T_base_world"], "--tool-delay",
                  report["tool_delay_s"]], report["residual_m"])
 
@@ -101,13 +99,8 @@ def middle(values):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--data", type=pathlib.Path, required=True)
-    parser.add_argument("--pcavr", default="build/test/apps/pcavr/pcavr")
-    parser.add_argument("--only", default="")
+    parser = recordings_parser(__doc__, "out/raw-pushes")
     parser.add_argument("--config", help="of pcavr")
-    parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/raw-pushes"))
     arguments = parser.parse_args()
     print(f"{'block':<16}{'gap':>6}{'limiting':>10}{'sliding':>9}{'end':>8}{'guessed':>9}")
     for name in BODIES:

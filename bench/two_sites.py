@@ -18,17 +18,11 @@ import json
 import pathlib
 import subprocess
 
+from command import run
+
 GOOD = ["--forward-delay", 0.2, "--backward-delay", 0.2]
 BAD = [*GOOD, "--loss", 0.2, "--burst", 3, "--jitter", 0.05, "--reorder", 0.05, "--duplicate", 0.05]
 SLIDING = "predicted.phase.sliding.translation."
-
-
-def run(*words):
-    words = [str(word) for word in words]
-    done = subprocess.run([*words, "--json"], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(words)}: {done.stderr.strip()}")
-    return json.loads(done.stdout)
 
 
 def live_report(arguments, label, link):

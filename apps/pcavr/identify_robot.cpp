@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/pipeline/identify_robot.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -140,9 +139,7 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
   CommandResult result;
   result.summary =
       fmt::format("{} rows, filter {:.3g} Hz, {} of {} base parameters excited, bodies {}\n",
-                  found.log.t.size(), found.signals.bandwidth,
-                  std::count_if(found.fit.base_parameters.begin(), found.fit.base_parameters.end(),
-                                [](const BaseParameter& entry) { return entry.is_excited; }),
+                  found.log.t.size(), found.signals.bandwidth, found.fit.excited_base_parameters(),
                   found.fit.base_parameters.size(),
                   found.fit.is_physical ? "physically possible" : "not physically possible");
   for (const std::string& note : found.notes) result.summary += "note: " + note + '\n';

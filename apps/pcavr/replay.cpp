@@ -301,8 +301,7 @@ void add_replay(CLI::App& app, Configuration& configuration, Action& action) {
   command
       ->add_option("recording", arguments->recording,
                    "Folder with a recording.yaml; or the log of a live site (.mcap), which becomes "
-                   "a run as it "
-                   "was")
+                   "a run as it was")
       ->required();
   command->add_option("--scene", arguments->scene, "Scene from pcavr build")->required();
   add_output_option(*command, arguments->output, "Folder for the run");

@@ -116,7 +116,7 @@ ForceMotion until_alarm(const ContactEpisode& episode) {
   return {all.t.first(count), all.tool.first(count), all.force.first(count), all.tool_noise};
 }
 
-/// Whether no tip would be deeper in the object than twice the way that it moved in contact: else
+/// Whether no tip would be deeper in the object than twice its way, to it and in contact: else
 /// the object gave way before its breakaway was found, and the law is that of its friction.
 bool is_within_travel(const ContactFit& fit, const std::vector<ForceMotion>& pushes) {
   double force = 0.0, travel = 0.0;

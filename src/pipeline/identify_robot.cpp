@@ -90,19 +90,13 @@ std::string lag_text(const RobotFit& fit) {
                      fit.torque_lag > 0.0 ? "after" : "before");
 }
 
-std::size_t excited_parameters(const RobotFit& fit) {
-  return static_cast<std::size_t>(
-      std::count_if(fit.base_parameters.begin(), fit.base_parameters.end(),
-                    [](const BaseParameter& entry) { return entry.is_excited; }));
-}
-
 std::vector<std::string> fit_notes(const RobotIdentification& found) {
   std::vector<std::string> notes;
   const RobotFit& fit = found.fit;
   if (std::abs(fit.torque_lag) > 3.0 * fit.torque_lag_std) {
     notes.push_back(lag_text(fit) + "; removed");
   }
-  const std::size_t weak = fit.base_parameters.size() - excited_parameters(fit);
+  const std::size_t weak = fit.base_parameters.size() - fit.excited_base_parameters();
   if (weak > 0) {
     notes.push_back(
         fmt::format("{} of {} base parameters are not excited by the fitted part of the motion: "
@@ -270,7 +264,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
     if (Expected<void> tried = add_trial(options.trial, file, found); !tried) return tried.error();
   }
   const std::size_t first = std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
-  const bool is_excited = excited_parameters(found.fit) > 0;
+  const bool is_excited = found.fit.excited_base_parameters() > 0;
   if (!is_excited) {
     found.notes.emplace_back(
         "contacts are not looked for: the motion excites no base parameter, so that no torque is "

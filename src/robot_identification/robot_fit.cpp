@@ -254,6 +254,12 @@ RobotModel fitted_robot(const RobotModel& described, const Eigen::VectorXd& iner
   return model;
 }
 
+std::size_t RobotFit::excited_base_parameters() const {
+  return static_cast<std::size_t>(
+      std::count_if(base_parameters.begin(), base_parameters.end(),
+                    [](const BaseParameter& entry) { return entry.is_excited; }));
+}
+
 RobotModel RobotFit::robot(const RobotModel& described) const {
   return fitted_robot(described, inertial_parameters, joints);
 }

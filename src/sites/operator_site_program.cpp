@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -9,7 +8,6 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
 #include "pcavr/sites/black_box.hpp"
 #include "pcavr/sites/link_sites.hpp"
@@ -27,29 +25,6 @@
 
 namespace pcavr {
 namespace {
-
-constexpr auto kOperatorSiteFields = std::to_array<OptionField<OperatorSiteOptions>>({
-    {"connection_timeout", &OperatorSiteOptions::connection_timeout, 10.0, 0.1, 3600.0, "s",
-     "time until the first connection to the robot's site is given up",
-     "lower: a slow link is given up; higher: a wrong address is noticed late"},
-    {"timeout", &OperatorSiteOptions::timeout, 0.25, 0.01, 10.0, "s",
-     "time without any message of the robot's site, after which the link counts as lost",
-     "lower: jitter opens the clutch; higher: the operator moves a tool that nothing follows"},
-    {"lead_margin", &OperatorSiteOptions::lead_margin, 0.005, 0.0, 1.0, "s",
-     "time by which commands shall arrive before their execution, beyond four variations of the "
-     "delay",
-     "lower: commands are executed late; higher: predicts further than necessary"},
-    {"correction_margin", &OperatorSiteOptions::correction_margin, 0.02, 0.0, 1.0, "s",
-     "time by which corrections shall arrive before a command contains them, beyond four "
-     "variations "
-     "of the delay",
-     "lower: it depends on the machines' load which command contains a correction, and no run is "
-     "like another; higher: the world is corrected later than necessary"},
-    {"min_clock_time", &OperatorSiteOptions::min_clock_time, 0.5, 0.05, 60.0, "s",
-     "time of round trips before the first command",
-     "lower: the clock is uncertain at first; higher: waiting"},
-});
-static_assert(are_valid_fields(kOperatorSiteFields));
 
 // [s] Far below the robot site's timeout: a burst of losses must not end a session that begins.
 constexpr double kHelloInterval = 0.02;
@@ -432,11 +407,6 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 };
 
 }  // namespace
-
-OperatorSiteOptions::OperatorSiteOptions() { set_defaults(*this, kOperatorSiteFields); }
-OptionSection section_of(OperatorSiteOptions& options) {
-  return make_section("operator_site", options, kOperatorSiteFields);
-}
 
 Expected<OperatorSiteReport> run_operator_site(LinkClient& client, OperatorInterface& person,
                                                const TeleopInput& world,

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -10,7 +9,6 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/core/options.hpp"
 #include "pcavr/link/correction_channel.hpp"
 #include "pcavr/sites/black_box.hpp"
 #include "pcavr/sites/link_sites.hpp"
@@ -25,18 +23,6 @@
 
 namespace pcavr {
 namespace {
-
-constexpr auto kRobotSiteFields = std::to_array<OptionField<RobotSiteOptions>>({
-    {"cycle", &RobotSiteOptions::cycle, 0.001, 2e-4, 0.1, "s", "period of the site's loop",
-     "lower: computing time; higher: the tool moves in steps"},
-    {"state_rate", &RobotSiteOptions::state_rate, 100.0, 1.0, 1000.0, "Hz",
-     "states sent to the operator's site",
-     "lower: the operator sees the robot late; higher: bandwidth"},
-    {"start_delay", &RobotSiteOptions::start_delay, 1.5, 0.0, 60.0, "s",
-     "time from the first operator's arrival to the beginning of a recording",
-     "lower: the operator's clock is not known when it begins; higher: waiting"},
-});
-static_assert(are_valid_fields(kRobotSiteFields));
 
 constexpr std::size_t kMaxReportedCorrections = 10'000;
 constexpr std::size_t kMaxMessagesPerCycle = 500;  // of all peers: the robot's cycle goes first
@@ -366,11 +352,6 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
 };
 
 }  // namespace
-
-RobotSiteOptions::RobotSiteOptions() { set_defaults(*this, kRobotSiteFields); }
-OptionSection section_of(RobotSiteOptions& options) {
-  return make_section("robot_site", options, kRobotSiteFields);
-}
 
 Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& robot,
                                          LiveRobotSite& site, const SiteScene& scene,

@@ -110,6 +110,7 @@ struct RobotFit {
   double prior_scale = 1.0;          ///< factor of the prior's std that cross-validation chose
   std::vector<LeftOutFit> left_out;  ///< of stretches that make up the fitted part
 
+  [[nodiscard]] std::size_t excited_base_parameters() const;
   /// The model with these inertias, for dynamics; armature is the motor inertia.
   [[nodiscard]] RobotModel robot(const RobotModel& described) const;
 };
