@@ -3,8 +3,13 @@
 #include "robot/urdf_structure.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <locale>
 #include <map>
+#include <optional>
 #include <set>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -45,6 +50,13 @@ std::string attribute(const TiXmlElement& element, const char* name) {
 std::string reference(const TiXmlElement& joint, const char* child) {
   const TiXmlElement* element = joint.FirstChildElement(child);
   return element == nullptr ? "" : attribute(*element, "link");
+}
+
+bool is_finite_number(const std::string& text) {
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  double value = 0.0;
+  return stream >> value && std::isfinite(value) && (stream >> std::ws).eof();
 }
 
 /// Collects the elements, and stops at the first fault.
@@ -91,12 +103,35 @@ class StructureParser {
          xml = xml->NextSiblingElement("link")) {
       UrdfElement link;
       if (auto fault = read_name(*xml, "link", lines, link)) return fault;
+      if (auto fault = check_inertial(*xml, link)) return fault;
       link_index_[link.name] = structure_.links.size();
       structure_.links.push_back(link);
     }
     if (!structure_.links.empty()) return std::nullopt;
     return Error{"has no <link>", file_.string(), robot_.Row(), "robot",
                  "a description has links, connected by joints"};
+  }
+
+  /// The XML reader takes values that are no numbers for 0, and says nothing.
+  [[nodiscard]] Fault check_inertial(const TiXmlElement& link, const UrdfElement& element) const {
+    static constexpr std::array<std::array<const char*, 2>, 7> kValues{{{"mass", "value"},
+                                                                        {"inertia", "ixx"},
+                                                                        {"inertia", "ixy"},
+                                                                        {"inertia", "ixz"},
+                                                                        {"inertia", "iyy"},
+                                                                        {"inertia", "iyz"},
+                                                                        {"inertia", "izz"}}};
+    const TiXmlElement* inertial = link.FirstChildElement("inertial");
+    if (inertial == nullptr) return std::nullopt;
+    for (const auto& [part, name] : kValues) {
+      const TiXmlElement* xml = inertial->FirstChildElement(part);
+      const char* text = xml == nullptr ? nullptr : xml->Attribute(name);
+      if (text == nullptr || is_finite_number(text)) continue;
+      return error({element.name, xml->Row()}, "link",
+                   fmt::format("{} of <{}> is '{}', not a finite number", name, part, text),
+                   "correct its <inertial>; units are kg and m");
+    }
+    return std::nullopt;
   }
 
   Fault read_joints() {

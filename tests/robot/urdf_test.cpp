@@ -162,6 +162,28 @@ TEST(Urdf, FaultsOfJointsHaveTheirPlace) {
       "than zero");
 }
 
+TEST(Urdf, InertiasThatAreNoNumbersAreErrors) {
+  const auto line_with = [](const std::string& mass, const std::string& ixx) {
+    return error_line(link("a", "<inertial><mass value='" + mass + "'/><inertia ixx='" + ixx +
+                                    "' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>"));
+  };
+  for (const std::string text : {"nan", "inf", "-inf", "2.0kg", "1,5", ""}) {
+    EXPECT_EQ(line_with(text, "1"),
+              "the.urdf:2: link 'a': value of <mass> is '" + text +
+                  "', not a finite number; correct its <inertial>; units are kg and m");
+    EXPECT_EQ(line_with("1", text),
+              "the.urdf:2: link 'a': ixx of <inertia> is '" + text +
+                  "', not a finite number; correct its <inertial>; units are kg and m");
+  }
+  EXPECT_TRUE(parse_urdf("<robot name='r'>\n" +
+                             link("a",
+                                  "<inertial><mass value=' 1e-3 '/><inertia "
+                                  "ixx='+1' ixy='0' ixz='0' iyy='1' iyz='0' "
+                                  "izz='1'/></inertial>") +
+                             "</robot>",
+                         "the.urdf", {}));
+}
+
 TEST(Urdf, UnlikelyInertiasAreErrorsOnlyWhereWanted) {
   const auto arm = [](const std::string& mass, const std::string& moments) {
     return link("a") +
