@@ -119,9 +119,7 @@ std::string mean_error(const std::vector<ContactPeak>& peaks) {
   for (const ContactPeak& peak : peaks) {
     errors.push_back(relative_error(peak.rendered, peak.measured));
   }
-  const ErrorStatistics stats = statistics(errors);
-  return readable(kPercent * stats.mean) + " ± " + readable(kPercent * stats.std) + " % of " +
-         std::to_string(errors.size()) + " presses";
+  return press_errors_text(errors);
 }
 
 /// "measured, rendered, difference".

@@ -66,9 +66,7 @@ std::size_t nearest_speed(double speed) {
 }
 
 std::string mean_and_std(const std::vector<double>& errors) {
-  if (errors.empty()) return kNone;
-  const ErrorStatistics stats = statistics(errors);
-  return readable(kPercent * stats.mean) + " ± " + readable(kPercent * stats.std);
+  return errors.empty() ? kNone : mean_percent_text(errors);
 }
 
 ReportTable table_3(const std::vector<ContactPeak>& presses) {

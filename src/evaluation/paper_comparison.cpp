@@ -153,9 +153,7 @@ std::string peak_error_text(const std::vector<ContactPeak>& presses) {
   for (const ContactPeak& peak : presses) {
     errors.push_back(std::abs(peak.rendered - peak.measured) / peak.measured);
   }
-  const ErrorStatistics stats = statistics(errors);
-  return readable(kPercent * stats.mean) + " ± " + with_unit(kPercent * stats.std, "%") + " of " +
-         std::to_string(errors.size()) + " presses";
+  return press_errors_text(errors);
 }
 
 }  // namespace

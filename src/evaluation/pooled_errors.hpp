@@ -3,9 +3,13 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "pcavr/report/number_text.hpp"
+
 #include "findings.hpp"
+#include "report.hpp"
 
 namespace pcavr {
 
@@ -57,6 +61,19 @@ template <typename Keep>
     pooled.insert(pooled.end(), more.begin(), more.end());
   }
   return pooled;
+}
+
+/// Mean and standard deviation of relative errors in percent: "2.1 ± 0.4"; the mean alone of one.
+inline std::string mean_percent_text(const std::vector<double>& errors) {
+  const ErrorStatistics stats = statistics(errors);
+  const std::string mean = readable(kPercent * stats.mean);
+  return errors.size() > 1 ? mean + " ± " + readable(kPercent * stats.std) : mean;
+}
+
+/// As above, with how many presses they are from.
+inline std::string press_errors_text(const std::vector<double>& errors) {
+  return mean_percent_text(errors) + " % of " + std::to_string(errors.size()) +
+         (errors.size() == 1 ? " press" : " presses");
 }
 
 }  // namespace pcavr

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pcavr/recording/image_codec.hpp"
 #include "pcavr/scene/preview_parts.hpp"
 
 #include "display_mesh.hpp"
@@ -45,7 +46,7 @@ class PreviewRenderer {
 
   ColorImage render() {
     draw_background(canvas_);
-    draw_static(scene_.mesh_base);
+    draw_scan();
     if (!scene_.unseen_support_base.triangles.empty()) draw_static(scene_.unseen_support_base);
     draw_objects();
     draw_base_axes();
@@ -57,29 +58,46 @@ class PreviewRenderer {
   }
 
  private:
-  void draw(const TriangleMesh& mesh, std::uint8_t id, const Shader& shader) {
+  void draw(const TriangleMesh& mesh, std::uint8_t id, const Shader& shader,
+            const MeshImage* on_mesh = nullptr) {
     if (mesh.normals.empty()) {
       TriangleMesh with_normals = mesh;
       compute_vertex_normals(with_normals);
-      draw_mesh(canvas_, view_, with_normals, id, shader, parallelism_);
+      draw_mesh(canvas_, view_, with_normals, id, shader, parallelism_, on_mesh);
     } else {
-      draw_mesh(canvas_, view_, mesh, id, shader, parallelism_);
+      draw_mesh(canvas_, view_, mesh, id, shader, parallelism_, on_mesh);
     }
+  }
+
+  /// As the page shows it: with the texture, where the scene has one.
+  void draw_scan() {
+    if (scene_.texture && !scene_.levels_of_detail_base.empty()) {
+      const SceneTexture& texture = *scene_.texture;
+      ImageDecoder decoder;
+      const auto image = decoder.color(texture.jpeg, {"texture", texture.width, texture.height});
+      if (image) {
+        const MeshImage on_mesh{*image, texture.coordinates.front()};
+        draw_static(scene_.levels_of_detail_base.front(), &on_mesh);
+        return;
+      }
+    }
+    draw_static(scene_.mesh_base);
   }
 
   [[nodiscard]] float lambert(const Eigen::Vector3f& normal) const {
     return std::max(0.0F, normal.dot(to_light_base_));
   }
 
-  void draw_static(const TriangleMesh& mesh_base) {
+  void draw_static(const TriangleMesh& mesh_base, const MeshImage* on_mesh = nullptr) {
     // The colours contain the scene's lighting; some additional shading shows the shape.
-    const bool is_uncolored = mesh_base.colors.empty();
-    draw(mesh_base, kStatic, [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
+    const bool is_uncolored = mesh_base.colors.empty() && on_mesh == nullptr;
+    const auto shader = [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
       const Eigen::Vector3f shaded = is_uncolored
                                          ? Eigen::Vector3f(color * (0.45F + 0.4F * lambert(n)))
                                          : Eigen::Vector3f(color * (0.88F + 0.24F * lambert(n)));
       return shaded;
-    });
+    };
+    draw(mesh_base, kStatic, shader, on_mesh);
   }
 
   void draw_objects() {
@@ -170,6 +188,19 @@ class PreviewRenderer {
     return Eigen::Vector2d(projected.center().x(), projected.min().y());
   }
 
+  /// Of the scan in the picture [m]; 0 without any. Half of what is seen is nearer: far scraps,
+  /// which would move the middle of the mesh, hardly count.
+  [[nodiscard]] double median_depth() const {
+    std::vector<float> depths;
+    for (std::size_t i = 0; i < canvas_.id.pixels().size(); ++i) {
+      if (canvas_.id.pixels()[i] == kStatic) depths.push_back(canvas_.depth.pixels()[i]);
+    }
+    if (depths.empty()) return 0.0;
+    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    return static_cast<double>(*middle);
+  }
+
   void draw_labels(ColorImage& picture) const {
     Eigen::AlignedBox3d objects;
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
@@ -183,10 +214,8 @@ class PreviewRenderer {
         draw_label(picture, *at, object.model.name, object_colors_[i]);
       }
     }
-    const Eigen::Vector3d middle =
-        objects.isEmpty() ? bounds(scene_.mesh_base.vertices).center().cast<double>().eval()
-                          : objects.center();
-    const double depth = (view_.T_base_view.inverse() * middle).z();
+    const double depth =
+        objects.isEmpty() ? median_depth() : (view_.T_base_view.inverse() * objects.center()).z();
     if (depth > 0.0) draw_scale_bar(picture, view_.camera.fx / (kSupersampling * depth));
   }
 

@@ -19,6 +19,14 @@ constexpr double kMaxReuseChange = 0.7;
 // aligned to it would be lost.
 constexpr std::size_t kMinSurfaceDivisor = 10;
 
+// View change below which two starts lead to the same alignment.
+constexpr double kSameStart = 0.1;
+
+// Where the recording gives poses, an alignment that begins with their motion is taken unless it
+// agrees with less than this share of what another one does: repeated patterns fit as well one
+// period away, and planes anywhere.
+constexpr double kMinRelativeAgreement = 0.9;
+
 double mean_depth(const InverseDepth& cells) {
   double sum = 0.0;
   int count = 0;
@@ -49,6 +57,15 @@ void remove_outliers(const Alignment& alignment, ActiveModel& model) {
   });
 }
 
+/// Shares of the surface and of the features in view that fit; at most 2.
+double agreement(const Alignment& alignment) {
+  const auto share = [](auto matched, auto all) {
+    return all > 0 ? static_cast<double>(matched) / static_cast<double>(all) : 0.0;
+  };
+  return share(alignment.surface_matched, alignment.surface_in_view) +
+         share(alignment.features_matched, alignment.features);
+}
+
 bool has_enough_surface(const FrameView& view) {
   const auto filled = static_cast<std::size_t>(std::count_if(
       view.inverse_depth.begin(), view.inverse_depth.end(), [](float w) { return w > 0.0F; }));
@@ -57,8 +74,9 @@ bool has_enough_surface(const FrameView& view) {
 
 }  // namespace
 
-CameraFrontEnd::CameraFrontEnd(const CameraModel& camera, const CameraTrackerOptions& options)
-    : options_(options), sensor_{camera, options.depth_noise, CellGrid(camera)} {}
+CameraFrontEnd::CameraFrontEnd(const CameraModel& camera, const Trajectory& given,
+                               const CameraTrackerOptions& options)
+    : given_(given), options_(options), sensor_{camera, options.depth_noise, CellGrid(camera)} {}
 
 /// A keyframe is used until the view has changed by one unit.
 double CameraFrontEnd::view_change(const Pose& T_keyframe_frame, double depth) const {
@@ -97,12 +115,36 @@ Pose CameraFrontEnd::predict(Stamp stamp) const {
   return last_->T_keyframe_frame * Pose::exp(velocity_ * elapsed);
 }
 
+/// The pose in the active keyframe by the motion that the given poses say; nullopt without them.
+std::optional<Pose> CameraFrontEnd::by_given_motion(Stamp stamp) const {
+  const auto before = given_.at(last_->stamp);
+  const auto now = given_.at(stamp);
+  if (!before || !now) return std::nullopt;
+  return last_->T_keyframe_frame * (before->inverse() * *now);
+}
+
+Alignment CameraFrontEnd::align(const FrameView& view, Stamp stamp, Parallelism parallelism) const {
+  const auto from = [&](const Pose& start) {
+    return match(sensor_, *active_, view, start, parallelism);
+  };
+  const Pose predicted = predict(stamp);
+  Alignment alignment = from(predicted);
+  if (!alignment.is_valid(options_)) alignment = from(last_->T_keyframe_frame);
+  const std::optional<Pose> given = by_given_motion(stamp);
+  if (!given ||
+      view_change(predicted.inverse() * *given, mean_depth(view.inverse_depth)) < kSameStart) {
+    return alignment;
+  }
+  Alignment by_given = from(*given);
+  const bool is_better = by_given.is_valid(options_) &&
+                         (!alignment.is_valid(options_) ||
+                          agreement(by_given) > kMinRelativeAgreement * agreement(alignment));
+  return is_better ? by_given : alignment;
+}
+
 bool CameraFrontEnd::track(const FrameView& view, FrameRecord& record, Parallelism parallelism) {
   if (!active_ || !last_) return false;
-  Alignment alignment = match(sensor_, *active_, view, predict(record.stamp), parallelism);
-  if (!alignment.is_valid(options_)) {
-    alignment = match(sensor_, *active_, view, last_->T_keyframe_frame, parallelism);
-  }
+  const Alignment alignment = align(view, record.stamp, parallelism);
   if (!alignment.is_valid(options_)) return false;
   accept(view, alignment, record);
   choose_keyframe(view, alignment, record, parallelism);

@@ -17,7 +17,10 @@ namespace pcavr::tracking {
 /// thread-safe.
 class CameraFrontEnd {
  public:
-  CameraFrontEnd(const CameraModel& camera, const CameraTrackerOptions& options);
+  /// `given` (T_base_camera, may be empty): where to begin to search after a large motion. Keeps a
+  /// reference to it.
+  CameraFrontEnd(const CameraModel& camera, const Trajectory& given,
+                 const CameraTrackerOptions& options);
 
   /// Aligns the frame and appends its record; the record of a lost frame has no links.
   FrameRecord& add(const RgbdFrame& frame, const MaskImage& is_dynamic, Parallelism parallelism);
@@ -34,6 +37,8 @@ class CameraFrontEnd {
   };
 
   [[nodiscard]] Pose predict(Stamp stamp) const;
+  [[nodiscard]] std::optional<Pose> by_given_motion(Stamp stamp) const;
+  [[nodiscard]] Alignment align(const FrameView& view, Stamp stamp, Parallelism parallelism) const;
   [[nodiscard]] bool track(const FrameView& view, FrameRecord& record, Parallelism parallelism);
   [[nodiscard]] bool relocalise(const FrameView& view, FrameRecord& record,
                                 Parallelism parallelism);
@@ -49,6 +54,7 @@ class CameraFrontEnd {
 
   [[nodiscard]] double view_change(const Pose& T_keyframe_frame, double depth) const;
 
+  const Trajectory& given_;
   CameraTrackerOptions options_;
   Sensor sensor_;
   std::vector<Keyframe> keyframes_;

@@ -106,7 +106,7 @@ void CameraTracker::add(const RgbdFrame& frame, const std::vector<TagDetection>&
     return;
   }
   std::optional<tracking::CameraFrontEnd>& front_end = state_->front_end;
-  if (!front_end) front_end.emplace(depth_camera, state_->options);
+  if (!front_end) front_end.emplace(depth_camera, state_->groundtruth, state_->options);
   PCAVR_REQUIRE(front_end->sensor().camera.width == depth_camera.width);
   tracking::FrameRecord& record = front_end->add(frame, is_dynamic, parallelism);
   state_->detect_base(frame, detections, record);

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/recording/image_codec.hpp"
+
 #include "scene/scene_builder.hpp"
 
 namespace pcavr {
@@ -53,6 +55,31 @@ TEST(Rasteriser, CullsBackFacesAndWhatIsBehindTheViewer) {
   draw_mesh(canvas, a_plain_view(), below, 1, vertex_color, {1});
   draw_mesh(canvas, a_plain_view(), a_level_square({0.5, 0.0, 2.0}, 0.4, 4), 1, vertex_color, {1});
   EXPECT_EQ(std::ranges::count(canvas.id.pixels(), 1), 0);
+}
+
+TEST(Rasteriser, DrawsAnImageOnTheMesh) {
+  const TriangleMesh table = a_level_square({0.5, 0.0, 0.0}, 0.4, 1);
+  // Red where y is negative, blue elsewhere; one texel lies beside the other.
+  ColorImage image(2, 1);
+  image(0, 0) = {200, 0, 0};
+  image(1, 0) = {0, 0, 200};
+  std::vector<Eigen::Vector2f> coordinates;
+  for (const auto& vertex : table.vertices) {
+    coordinates.emplace_back(vertex.y() < 0.0F ? 0.0F : 1.0F, 0.5F);
+  }
+  const MeshImage on_mesh{image, coordinates};
+  Canvas canvas(160, 120);
+  const View view = a_plain_view();
+  draw_mesh(canvas, view, table, 1, vertex_color, {1}, &on_mesh);
+  const auto drawn_at = [&](double y) {
+    const Eigen::Vector2d at =
+        view.camera.project(view.T_base_view.inverse() * Eigen::Vector3d(0.5, y, 0.0));
+    return canvas.color(static_cast<int>(at.x() + 0.5), static_cast<int>(at.y() + 0.5));
+  };
+  EXPECT_EQ(drawn_at(-0.15), (Rgb8{200, 0, 0}));
+  EXPECT_EQ(drawn_at(0.15), (Rgb8{0, 0, 200}));
+  EXPECT_NEAR(drawn_at(0.0).r, 100, 4);  // bilinear between texels
+  EXPECT_NEAR(drawn_at(0.0).b, 100, 4);
 }
 
 TEST(Preview, ShowsTheWholeTableAndEveryObject) {
@@ -124,13 +151,13 @@ TEST(Preview, IsUprightByTheFloorWhereTheWorldFrameIsTilted) {
   EXPECT_LT(down.dot(up), -0.5);
 }
 
-TEST(Preview, FramesWhatTheCameraLookedAtAndNotScrapsOfAFloor) {
-  // A shelf in front of 15 views, and a far scrap of the floor that one of them saw.
+/// A shelf in front of 15 views, and a far scrap of the floor that one of them saw.
+Scene a_shelf_and_a_scrap(const Eigen::Vector3d& scrap_middle) {
   Scene scene;
   const Pose upright(Eigen::Quaterniond(Eigen::AngleAxisd(-M_PI_2, Eigen::Vector3d::UnitY())),
                      Eigen::Vector3d(1.5, 0.0, 1.0));
   scene.mesh_base = transformed(upright, a_level_square({0.0, 0.0, 0.0}, 1.0, 40));
-  const TriangleMesh scrap = a_level_square({0.5, 3.0, 0.0}, 0.3, 8);
+  const TriangleMesh scrap = a_level_square(scrap_middle, 0.3, 8);
   const auto first = static_cast<std::uint32_t>(scene.mesh_base.vertices.size());
   scene.mesh_base.vertices.insert(scene.mesh_base.vertices.end(), scrap.vertices.begin(),
                                   scrap.vertices.end());
@@ -148,6 +175,11 @@ TEST(Preview, FramesWhatTheCameraLookedAtAndNotScrapsOfAFloor) {
     poses.push_back({Stamp{i}, Pose(Eigen::Quaterniond(axes), {0.0, 0.02 * (i - 7), 1.0})});
   }
   scene.camera_trajectory = Trajectory(poses);
+  return scene;
+}
+
+TEST(Preview, FramesWhatTheCameraLookedAtAndNotScrapsOfAFloor) {
+  const Scene scene = a_shelf_and_a_scrap({0.5, 3.0, 0.0});
   const View view = choose_view(scene, kPreviewWidth, kPreviewHeight);
   Eigen::AlignedBox2d shelf;
   for (const double y : {-0.5, 0.5}) {
@@ -157,6 +189,46 @@ TEST(Preview, FramesWhatTheCameraLookedAtAndNotScrapsOfAFloor) {
   }
   EXPECT_TRUE(view.camera.contains(shelf.min()) && view.camera.contains(shelf.max()));
   EXPECT_GT(shelf.sizes().y(), 0.6 * kPreviewHeight);
+}
+
+/// The longest dark run of pixels along a row in the lower left quarter [px]: the scale bar.
+int length_of_scale_bar(const ColorImage& picture) {
+  int longest = 0;
+  for (int y = picture.height() / 2; y < picture.height(); ++y) {
+    int run = 0;
+    for (int x = 0; x < picture.width() / 2; ++x) {
+      const Rgb8& c = picture(x, y);
+      run = c.r < 60 && c.g < 60 && c.b < 60 ? run + 1 : 0;
+      longest = std::max(longest, run);
+    }
+  }
+  return longest;
+}
+
+TEST(Preview, ItsScaleIsThatOfWhatIsSeenWhateverLiesFarAway) {
+  const int near = length_of_scale_bar(render_preview(a_shelf_and_a_scrap({0.5, 3.0, 0.0}), {1}));
+  EXPECT_GT(near, 40);
+  EXPECT_NEAR(length_of_scale_bar(render_preview(a_shelf_and_a_scrap({0.5, 60.0, 0.0}), {1})), near,
+              2);
+}
+
+TEST(Preview, ShowsTheTexture) {
+  Scene scene = a_box_on_a_table();
+  const auto green = [&] {
+    return std::ranges::count_if(render_preview(scene, {1}).pixels(),
+                                 [](const Rgb8& c) { return c.g > 150 && c.r < 80 && c.b < 80; });
+  };
+  EXPECT_EQ(green(), 0);
+  ColorImage image(16, 16);
+  std::ranges::fill(image.pixels(), Rgb8{10, 220, 10});
+  scene.levels_of_detail_base = {scene.mesh_base};
+  SceneTexture& texture = scene.texture.emplace();
+  texture.jpeg = encode_color(image).value();
+  texture.width = image.width();
+  texture.height = image.height();
+  texture.coordinates = {
+      std::vector<Eigen::Vector2f>(scene.mesh_base.vertices.size(), Eigen::Vector2f(0.5F, 0.5F))};
+  EXPECT_GT(green(), 20'000);
 }
 
 TEST(Preview, DrawsAnObjectInItsColour) {

@@ -239,6 +239,45 @@ TEST(CameraTracker, IsAnchoredByGroundtruthWithOutliers) {
   EXPECT_LT(max_position_error(result), kPositionTolerance);
 }
 
+/// Paints a chessboard on the table, whose squares have an edge of 8 cm.
+void paint_chessboard(const CameraModel& camera, const Pose& T_base_camera, RgbdFrame& frame) {
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const Eigen::Vector3d ray =
+          T_base_camera.rotation() * camera.normalise(Eigen::Vector2d(x, y)).homogeneous();
+      const Eigen::Vector3d p =
+          T_base_camera.translation() - T_base_camera.translation().z() / ray.z() * ray;
+      const auto square = static_cast<int>(std::floor(p.x() / 0.08) + std::floor(p.y() / 0.08));
+      const std::uint8_t value = square % 2 == 0 ? 40 : 210;
+      frame.color(x, y) = {value, value, value};
+    }
+  }
+}
+
+TEST(CameraTracker, DoesNotSlideAlongAPatternWhereTheGivenPosesSayHowItMoved) {
+  SimulatedRecording recording;
+  recording.frames = 6;
+  // From one view to the next nearly as far as the pattern's period of 16 cm.
+  recording.path = [](double t) {
+    const double along = 0.13 * t / kPeriod;
+    return look_at({-0.8 + along, 0.1, 0.9}, {-0.4 + along, 0.1, 0.0});
+  };
+  recording.is_tag_seen = [](int) { return false; };
+  recording.change_scene = [](int, Scene& scene) { scene.blocks.clear(); };
+  recording.corrupt_frame = [&](int i, RgbdFrame& frame) {
+    paint_chessboard(recording.camera, recording.path(i * kPeriod), frame);
+  };
+  for (int i = 0; i < recording.frames; ++i) {
+    const Pose truth = recording.path(i * kPeriod);
+    const Eigen::Vector3d error(i % 2 == 0 ? 0.01 : -0.01, i % 3 == 0 ? 0.01 : -0.005, 0.0);
+    recording.groundtruth.append(stamp_of(i * kPeriod),
+                                 Pose(truth.rotation(), truth.translation() + error));
+  }
+  const CameraTrack result = track(recording);
+  EXPECT_EQ(count(result, PlacementStatus::placed), recording.frames);
+  EXPECT_LT(max_position_error(result, recording.path), 0.015);
+}
+
 TEST(CameraTracker, UsesTrustedPosesUnchanged) {
   SimulatedRecording recording;
   recording.frames = 5;

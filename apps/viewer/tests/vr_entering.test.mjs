@@ -144,12 +144,27 @@ function signAfter(page, text) {
   );
 }
 
+/// Whether the sign has one colour alone along its left and right edges: no letter is cut off.
+function hasMargins(page) {
+  return page.evaluate(() => {
+    const sheet = window.__pcavr.vr.sign.mesh.material.map.image;
+    const pen = sheet.getContext('2d');
+    const margin = 10;
+    const isPlain = (left) => {
+      const { data } = pen.getImageData(left, 0, margin, sheet.height);
+      return data.every((value, i) => value === data[i % 4]);
+    };
+    return isPlain(0) && isPlain(sheet.width - margin);
+  });
+}
+
 async function assertSign(page, text, trigger) {
   const shown = signAfter(page, text);
   const since = Date.now();
   await trigger();
   const delay = (await shown) - since;
   assert.ok(delay < maxSignDelay, `${text} after ${delay} ms`);
+  assert.ok(await hasMargins(page), `${text} is not cut off`);
 }
 
 test('a sign says within 0.3 s that the world is paused, or the tool in use', limit, async () => {
@@ -165,6 +180,7 @@ test('a sign says within 0.3 s that the world is paused, or the tool in use', li
   await assertSign(page, 'TOOL IN USE', () =>
     page.evaluate(() => window.__headset.controllers.right.updateButtonValue('squeeze', 1)),
   );
+  await screenshot(page, 'vr-sign-in-use');
   world.command(5);
   await page.evaluate(() => window.__headset.controllers.right.updateButtonValue('squeeze', 0));
   await signAfter(page, '');
@@ -176,6 +192,7 @@ test('a sign says within 0.3 s that the server is gone', limit, async () => {
   const { page } = await enterVr({ open: () => stage.open(server.url) });
   await lookDown(page);
   await assertSign(page, 'CONNECTION LOST', () => server.signal('SIGSTOP'));
+  await screenshot(page, 'vr-sign-lost');
 });
 
 test('a sign says within 0.3 s that a body is outside the model', limit, async (t) => {
@@ -189,6 +206,7 @@ test('a sign says within 0.3 s that a body is outside the model', limit, async (
   const { page } = await enterVr({ open: () => stage.open(relay.url) });
   await lookDown(page);
   await assertSign(page, 'OUTSIDE THE MODEL', () => (isOutside = true));
+  await screenshot(page, 'vr-sign-outside');
 });
 
 /// Touches a button of the panel with the right hand's tip.

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -35,11 +36,18 @@ struct Canvas {
 using Shader =
     std::function<Eigen::Vector3f(const Eigen::Vector3f& color, const Eigen::Vector3f& normal)>;
 
+/// An image on a mesh instead of its vertices' colours.
+struct MeshImage {
+  const ColorImage& image;
+  /// By vertex: in the unit square, the origin at the image's upper left corner.
+  const std::vector<Eigen::Vector2f>& coordinates;
+};
+
 /// Rasterises front faces (counter-clockwise) with a depth test and back-face culling. The mesh
 /// needs normals. Triangles that intersect the near plane are not drawn. The image does not depend
 /// on the number of threads.
 void draw_mesh(Canvas& canvas, const View& view, const TriangleMesh& mesh_base, std::uint8_t id,
-               const Shader& shader, Parallelism parallelism);
+               const Shader& shader, Parallelism parallelism, const MeshImage* on_mesh = nullptr);
 
 /// The image downsampled by two: each pixel the mean of four.
 [[nodiscard]] ColorImage halved(const ColorImage& image);

@@ -4,6 +4,7 @@ import { create } from '../ui/dom';
 import { saveText } from '../ui/plot_files';
 import { csvOfTable } from './csv';
 import type { TableData } from './report_data';
+import { unbroken } from './typeset';
 
 const maxNumber = 24; // characters: longer cells are text
 const headlineRows = 5; // that are not folded
@@ -52,7 +53,10 @@ export function headline(data: TableData): HTMLElement[] {
 function plainTable(data: TableData): HTMLElement {
   const isNumber = numberColumns(data);
   const cell = (kind: 'th' | 'td', textContent: string, column: number) =>
-    create(kind, { textContent, className: isNumber[column] ? 'number' : '' });
+    create(kind, {
+      textContent: unbroken(textContent),
+      className: isNumber[column] ? 'number' : '',
+    });
   const row = (kind: 'th' | 'td', cells: string[]) =>
     create('tr', {}, ...cells.map((text, column) => cell(kind, text, column)));
   return create(

@@ -7,6 +7,7 @@ import { drawnTexture } from '../scene/drawn_texture';
 const signOffset = new Vector3(0, 0.2, -0.9);
 const size = { x: 0.42, y: 0.084 };
 const pixels = { x: 840, y: 168 };
+const textWidth = pixels.x - 30; // wider lines are condensed
 
 /// What the user has to know at once, the most urgent first.
 export interface Trouble {
@@ -59,9 +60,9 @@ export class Sign {
     pen.fillStyle = '#10161d';
     pen.textAlign = 'center';
     pen.font = '700 76px system-ui, sans-serif';
-    pen.fillText(title, pixels.x / 2, 84);
+    pen.fillText(title, pixels.x / 2, 84, textWidth);
     pen.font = '600 36px system-ui, sans-serif';
-    pen.fillText(more, pixels.x / 2, 142, pixels.x - 30);
+    pen.fillText(more, pixels.x / 2, 142, textWidth);
     texture.needsUpdate = true;
   }
 }
