@@ -279,8 +279,10 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
                                      compliance_std(result, pressed, largest_force(all))};
   FrictionPriors priors = options.friction_priors;
   priors.gravity = options.sliding.gravity;
-  result.slide_samples =
-      friction_samples(body.tracked.empty() ? pushes : all, compliance, body, tip, tool_radius);
+  std::optional<double> radius;
+  if (const auto& known = result.parameters.friction_radius) radius = known->value;
+  result.slide_samples = friction_samples(body.tracked.empty() ? pushes : all, compliance, body,
+                                          tip, tool_radius, radius);
   take_sliding(infer(result.slide_samples, known_mass, priors), given_mass, result);
   find_limits(pushes, contact_law, options, result);
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {
