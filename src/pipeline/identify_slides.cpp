@@ -80,13 +80,14 @@ std::vector<Eigen::Vector2d> support_of(const CadModel& model, const Pose& T_bas
 }
 
 /// Scales points about the centre of mass to a friction radius, their mean distance from it [m].
-void scale_to(double friction_radius, std::vector<Eigen::Vector2d>& points) {
+/// Returns the factor.
+double scale_to(double friction_radius, std::vector<Eigen::Vector2d>& points) {
   double sum = 0.0;
   for (const Eigen::Vector2d& p : points) sum += p.norm();
-  if (!(sum > 0.0)) return;
-  for (Eigen::Vector2d& p : points) {
-    p *= friction_radius * static_cast<double>(points.size()) / sum;
-  }
+  if (!(sum > 0.0)) return 1.0;
+  const double scale = friction_radius * static_cast<double>(points.size()) / sum;
+  for (Eigen::Vector2d& p : points) p *= scale;
+  return scale;
 }
 
 /// Motion of the object's centre from its tracked poses, smoothed.
@@ -196,7 +197,7 @@ class Slides {
       : body_(body), tip_(tip), tool_radius_(tool_radius), motion_(body) {
     if (!body.tracked.empty()) {
       support_ = support_of(body.model, body.tracked.front().T_base_object);
-      if (friction_radius) scale_to(*friction_radius, support_);
+      if (friction_radius) scale_ = scale_to(*friction_radius, support_);
     }
   }
 
@@ -311,7 +312,9 @@ class Slides {
     if (sample.rotation_share > kMaxRotationShare) return std::nullopt;
     if (power < kMinPower * force.norm() * at_contact.norm()) return std::nullopt;
     const double gain = at_contact.norm() / mean;
-    sample.is_turning = sample.rotation_share > kMaxStraightShare;
+    // Of the CAD body's own support, which the square of the scale gives for small shares: a small
+    // friction radius does not make the motion a straight one.
+    sample.is_turning = sample.rotation_share > kMaxStraightShare * scale_ * scale_;
     sample.force = power / mean;
     sample.speed = squares / mean;
     sample.acceleration *= centre.norm() / mean;
@@ -325,6 +328,7 @@ class Slides {
   double tool_radius_;
   TrackedMotion motion_;
   std::vector<Eigen::Vector2d> support_;
+  double scale_ = 1.0;  ///< of the support against the CAD body's
 };
 
 }  // namespace
