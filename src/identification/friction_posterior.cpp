@@ -22,7 +22,7 @@ constexpr int kGuessedViscousSteps = 10;  // while samples are weighed
 // better than half a per cent. Tables with ten per cent occur, and an end before that is a clamp.
 constexpr int kScatterSteps = 7;
 constexpr double kMinScatter = -1.6, kMaxScatter = 3.2;
-constexpr int kCorrelationSteps = 3;  // from 0 to the prior's largest
+constexpr int kDriftSteps = 3;        // of the share of the scatter that is a drift
 constexpr double kMaxResidual = 2.5;  // in stds; beyond it a sample's std grows with its residual
 constexpr int kFrictionReweightings = 3;
 constexpr double kMaxPosteriorMassStd = 0.1;  // as a share of the mass
@@ -211,10 +211,9 @@ class Inference {
   }
 
   [[nodiscard]] Conditional condition(const Totals& totals, double viscous, double between,
-                                      double within, double correlation) const {
+                                      double within, double drift) const {
     NormalEquations equations = totals.equations;
-    detail::marginalise_pushes(totals.pushes, {priors_.bias_std, between * level_, correlation},
-                               equations);
+    detail::marginalise_pushes(totals.pushes, scatter_of(between, drift), equations);
     // The noise of the accelerations adds to their squares, not to their products with the force.
     // At most half of what the others leave of it, so that a noise that is misjudged does no harm.
     Information& information = equations.information;
@@ -233,6 +232,15 @@ class Inference {
     return result;
   }
 
+  /// A part of each push's own, and a share `drift` of the variance that goes from push to push:
+  /// one correlation for both would take a slow drift for a short one.
+  [[nodiscard]] detail::PushScatter scatter_of(double between, double drift) const {
+    const double all = between * level_;
+    if (drift <= 0.0) return {priors_.bias_std, all, 0.0};
+    const double own = all * std::sqrt(1.0 - drift);
+    return {std::hypot(priors_.bias_std, own), all * std::sqrt(drift), priors_.push_correlation};
+  }
+
   [[nodiscard]] std::vector<Conditional> evaluate_grid(const ViscousRange& range,
                                                        int viscous_steps) const {
     std::vector<Conditional> grid;
@@ -240,11 +248,10 @@ class Inference {
       for (int b = 0; b < viscous_steps; ++b) {
         const double viscous = range.low + (range.high - range.low) * (b + 0.5) / viscous_steps;
         const Totals totals = totals_at(viscous, scatter_at(w));
-        for (int s = 0; s < kScatterSteps * kCorrelationSteps; ++s) {
-          const double correlation =
-              priors_.push_correlation * (s % kCorrelationSteps) / (kCorrelationSteps - 1);
-          grid.push_back(condition(totals, viscous, scatter_at(s / kCorrelationSteps),
-                                   scatter_at(w), correlation));
+        for (int s = 0; s < kScatterSteps * kDriftSteps; ++s) {
+          const double drift = static_cast<double>(s % kDriftSteps) / (kDriftSteps - 1);
+          grid.push_back(
+              condition(totals, viscous, scatter_at(s / kDriftSteps), scatter_at(w), drift));
         }
       }
     }

@@ -229,9 +229,12 @@ void set_parameters(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covaria
     const double value_std = std::sqrt(std::max(variance, 0.0));
     return IdentifiedParameter{value, value_std, 2.0 * value_std < std::abs(value)};
   };
-  fit.stiffness = parameter(k, k_by.dot(shared * k_by));
-  fit.damping = parameter(k * theta[1], lambda_by.dot(shared * lambda_by));
-  fit.exponent = parameter(theta[2], shared(2, 2));
+  Eigen::Matrix3d by;
+  by << k_by.transpose(), lambda_by.transpose(), Eigen::RowVector3d::UnitZ();
+  fit.covariance = by * shared * by.transpose();
+  fit.stiffness = parameter(k, fit.covariance(0, 0));
+  fit.damping = parameter(k * theta[1], fit.covariance(1, 1));
+  fit.exponent = parameter(theta[2], fit.covariance(2, 2));
 }
 
 /// Relative, of d = depth (F / force)^(1/n), at its largest from `kMinForceShare` of `force` on.

@@ -12,6 +12,7 @@
 #include "pcavr/identification/signals.hpp"
 
 #include "identification/derivative_noise.hpp"
+#include "identification/first_bias.hpp"
 #include "identification/impact_motion.hpp"
 #include "identification/touch.hpp"
 
@@ -20,8 +21,6 @@ namespace {
 
 using Vectors = std::vector<Eigen::Vector3d>;
 
-// [s] of the means that the initial bias is searched among: shorter than the time between contacts.
-constexpr double kBiasWindow = 0.05;
 // Half widths of the smoothing that a contact's slow rise extends beyond its threshold.
 constexpr double kRiseHalfWidths = 5.0;
 // Stds of the smoothed speed's noise above which an object slides: once in 30 000 samples by
@@ -46,29 +45,6 @@ Vectors despike(std::span<const Eigen::Vector3d> force, const SpikeOptions& opti
     for (std::size_t i = 0; i < clean.size(); ++i) clean[i][k] = signal.values[i];
   }
   return clean;
-}
-
-/// Initial bias: the mean near the smallest of the short-time means. Contact only adds to a force
-/// whose gravity and gross bias are removed.
-Eigen::Vector3d first_bias(const Vectors& force, std::size_t window, double nearness) {
-  Vectors means;
-  for (std::size_t i = 0; i + window <= force.size(); i += window) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::size_t k = i; k < i + window; ++k) sum += force[k];
-    means.push_back(sum / static_cast<double>(window));
-  }
-  if (means.empty()) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d smallest = *std::min_element(
-      means.begin(), means.end(),
-      [](const auto& a, const auto& b) { return a.squaredNorm() < b.squaredNorm(); });
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double count = 0.0;
-  for (const Eigen::Vector3d& mean : means) {
-    if ((mean - smallest).norm() > nearness) continue;
-    sum += mean;
-    count += 1.0;
-  }
-  return sum / count;
 }
 
 /// Size of the smoothed force; ends and gaps count as free.
@@ -338,14 +314,13 @@ Segmentation segment_contacts(std::span<const double> t_force,
   const double smooth_noise =
       std::sqrt(3.0) * result.noise / std::sqrt(correlated_samples(half_width, interval));
   const double enter = std::max(options.enter_threshold * smooth_noise, options.min_force);
-  const auto window = static_cast<std::size_t>(std::ceil(kBiasWindow / interval));
-  result.bias_base.assign(t_force.size(), first_bias(clean, window, enter));
+  result.bias_base = first_bias(t_force, clean, enter, options.max_drift);
 
   std::vector<Range> contacts;
   std::vector<RangedImpact> impacts;
   std::vector<double> size;
   const PathView tip(t_tool, p_base_tip);
-  // Two passes: the drift is estimated between the contacts of the first.
+  // Two passes: the drift is estimated anew between the contacts of the first.
   for (int pass = 0; pass < 2; ++pass) {
     result.force_base = clean;
     for (std::size_t i = 0; i < clean.size(); ++i) result.force_base[i] -= result.bias_base[i];

@@ -2,7 +2,56 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/object/object_parameters.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "pcavr/core/check.hpp"
+
 namespace pcavr {
+namespace {
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+}  // namespace
+
+void remove_correlation(const std::vector<std::string>& keys, ParameterSources& sources) {
+  const std::size_t count = sources.correlated.size();
+  PCAVR_REQUIRE(sources.correlation.size() == count * count, sources.correlation.size(), count);
+  const auto is_kept = [&](std::size_t i) {
+    return std::find(keys.begin(), keys.end(), sources.correlated[i]) == keys.end();
+  };
+  std::vector<std::string> names;
+  std::vector<double> coefficients;
+  for (std::size_t row = 0; row < count; ++row) {
+    if (!is_kept(row)) continue;
+    names.push_back(sources.correlated[row]);
+    for (std::size_t column = 0; column < count; ++column) {
+      if (is_kept(column)) coefficients.push_back(sources.correlation[row * count + column]);
+    }
+  }
+  sources.correlated = std::move(names);
+  sources.correlation = std::move(coefficients);
+}
+
+void set_correlation(const std::vector<std::string>& keys, const Eigen::MatrixXd& covariance,
+                     ParameterSources& sources) {
+  const auto added = static_cast<Eigen::Index>(keys.size());
+  PCAVR_REQUIRE(covariance.rows() == added && covariance.cols() == added, covariance.rows(), added);
+  remove_correlation(keys, sources);
+  if (!(covariance.diagonal().minCoeff() > 0.0)) return;
+  const auto before = static_cast<Eigen::Index>(sources.correlated.size());
+  Matrix all = Matrix::Identity(before + added, before + added);
+  all.topLeftCorner(before, before) =
+      Eigen::Map<const Matrix>(sources.correlation.data(), before, before);
+  for (Eigen::Index row = 0; row < added; ++row) {
+    for (Eigen::Index column = 0; column < row; ++column) {
+      all(before + row, before + column) = all(before + column, before + row) =
+          covariance(row, column) / std::sqrt(covariance(row, row) * covariance(column, column));
+    }
+  }
+  sources.correlated.insert(sources.correlated.end(), keys.begin(), keys.end());
+  sources.correlation.assign(all.data(), all.data() + all.size());
+}
 
 std::optional<HuntCrossley> contact_law_of(const ObjectParameters& known) {
   if (!known.contact_stiffness) return std::nullopt;

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "pcavr/identification/local_direction.hpp"
 
@@ -66,6 +70,29 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   }
 }
 
+bool has_value(const std::optional<ParameterValue>& known, const IdentifiedParameter& found) {
+  return known && known->value == found.value;
+}
+
+/// That of the law's parameters which are the fit's own: a damping that is only bounded is not, and
+/// impacts may have given another one.
+void take_correlation(const ContactFit& fit, ObjectParameters& parameters) {
+  const std::pair<const char*, bool> rows[] = {
+      {"contact.stiffness", has_value(parameters.contact_stiffness, fit.stiffness)},
+      {"contact.damping", has_value(parameters.contact_damping, fit.damping)},
+      {"contact.exponent", has_value(parameters.contact_exponent, fit.exponent)}};
+  std::vector<std::string> keys;
+  std::vector<Eigen::Index> chosen;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    remove_correlation({rows[i].first}, parameters.sources);
+    if (!rows[i].second || fit.covariance(i, i) <= 0.0) continue;
+    keys.emplace_back(rows[i].first);
+    chosen.push_back(i);
+  }
+  if (keys.size() < 2) return;
+  set_correlation(keys, fit.covariance(chosen, chosen), parameters.sources);
+}
+
 /// The contact's series with the tip moved back by its common std, kept in `tool`.
 ForceMotion shallower(const ForceMotion& series, const std::vector<double>& tip_std,
                       std::vector<double>& tool) {
@@ -76,6 +103,10 @@ ForceMotion shallower(const ForceMotion& series, const std::vector<double>& tip_
 
 void add_change(const ContactFit& moved, ContactFit& fit) {
   if (!fit.is_valid || !moved.is_valid) return;
+  const Eigen::Vector3d change(moved.stiffness.value - fit.stiffness.value,
+                               moved.damping.value - fit.damping.value,
+                               moved.exponent.value - fit.exponent.value);
+  fit.covariance += change * change.transpose();
   const auto add = [&](IdentifiedParameter ContactFit::*parameter) {
     IdentifiedParameter& found = fit.*parameter;
     found.std = std::hypot(found.std, (moved.*parameter).value - found.value);
@@ -269,6 +300,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     if (result.is_exponent_given) result.parameters.sources.pushes.erase("contact.exponent");
   }
   identify_impacts(contacts, object, options.damping_law, result);
+  if (best != nullptr) take_correlation(*best, result.parameters);
 }
 
 void withhold_contact_off_centre(ObjectIdentification& result) {
@@ -279,6 +311,7 @@ void withhold_contact_off_centre(ObjectIdentification& result) {
   parameters.contact_exponent.reset();
   for (const char* key : {"contact.stiffness", "contact.damping", "contact.exponent"}) {
     parameters.sources.pushes.erase(key);
+    remove_correlation({key}, parameters.sources);
   }
   result.notes.emplace_back(
       "the pushes are off the centre of mass: the contact law is not identified, because the "

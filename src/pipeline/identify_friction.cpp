@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <string>
+#include <vector>
 
 #include <Eigen/Core>
 #include <fmt/core.h>
@@ -77,19 +79,12 @@ void take_correlation(const SlidesPosterior& found, ParameterSources& sources) {
   // the constant factor 1 / (M g) left out.
   Eigen::Matrix3d by = Eigen::Matrix3d::Identity();
   by(1, 0) = -found.joint.coulomb.value / found.joint.mass.value;
-  Eigen::Matrix3d covariance = by * found.joint.covariance * by.transpose();
-  const Eigen::Vector3d std = covariance.diagonal().cwiseSqrt();
-  if (!(std.minCoeff() > 0.0)) return;
-  const int first = found.has_given_mass ? 1 : 0;
-  sources.correlation.clear();
-  sources.correlated = {"mass", "sliding_friction_coefficient", "viscous_friction"};
-  sources.correlated.erase(sources.correlated.begin(), sources.correlated.begin() + first);
-  for (int row = first; row < 3; ++row) {
-    for (int column = first; column < 3; ++column) {
-      sources.correlation.push_back(
-          row == column ? 1.0 : covariance(row, column) / (std[row] * std[column]));
-    }
-  }
+  const Eigen::Matrix3d covariance = by * found.joint.covariance * by.transpose();
+  std::vector<std::string> keys = {"mass", "sliding_friction_coefficient", "viscous_friction"};
+  remove_correlation(keys, sources);
+  const Eigen::Index rows = found.has_given_mass ? 2 : 3;
+  if (found.has_given_mass) keys.erase(keys.begin());
+  set_correlation(keys, covariance.bottomRightCorner(rows, rows), sources);
 }
 
 /// Mass and coefficient come from one posterior: a coefficient by the weighed mass beside the mass
@@ -284,8 +279,10 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
                                      compliance_std(result, pressed, largest_force(all))};
   FrictionPriors priors = options.friction_priors;
   priors.gravity = options.sliding.gravity;
-  result.slide_samples =
-      friction_samples(body.tracked.empty() ? pushes : all, compliance, body, tip, tool_radius);
+  std::optional<double> radius;
+  if (const auto& known = result.parameters.friction_radius) radius = known->value;
+  result.slide_samples = friction_samples(body.tracked.empty() ? pushes : all, compliance, body,
+                                          tip, tool_radius, radius);
   take_sliding(infer(result.slide_samples, known_mass, priors), given_mass, result);
   find_limits(pushes, contact_law, options, result);
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {

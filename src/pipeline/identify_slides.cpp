@@ -39,6 +39,10 @@ constexpr double kMaxStraightShare = 0.01;  // beyond, the object turns
 constexpr double kFaceAgreement = 0.9;      // cosine between the force and the face that it pushes
 constexpr double kMinPower = 0.3;           // of |F| |v|: less is no push through this face
 
+/// Of the tip's speed along the normal, by tracking: less is an object that rests while what holds
+/// the tip gives way, or the tip leaves it. The speed by tracking has a noise of 2 to 4 %.
+constexpr double kMinFollowing = 0.5;
+
 bool contains(const std::vector<Eigen::Vector3d>& outline, const Eigen::Vector2d& p) {
   for (std::size_t k = 0; k < outline.size(); ++k) {
     const Eigen::Vector2d from = outline[k].head<2>();
@@ -73,6 +77,17 @@ std::vector<Eigen::Vector2d> support_of(const CadModel& model, const Pose& T_bas
   }
   if (cells.empty()) cells.push_back(Eigen::Vector2d::Zero());
   return cells;
+}
+
+/// Scales points about the centre of mass to a friction radius, their mean distance from it [m].
+/// Returns the factor.
+double scale_to(double friction_radius, std::vector<Eigen::Vector2d>& points) {
+  double sum = 0.0;
+  for (const Eigen::Vector2d& p : points) sum += p.norm();
+  if (!(sum > 0.0)) return 1.0;
+  const double scale = friction_radius * static_cast<double>(points.size()) / sum;
+  for (Eigen::Vector2d& p : points) p *= scale;
+  return scale;
 }
 
 /// Motion of the object's centre from its tracked poses, smoothed.
@@ -177,10 +192,12 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
 
 class Slides {
  public:
-  Slides(const BodyMotion& body, const PathView& tip, double tool_radius)
+  Slides(const BodyMotion& body, const PathView& tip, double tool_radius,
+         std::optional<double> friction_radius)
       : body_(body), tip_(tip), tool_radius_(tool_radius), motion_(body) {
     if (!body.tracked.empty()) {
       support_ = support_of(body.model, body.tracked.front().T_base_object);
+      if (friction_radius) scale_ = scale_to(*friction_radius, support_);
     }
   }
 
@@ -263,7 +280,8 @@ class Slides {
     sample.travel = speed * push.half_width;
     if (body_.tracked.empty()) return sample;
     const std::optional<Twist> twist = motion_.at(t, speed);
-    if (!twist) return sample;
+    // Off the centre of mass the force alone says little: the object turns under it.
+    if (!twist) return is_centred(&contact) ? std::optional(sample) : std::nullopt;
     const Pose T_base_object = pose_at(body_.tracked, t);
     const Eigen::Vector2d inward = inward_at(contact, T_base_object);
     const Eigen::Vector2d arm =
@@ -273,7 +291,9 @@ class Slides {
     // Along the normal the tip is more accurate than the tracking.
     Eigen::Vector2d at_contact = twist->velocity + spin;
     const double normal_speed = speed / std::max(along.dot(inward), 0.5);
-    at_contact += (normal_speed - at_contact.dot(inward)) * inward;
+    const double tracked_speed = at_contact.dot(inward);
+    if (tracked_speed < kMinFollowing * normal_speed) return std::nullopt;
+    at_contact += (normal_speed - tracked_speed) * inward;
     const Eigen::Vector2d centre = at_contact - spin;
     double mean = 0.0, squares = 0.0;
     const Eigen::Rotation2Dd turned(heading_of(T_base_object));
@@ -292,7 +312,9 @@ class Slides {
     if (sample.rotation_share > kMaxRotationShare) return std::nullopt;
     if (power < kMinPower * force.norm() * at_contact.norm()) return std::nullopt;
     const double gain = at_contact.norm() / mean;
-    sample.is_turning = sample.rotation_share > kMaxStraightShare;
+    // Of the CAD body's own support, which the square of the scale gives for small shares: a small
+    // friction radius does not make the motion a straight one.
+    sample.is_turning = sample.rotation_share > kMaxStraightShare * scale_ * scale_;
     sample.force = power / mean;
     sample.speed = squares / mean;
     sample.acceleration *= centre.norm() / mean;
@@ -306,6 +328,7 @@ class Slides {
   double tool_radius_;
   TrackedMotion motion_;
   std::vector<Eigen::Vector2d> support_;
+  double scale_ = 1.0;  ///< of the support against the CAD body's
 };
 
 }  // namespace
@@ -313,9 +336,10 @@ class Slides {
 std::vector<FrictionSample> friction_samples(const std::vector<IdentifiedContact*>& pushes,
                                              const ContactCompliance& compliance,
                                              const BodyMotion& body, const PathView& tip,
-                                             double tool_radius) {
+                                             double tool_radius,
+                                             std::optional<double> friction_radius) {
   std::vector<FrictionSample> samples;
-  const Slides slides(body, tip, tool_radius);
+  const Slides slides(body, tip, tool_radius, friction_radius);
   for (std::size_t i = 0; i < pushes.size(); ++i) slides.add(*pushes[i], compliance, i, samples);
   return samples;
 }

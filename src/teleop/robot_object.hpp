@@ -102,6 +102,9 @@ class RobotObject {
     ObjectParameters parameters;
   };
   std::optional<InFlight> in_flight = {};
+  /// A contact law was sent, as this case, before its contact had ended: the whole contact may show
+  /// a better one, which no error would ask for until the next.
+  std::optional<CorrectionCase> unfinished_law = {};
   std::uint8_t sequence = 0;
   /// Another object moved with it: the force does not act on this one alone.
   bool is_shared = false;

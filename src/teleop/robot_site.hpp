@@ -99,6 +99,10 @@ class RobotSite {
                                                          const TouchSample& sample,
                                                          const PlanarPose& predicted, double gap,
                                                          const SiteComparison& seen);
+  /// The case of a law that was sent before its contact had ended, once: after the whole contact
+  /// has been identified.
+  static std::optional<CorrectionCase> take_unfinished_law(RobotObject& object,
+                                                           const SiteComparison& seen);
   /// Whether a correction of the pose would be worse than the error by the time that it is shown.
   [[nodiscard]] bool grows_beyond(double gap, std::size_t index, const CorrectionMessage& message);
   /// [m] Below it a gap between the sites says nothing while the object rests here.

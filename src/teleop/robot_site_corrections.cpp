@@ -93,8 +93,9 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   const double allowed =
       options_.correction_switch.burst_bytes +
       options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
-  const std::optional<CorrectionCase> which =
+  std::optional<CorrectionCase> which =
       object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
+  if (!which) which = take_unfinished_law(object, seen);
   if (!which) return;
   const bool is_learned_lately =
       object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
@@ -113,6 +114,13 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   }
   object.correction_switch.note_sent(*which, now_, message->sequence);
   outgoing_.push_back(std::move(*message));
+}
+
+std::optional<CorrectionCase> RobotSite::take_unfinished_law(RobotObject& object,
+                                                             const SiteComparison& seen) {
+  const bool is_touched = object.monitor.is_touched() || seen.operator_touches;
+  if (is_touched || object.in_flight || object.learn_at) return std::nullopt;
+  return std::exchange(object.unfinished_law, std::nullopt);
 }
 
 bool RobotSite::grows_beyond(double gap, std::size_t index, const CorrectionMessage& message) {
@@ -236,6 +244,9 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
   const bool has_parameters = !is_empty(message.parameters);
   if (!message.pose && !has_parameters) return std::nullopt;
   if (!has_parameters && object.correction_switch.had_no_effect(which)) return std::nullopt;
+  if (message.parameters.contact_stiffness && object.monitor.is_touched()) {
+    object.unfinished_law = which;
+  }
   message.sequence = ++object.sequence;
   object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
   return message;

@@ -161,6 +161,24 @@ TEST(FrictionPosterior, IsLessSureOfFrictionThatDriftsFromPushToPush) {
   EXPECT_LT(without.share_within(2.0), 0.85);
 }
 
+TEST(FrictionPosterior, CoversASlowDriftBesideScatterOfEachPushsOwn) {
+  Random random(79);
+  Scores scores;
+  for (int i = 0; i < 40; ++i) {
+    const Body body = random_body(random);
+    std::vector<FrictionSample> all = scattered_pushes(body, 20, 0.03, 0.9, random);
+    std::vector<double> own(20);
+    for (double& level : own) level = 0.02 * body.coulomb * random.normal();
+    for (FrictionSample& sample : all) sample.force += own[sample.push];
+    for (const SlidingForce& row : infer_friction(all).sliding_force) {
+      scores.add({row.force, row.std, true}, body.coulomb + body.viscous * row.speed);
+    }
+  }
+  // One correlation for both: 0.75 and 9.7.
+  EXPECT_GE(scores.share_within(2.0), 0.8);
+  EXPECT_LT(scores.worst(), 8.0);
+}
+
 TEST(FrictionPosterior, IsLessSureOfTheMassWhereTheComplianceIsNotKnown) {
   // The contact is softer than supposed: tip and object differ by more in speed.
   Random random(76);

@@ -117,5 +117,48 @@ TEST(SegmentContacts, FindsNothingWithoutContact) {
   EXPECT_TRUE(segment_contacts({}, {}, {}, {}).contacts.empty());
 }
 
+/// A force along y that rises to `peak` [N] within `rise` [s], stays for 1 s and falls likewise,
+/// `pushes` times, with 2 s between; its bias drifts by `drift` [N/s]. The tip moves with it.
+WholeRecording drifting_pushes(int pushes, double peak, double rise, double drift) {
+  WholeRecording all;
+  Random random(5131);
+  const double period = 3.0 + 2.0 * rise;
+  for (double t = 0.0; t < pushes * period + 2.0; t += 0.002) {
+    const double in_period = std::fmod(t, period) - 2.0;
+    const double share =
+        std::clamp(std::min(in_period, 1.0 + 2.0 * rise - in_period) / rise, 0.0, 1.0);
+    const bool is_pushing = t < pushes * period;
+    Eigen::Vector3d force(0.0, (is_pushing ? share * peak : 0.0) + drift * t, 0.0);
+    force += 0.1 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    all.t_force.push_back(t);
+    all.force_base.push_back(force);
+    all.t_tool.push_back(t);
+    all.p_base_tip.push_back({0.0, 1e-3 * share, 0.0});
+  }
+  return all;
+}
+
+TEST(SegmentContacts, KeepsContactsApartUnderADriftBeyondTheirThreshold) {
+  for (const double drift : {0.03, -0.03}) {
+    // 2 N in all: many times the force at which a contact begins.
+    const WholeRecording all = drifting_pushes(20, 6.0, 0.1, drift);
+    const Segmentation found =
+        segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
+    ASSERT_EQ(found.contacts.size(), 20U) << drift;
+    for (const ContactEpisode& contact : found.contacts) {
+      EXPECT_NEAR(contact.end - contact.begin, 1.2, 0.1);
+      EXPECT_NEAR(contact.peak_force, 6.0, 0.25);
+    }
+  }
+}
+
+TEST(SegmentContacts, TakesNoSlowPressForDrift) {
+  const WholeRecording all = drifting_pushes(2, 3.0, 12.0, 0.0);  // 0.25 N/s
+  const Segmentation found =
+      segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
+  ASSERT_EQ(found.contacts.size(), 2U);
+  for (const ContactEpisode& contact : found.contacts) EXPECT_NEAR(contact.peak_force, 3.0, 0.3);
+}
+
 }  // namespace
 }  // namespace pcavr

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/identification/path_view.hpp"
+
+#include "support/meshes.hpp"
 
 namespace pcavr {
 namespace {
@@ -99,6 +102,70 @@ TEST(FrictionSamples, StateWhatTheContactsComplianceChanges) {
   for (const FrictionSample& sample : samples) {
     EXPECT_NEAR(sample.speed_change, 0.1 * 12.0 / kStiffness, 1e-6) << "at " << sample.t << " s";
   }
+}
+
+/// A box that is pushed beside its centre, and turns: its centre moves at `kSpeed` along x.
+struct TurningPush {
+  static constexpr double kSpeed = 0.03, kRate = 0.2;      // [m/s], [rad/s]
+  static constexpr double kLever = 0.03, kRadius = 0.005;  // [m] of the force; of the tip
+  IdentifiedContact contact;
+  std::vector<Eigen::Vector3d> p_base_tip;
+  CadModel model;
+  std::vector<TrackedPose> tracked;
+
+  explicit TurningPush(double tracked_until) {
+    model.mesh_object = test::box_mesh({0.1F, 0.1F, 0.05F});
+    std::vector<double> object, force;
+    for (double t = 0.0; t < 1.5; t += kStep) {
+      const double slid = std::max(t - 0.2, 0.0);
+      object.push_back((kSpeed - kRate * kLever) * slid);
+      force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce);
+      p_base_tip.emplace_back(kSpeed * slid - 0.05 - kRadius, kLever, 0.0);
+      if (t <= tracked_until) tracked.push_back({t, pose_at_slide(slid)});
+    }
+    contact = push_of(object, force, 0.2);
+    contact.normal_object = -Eigen::Vector3d::UnitX();
+    contact.lever = kLever;
+  }
+
+  [[nodiscard]] std::vector<FrictionSample> samples(std::optional<double> friction_radius) {
+    const PathView tip(contact.episode.t, p_base_tip);
+    const ContactCompliance compliance{HuntCrossley{.stiffness = kStiffness, .exponent = 1.0}, 0.1};
+    return friction_samples({&contact}, compliance, {model, tracked}, tip, kRadius,
+                            friction_radius);
+  }
+
+ private:
+  static Pose pose_at_slide(double slid) {
+    return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(kRate * slid, Eigen::Vector3d::UnitZ())),
+                Eigen::Vector3d(kSpeed * slid, 0.0, 0.0));
+  }
+};
+
+TEST(FrictionSamples, DissipateByTheSupportsFrictionRadius) {
+  TurningPush push(1.5);
+  // Of a support in one point all power goes into its translation, ...
+  const std::vector<FrictionSample> point = push.samples(1e-6);
+  ASSERT_GE(point.size(), 8U);
+  const double share = 1.0 - TurningPush::kRate * TurningPush::kLever / TurningPush::kSpeed;
+  for (const FrictionSample& sample : point) {
+    EXPECT_NEAR(sample.force, share * kSlidingForce, 0.02 * kSlidingForce) << sample.t;
+  }
+  // ... of a wide one a part into its rotation.
+  const std::vector<FrictionSample> wide = push.samples(0.06);
+  ASSERT_EQ(wide.size(), point.size());
+  for (std::size_t i = 0; i < wide.size(); ++i) EXPECT_LT(wide[i].force, 0.98 * point[i].force);
+}
+
+TEST(FrictionSamples, OffTheCentreAreNoneWhereTheObjectIsNotTracked) {
+  constexpr double kUntil = 0.9;  // [s]
+  TurningPush push(kUntil);
+  const std::vector<FrictionSample> off_centre = push.samples({});
+  ASSERT_GE(off_centre.size(), 3U);
+  EXPECT_LT(off_centre.back().t, kUntil);
+  // Through the centre the tip's motion is the object's.
+  push.contact.lever = 0.0;
+  EXPECT_GT(push.samples({}).back().t, kUntil + 0.3);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -134,6 +135,28 @@ TEST(RunTeleop, LearnsFromPressesHowHighABodyIs) {
     }
     ASSERT_GT(measured, 0.0) << i;
     EXPECT_NEAR(rendered / measured, 1.0, 0.1) << i;
+  }
+}
+
+TEST(RunTeleop, SendsTheLawOfAWholePressAfterThatOfItsBegin) {
+  constexpr double kSecondPress = 4.0;  // [s]
+  for (const std::uint64_t seed : {3U, 5U}) {
+    const PlantInput made = plant_input(seed, false, {}, ToolTask::press);
+    const TeleopRun run = run_teleop(made.input, {}).value();
+    double first_sent = 0.0;
+    const ParameterRow* last = nullptr;
+    for (const ParameterRow& row : run.parameter_rows) {
+      if (row.t > kSecondPress || row.object != 0) continue;
+      if (std::string_view(row.name) != "contact.stiffness") continue;
+      if (last && first_sent == 0.0 && row.transmitted != last->transmitted) {
+        first_sent = row.transmitted;
+      }
+      last = &row;
+    }
+    ASSERT_NE(last, nullptr);
+    ASSERT_GT(first_sent, 0.0);
+    EXPECT_GT(std::abs(last->running / first_sent - 1.0), 0.1) << seed;
+    EXPECT_NEAR(last->transmitted, last->running, 0.01 * last->running) << seed;
   }
 }
 

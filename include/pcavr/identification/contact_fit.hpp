@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "pcavr/identification/parameter.hpp"
 
 namespace pcavr {
@@ -57,6 +59,8 @@ struct ContactFit {
   /// Relative std of the penetration by this law, from a quarter of the presses' largest force on:
   /// much smaller than that of k, whose errors those of n compensate.
   double penetration_std = 0.0;
+  /// Of stiffness, damping and exponent, in their units; zero where the law is linear.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   std::vector<double> surface;  ///< [m] tool coordinate at which x = 0, one for each press that
                                 ///< touched
   double residual = 0.0;        ///< [N] rms of measured minus estimated, smoothed force

@@ -73,6 +73,7 @@ struct SegmentationOptions {
   double margin;            ///< [s] of free time kept around a contact
   double free_time;         ///< [s] next to a contact that the fit of its begin and end uses
   double bias_half_width;   ///< [s] of the moving mean of the free force, which is its drift
+  double max_drift;         ///< [N/s] of the sensor's bias, where its contacts are not yet known
   double max_impact;        ///< [s] longer contacts are no impacts
   double impact_flight;     ///< [s] before and after an impact, in which the tool flies freely
   double slide_half_width;  ///< [s] of the smoothing of the object's speed

@@ -69,6 +69,13 @@ struct ObjectParameters {
   ParameterSources sources = {};
 };
 
+/// Removes the rows and columns of `keys` from the correlation.
+void remove_correlation(const std::vector<std::string>& keys, ParameterSources& sources);
+/// States that of `keys` in place of what is known of them; 0 with the others, which come from
+/// another posterior. `covariance` in their order; where one has no variance, nothing is stated.
+void set_correlation(const std::vector<std::string>& keys, const Eigen::MatrixXd& covariance,
+                     ParameterSources& sources);
+
 /// The contact law, if known. A stiffness without its exponent is in N/m.
 [[nodiscard]] std::optional<HuntCrossley> contact_law_of(const ObjectParameters& known);
 

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "identification/first_bias.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+namespace {
+
+// [s] of the means that the bias is followed by: shorter than the time between contacts.
+constexpr double kWindow = 0.05;
+
+/// Means over successive windows of equally many samples; the last one has the remainder, too.
+struct Means {
+  std::size_t width = 0;  ///< samples
+  std::vector<Eigen::Vector3d> force;
+
+  Means(std::span<const double> stamps, std::span<const Eigen::Vector3d> samples)
+      : width(static_cast<std::size_t>(std::ceil(kWindow / mean_interval(stamps)))) {
+    for (std::size_t i = 0; i + width <= stamps.size(); i += width) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (std::size_t k = i; k < i + width; ++k) sum += samples[k];
+      force.push_back(sum / static_cast<double>(width));
+    }
+  }
+
+  /// Contact only adds to a force whose gravity and gross bias are removed.
+  [[nodiscard]] std::size_t smallest() const {
+    const auto least = [](const auto& a, const auto& b) {
+      return a.squaredNorm() < b.squaredNorm();
+    };
+    return static_cast<std::size_t>(std::min_element(force.begin(), force.end(), least) -
+                                    force.begin());
+  }
+
+  /// Of all within `nearness` of one of them: that alone would be small by its noise.
+  [[nodiscard]] Eigen::Vector3d level_near(std::size_t one, double nearness) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double count = 0.0;
+    for (const Eigen::Vector3d& mean : force) {
+      if ((mean - force[one]).norm() > nearness) continue;
+      sum += mean;
+      count += 1.0;
+    }
+    return sum / count;
+  }
+};
+
+/// `bias` after one more mean, by at most `reach` nearer to it. Not faster after a contact that hid
+/// the drift: what is near then may be a slow end of the contact.
+Eigen::Vector3d followed(const Eigen::Vector3d& bias, const Eigen::Vector3d& mean, double nearness,
+                         double reach) {
+  const Eigen::Vector3d off = mean - bias;
+  const double distance = off.norm();
+  if (distance > nearness) return bias;
+  return distance > reach ? bias + reach / distance * off : mean;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> first_bias(std::span<const double> t,
+                                        std::span<const Eigen::Vector3d> force, double nearness,
+                                        double max_drift) {
+  const Means means(t, force);
+  if (means.force.empty()) return {t.size(), Eigen::Vector3d::Zero()};
+  const std::size_t start = means.smallest();
+  const double reach = max_drift * kWindow;
+  std::vector<Eigen::Vector3d> levels(means.force.size());
+  levels[start] = means.level_near(start, nearness);
+  for (std::size_t i = start + 1; i < levels.size(); ++i) {
+    levels[i] = followed(levels[i - 1], means.force[i], nearness, reach);
+  }
+  for (std::size_t i = start; i-- > 0;) {
+    levels[i] = followed(levels[i + 1], means.force[i], nearness, reach);
+  }
+  std::vector<Eigen::Vector3d> bias(t.size());
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    bias[i] = levels[std::min(i / means.width, levels.size() - 1)];
+  }
+  return bias;
+}
+
+}  // namespace pcavr
