@@ -28,7 +28,7 @@ METRICS = {"mean": "predicted.touched.translation.mean_m",
            "max": "predicted.all.translation.max_m"}
 
 
-ROUND_TRIP = 0.2  # [s] of replay's defaults
+ROUND_TRIP = 0.4  # [s] of the defaults of replay
 
 
 def percent(share):

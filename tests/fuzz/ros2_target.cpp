@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -24,8 +25,8 @@ constexpr char kArm[] = R"(<robot name="arm"><link name="base_link"/><link name=
 
 Ros2Setup setup_of(bool has_joints) {
   Ros2Setup setup;
-  setup.tool = {"/tool", has_joints ? "sensor_msgs/msg/JointState" : "geometry_msgs/msg/PoseStamped",
-                {}};
+  setup.tool = {
+      "/tool", has_joints ? "sensor_msgs/msg/JointState" : "geometry_msgs/msg/PoseStamped", {}};
   if (has_joints) setup.tool_urdf = "arm.urdf";
   setup.tool_frame = "tip";
   setup.wrench = Ros2Topic{"/wrench", "geometry_msgs/msg/WrenchStamped", {}};
