@@ -10,7 +10,8 @@ Replays every recording below DATA that has a truth/ and poses of its objects (t
 without corrections, from the same parameters (the scene's and defaults, or --parameters), and prints
 the position errors of the predicted objects side by side: mean and 95 % over the times in contact
 or moving, maximum over the whole run [mm]. Worse is what exceeds the error without corrections by
-more than --tolerance (the truth's noise: 0.05 mm and 2 %). Needs only python3.
+more than --tolerance (the truth's noise: 0.05 mm and 2 %). The last columns are the errors of what is
+seen and felt as shares of those of a plainly delayed display. Needs only python3.
 
 --keep-without uses the runs without corrections that an earlier call left in the work folder: they
 depend on the prediction alone.
@@ -20,10 +21,18 @@ import re
 import sys
 
 from command import recordings_parser, run
+from displayed_errors import share_of_delayed
 
 METRICS = {"mean": "predicted.touched.translation.mean_m",
            "p95": "predicted.touched.translation.p95_m",
            "max": "predicted.all.translation.max_m"}
+
+
+ROUND_TRIP = 0.4  # [s] of the defaults of replay
+
+
+def percent(share):
+    return "" if share is None else f"{100 * share:.0f}"
 
 
 class Comparison:
@@ -49,6 +58,7 @@ class Comparison:
                      folder / f"{label}-report", "--force")
         errors = {name: 1e3 * report[key] for name, key in METRICS.items() if key in report}
         errors["count"] = report.get("corrections.count", 0)
+        errors["of_delayed"] = share_of_delayed(replay, recording / "truth", ROUND_TRIP)
         stored.write_text(json.dumps(errors))
         return errors
 
@@ -65,7 +75,9 @@ class Comparison:
         cells = "".join(f"{without.get(metric, 0.0):>9.3f}{corrected.get(metric, 0.0):>8.3f}"
                         for metric in METRICS)
         short = name.replace("real/", "").replace("recordings/", "")
-        print(f"{short:<38}{cells}{corrected['count']:>6.0f}  {' '.join(worse)}", flush=True)
+        print(f"{short:<38}{cells}{corrected['count']:>6.0f}"
+              f"{''.join(f'{percent(share):>5}' for share in corrected['of_delayed'])}"
+              f"  {' '.join(worse)}", flush=True)
         return worse
 
 
@@ -85,7 +97,7 @@ def main():
     arguments = parser.parse_args()
     comparison = Comparison(arguments)
     print(f"{'without, with [mm]':<38}" + "".join(f"{metric:>17}" for metric in METRICS) +
-          f"{'sent':>6}  worse")
+          f"{'sent':>6} seen felt  worse")
     recordings = recordings_below(arguments.data, arguments.only)
     worse = [recording for recording in recordings if comparison.compare(recording)]
     print(f"{len(worse)} of {len(recordings)} are worse with corrections")

@@ -11,18 +11,51 @@ way, then the same with 20 % loss in bursts of 3, 50 ms jitter, 5 % reordered, 5
 site's black box becomes a run, and `evaluate` compares it with the truth. Prints both sides by side:
 the error of each time node as the operator's and the robot's site found it (aim: 40 ms), the error
 of position while sliding (aim: median 0.8 mm, 95 % 2 mm), and the corrections' bytes as a share of
-streaming (aim: 1 %). Aim of the bad link: no figure worse by more than a third. Needs only python3.
+streaming (aim: 1 %), the error of the rendered force outside the first 0.3 s of a contact (aim:
+10 %), and the display's errors as a share of those of a plainly delayed one (aim: 25 %). Aim of the
+bad link: no figure worse by more than a third.
+
+--wrong-start gives both sites twice the mass, half the friction, and objects 10 mm off; then the
+corrections of each object until its error is below 3 mm for good are printed, too (aim: 2), and the
+parameters are needed. Needs only python3.
 """
 import argparse
 import json
 import pathlib
+import re
+import shutil
 import subprocess
 
 from command import run
+from displayed_errors import settled_force_errors, share_of_delayed
 
 GOOD = ["--forward-delay", 0.2, "--backward-delay", 0.2]
 BAD = [*GOOD, "--loss", 0.2, "--burst", 3, "--jitter", 0.05, "--reorder", 0.05, "--duplicate", 0.05]
 SLIDING = "predicted.phase.sliding.translation."
+ROUND_TRIP = 0.4  # [s]
+WRONG = {"mass": 2.0, "sliding_friction_coefficient": 0.5, "limiting_static_friction": 0.5}
+OFFSET = 0.01  # [m]
+
+
+def scaled(text, key, factor):
+    return re.sub(rf"(?m)^( *{key}: )(\S+)$", lambda m: f"{m[1]}{factor * float(m[2])!r}", text)
+
+
+def start_wrong(arguments):
+    """Replaces the scene and the parameters by copies that are wrong."""
+    scene = arguments.work / "wrong_scene"
+    shutil.copytree(arguments.scene, scene, dirs_exist_ok=True)
+    manifest = scene / "scene.yaml"
+    text = manifest.read_text()
+    for key in ("pose", "start"):
+        text = re.sub(rf"(?m)^(    {key}: {{t: \[)([^,]+)",
+                      lambda m: f"{m[1]}{float(m[2]) + OFFSET!r}", text)
+    manifest.write_text(scaled(text, "mass", WRONG["mass"]))
+    parameters = pathlib.Path(arguments.parameters).read_text()
+    for key, factor in WRONG.items():
+        parameters = scaled(parameters, key, factor)
+    arguments.scene, arguments.parameters = scene, arguments.work / "wrong.yaml"
+    arguments.parameters.write_text(parameters)
 
 
 def live_report(arguments, label, link):
@@ -48,8 +81,11 @@ def live_report(arguments, label, link):
     finally:
         robot.kill()
     run(arguments.pcavr, "replay", log, "--scene", arguments.scene, "-o", folder / "run", "--force")
-    report = run(arguments.pcavr, "evaluate", folder / "run", "--truth",
-                 arguments.recording / "truth", "-o", folder / "report", "--force")
+    truth = arguments.recording / "truth"
+    report = run(arguments.pcavr, "evaluate", folder / "run", "--truth", truth, "-o",
+                 folder / "report", "--force")
+    report["share_of_delayed"] = share_of_delayed(folder / "run", truth, ROUND_TRIP)
+    report["settled_force"] = settled_force_errors(folder / "run")
     return report, robot_report, person
 
 
@@ -70,6 +106,17 @@ def table(reports):
         yield [f"sliding error, {name} [mm]",
                *(cell for report, _, _ in reports
                  for cell in (f"{1e3 * report[f'{SLIDING}{name}_m']:.3f}", ""))]
+    for name, share in (("median", 0.5), ("p95", 0.95)):
+        yield [f"force after 0.3 s, {name} [%]",
+               *(cell for errors in (report["settled_force"] for report, _, _ in reports)
+                 for cell in (f"{100 * errors[int(share * (len(errors) - 1))]:.1f}", ""))]
+    for i, name in enumerate(("position", "force")):
+        yield [f"{name} of delayed [%]",
+               *(cell for report, _, _ in reports
+                 for cell in (f"{100 * report['share_of_delayed'][i]:.0f}", ""))]
+    for key in sorted(key for key in reports[0][0] if key.endswith(".until_good.count")):
+        yield [f"{key.split('.')[2]} until good", *(cell for report, _, _ in reports
+                                                    for cell in (report.get(key, "never"), ""))]
     yield ["corrections", *(cell for _, robot, person in reports
                             for cell in (person["corrections"], len(robot["corrections"])))]
     yield ["bytes of streaming [%]",
@@ -90,7 +137,11 @@ def main():
     parser.add_argument("--parameters")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/two_sites"))
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--wrong-start", action="store_true")
     arguments = parser.parse_args()
+    arguments.work.mkdir(parents=True, exist_ok=True)
+    if arguments.wrong_start:
+        start_wrong(arguments)
     reports = [live_report(arguments, "good", GOOD), live_report(arguments, "bad", BAD)]
     for first, *cells in table(reports):
         print(f"{first:28}", *(f"{cell!s:>20}" for cell in cells))

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/evaluation/evaluate.hpp"
 
+#include <filesystem>
+
 #include <fmt/core.h>
 
 #include "pcavr/report/report_page.hpp"
@@ -32,6 +34,12 @@ std::string headline(const nlohmann::ordered_json& report) {
 
 Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
                                        Configuration& configuration, const Observer& observer) {
+  if (std::filesystem::path(arguments.subject).extension() == ".mcap") {
+    return Error{
+        .message = "is a log, not a run",
+        .file = arguments.subject,
+        .hint = "make a run of it: pcavr replay " + arguments.subject + " --scene SCENE -o RUN"};
+  }
   Expected<OutputFolder> folder =
       create_output(arguments.output, OutputKind::report,
                     {arguments.subject, arguments.truth, arguments.reference});

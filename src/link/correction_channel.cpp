@@ -17,6 +17,12 @@ constexpr double kInitialTimeout = 0.5;
 constexpr double kMinTimeout = 0.02;
 constexpr double kMaxTimeout = 2.0;
 constexpr int kMaxBackoffDoublings = 3;
+// Transmissions before the timeout doubles: on a link of losses in bursts, rather than of
+// congestion, a doubled timeout only delays all later corrections, which wait for this one.
+constexpr int kPromptTransmissions = 4;
+// A missing correction is sent again with the next new one, this much [s] after it was sent last:
+// longer than a burst of losses, shorter than a round trip.
+constexpr double kRepeatInterval = 0.1;
 // A message counts as lost if one sent this much later has arrived [s]: a link's reordering.
 constexpr double kReorderMargin = 0.03;
 
@@ -41,13 +47,16 @@ double CorrectionSender::timeout() const {
 
 std::vector<LinkCorrection> CorrectionSender::take_due(double now) {
   std::vector<LinkCorrection> due;
+  const bool has_new = !pending_.empty() && pending_.back().transmissions == 0;
   for (Pending& pending : pending_) {
     if (pending.transmissions > 0) {
-      const int doublings = std::min(pending.transmissions - 1, kMaxBackoffDoublings);
+      const int doublings =
+          std::clamp(pending.transmissions - kPromptTransmissions, 0, kMaxBackoffDoublings);
       const double timeout_now = std::min(std::ldexp(timeout(), doublings), kMaxTimeout);
       const bool is_late = now - pending.sent > timeout_now;
       const bool is_overtaken = newest_acknowledged_sent_ > pending.sent + kReorderMargin;
-      if (!is_late && !is_overtaken) continue;
+      const bool is_with_new = has_new && now - pending.sent > kRepeatInterval;
+      if (!is_late && !is_overtaken && !is_with_new) continue;
       ++repetitions_;
     }
     pending.sent = now;

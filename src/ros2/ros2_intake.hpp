@@ -92,6 +92,10 @@ class Ros2Intake {
 
   /// Gives the tool's pose where its topic has joint states.
   void set_joints(Ros2ToolJoints joints) { joints_ = std::move(joints); }
+  /// Of the newest message; nothing where the tool has poses.
+  [[nodiscard]] const Eigen::VectorXd* joint_positions() const {
+    return joints_ ? &joints_->q() : nullptr;
+  }
 
   /// A message of subscriptions_of()[topic] that arrived at `now` [s].
   void on_message(std::size_t topic, std::span<const std::uint8_t> message, double now);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/robot/urdf.hpp"
@@ -72,8 +73,34 @@ Expected<Pose> Ros2ToolJoints::T_base_tool(const RosJointState& state) {
   return T_base_root_ * kinematics_.T_base_link(tip_);
 }
 
-Expected<Ros2ToolJoints> read_tool_joints(const Ros2Setup& setup) {
-  const Expected<RobotModel> model = read_urdf(setup.tool_urdf);
+Ros2JointCommand::Ros2JointCommand(const RobotModel& model, std::size_t base, std::size_t tip)
+    : inverse_kinematics_(model, tip),
+      T_root_base_(model.links[base].T_joint_link),
+      q_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.dof))) {
+  const std::vector<std::size_t> leaders = model.coordinate_joints();
+  for (const std::size_t coordinate : coordinates_to(model, tip)) {
+    names_.push_back(model.joints[leaders[coordinate]].name);
+    coordinates_.push_back(static_cast<Eigen::Index>(coordinate));
+  }
+  positions_.resize(names_.size());
+}
+
+double Ros2JointCommand::follow(const Pose& T_base_tool, double dt) {
+  const IkResult result = inverse_kinematics_.follow(T_root_base_ * T_base_tool, dt, q_);
+  for (std::size_t i = 0; i < coordinates_.size(); ++i) positions_[i] = q_[coordinates_[i]];
+  return result.position_error;
+}
+
+namespace {
+
+/// The links of the tip and of the base, in the description that the setup names.
+struct ToolLinks {
+  RobotModel model;
+  std::size_t base = 0, tip = 0;
+};
+
+Expected<ToolLinks> read_tool_links(const Ros2Setup& setup) {
+  Expected<RobotModel> model = read_urdf(setup.tool_urdf);
   if (!model) return model.error();
   const auto tip = model->link_index(setup.tool_link);
   const auto base = model->link_index(setup.base_frame);
@@ -89,7 +116,21 @@ Expected<Ros2ToolJoints> read_tool_joints(const Ros2Setup& setup) {
                      "give base_frame a link that does not move, and add it to the description "
                      "where it is none of it"};
   }
-  return Ros2ToolJoints(*model, *base, *tip);
+  return ToolLinks{std::move(*model), *base, *tip};
+}
+
+}  // namespace
+
+Expected<Ros2ToolJoints> read_tool_joints(const Ros2Setup& setup) {
+  const Expected<ToolLinks> links = read_tool_links(setup);
+  if (!links) return links.error();
+  return Ros2ToolJoints(links->model, links->base, links->tip);
+}
+
+Expected<Ros2JointCommand> read_joint_command(const Ros2Setup& setup) {
+  const Expected<ToolLinks> links = read_tool_links(setup);
+  if (!links) return links.error();
+  return Ros2JointCommand(links->model, links->base, links->tip);
 }
 
 }  // namespace pcavr

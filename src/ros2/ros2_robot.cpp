@@ -17,6 +17,7 @@
 
 #include "ros2_camera.hpp"
 #include "ros2_intake.hpp"
+#include "ros2_joints.hpp"
 
 namespace pcavr {
 namespace {
@@ -35,6 +36,7 @@ double boot_clock() { return read_clock(CLOCK_BOOTTIME); }
 struct Setpoint {
   double t = 0.0;  ///< CLOCK_BOOTTIME [s]
   std::array<double, 3> p_base_tip{};
+  std::array<double, 4> q_base_tool{};  ///< x y z w
 };
 
 template <typename Record>
@@ -78,6 +80,11 @@ class Ros2Robot final : public RobotInterface {
       if (!joints) return joints.error();
       intake_.set_joints(std::move(*joints));
     }
+    if (setup_.is_command_of_joints) {
+      Expected<Ros2JointCommand> command = read_joint_command(setup_);
+      if (!command) return command.error();
+      joint_command_ = std::move(*command);
+    }
     if (setup_.camera) {
       Expected<std::unique_ptr<Ros2CameraTracker>> camera =
           make_ros2_camera(*setup_.camera, world, intake_, pictures_);
@@ -106,9 +113,11 @@ class Ros2Robot final : public RobotInterface {
     return T_base_start_.translation();
   }
 
-  void set_command(const Eigen::Vector3d& p_base_tip, const Eigen::Quaterniond&) override {
+  void set_command(const Eigen::Vector3d& p_base_tip,
+                   const Eigen::Quaterniond& q_base_tool) override {
     if (!setup_.command) return;
-    const Setpoint setpoint{boot_clock(), {p_base_tip.x(), p_base_tip.y(), p_base_tip.z()}};
+    Setpoint setpoint{boot_clock(), {p_base_tip.x(), p_base_tip.y(), p_base_tip.z()}};
+    Eigen::Map<Eigen::Vector4d>(setpoint.q_base_tool.data()) = q_base_tool.coeffs();
     setpoints_.push(record_bytes(setpoint), {});
   }
 
@@ -130,6 +139,12 @@ class Ros2Robot final : public RobotInterface {
   }
 
  private:
+  struct Measured {
+    Pose T_base_tool;
+    double arrival = 0.0;  ///< [s]
+    Eigen::VectorXd q;     ///< [rad or m] where joints are measured
+  };
+
   [[nodiscard]] std::optional<Error> wait_for_tool() {
     const double end = boot_clock() + setup_.start_timeout;
     std::string seen;
@@ -144,7 +159,7 @@ class Ros2Robot final : public RobotInterface {
           .hint = "check topic, domain, network and the publisher's quality of service"};
     }
     T_base_start_ = intake_.tool()->T_base_tool;
-    measured_ = {T_base_start_.translation(), intake_.tool()->arrival};
+    note_measured();
     return std::nullopt;
   }
 
@@ -170,9 +185,15 @@ class Ros2Robot final : public RobotInterface {
         notes_.add(setup_.tool.name + ": no message any more; nothing is commanded meanwhile",
                    boot_clock());
       }
-      const std::lock_guard lock(mutex_);
-      measured_ = {intake_.tool()->T_base_tool.translation(), intake_.tool()->arrival};
+      note_measured();
     }
+  }
+
+  void note_measured() {
+    const std::lock_guard lock(mutex_);
+    measured_.T_base_tool = intake_.tool()->T_base_tool;
+    measured_.arrival = intake_.tool()->arrival;
+    if (intake_.joint_positions()) measured_.q = *intake_.joint_positions();
   }
 
   void publish() {
@@ -185,32 +206,67 @@ class Ros2Robot final : public RobotInterface {
       std::this_thread::sleep_until(next);
       std::optional<Setpoint> newest;
       for (Setpoint setpoint; pop_record(setpoints_, buffer, setpoint);) newest = setpoint;
-      if (newest && is_allowed(*newest)) publish(*newest);
+      Measured measured;
+      {
+        const std::lock_guard lock(mutex_);
+        measured = measured_;
+      }
+      if (newest && is_allowed(*newest, measured)) {
+        publish(*newest, measured);
+      } else if (boot_clock() - last_published_ > kMaxSetpointAge) {
+        q_base_command_.reset();  // the next one begins at the measured tool
+      }
     }
   }
 
-  [[nodiscard]] bool is_allowed(const Setpoint& setpoint) {
+  [[nodiscard]] bool is_allowed(const Setpoint& setpoint, const Measured& measured) {
     const double now = boot_clock();
     if (now - setpoint.t > kMaxSetpointAge) return false;
-    Measured measured;
-    {
-      const std::lock_guard lock(mutex_);
-      measured = measured_;
-    }
     if (now - measured.arrival > setup_.silence_timeout) return false;
     const Eigen::Vector3d p(setpoint.p_base_tip[0], setpoint.p_base_tip[1], setpoint.p_base_tip[2]);
-    if ((p - measured.p_base_tip).norm() <= setup_.max_command_distance) return true;
+    const double distance = (p - measured.T_base_tool.translation()).norm();
+    if (distance <= setup_.max_command_distance) return true;
     notes_.add(fmt::format("{}: the setpoint is more than {:g} m from the measured tip: withheld",
                            setup_.command->name, setup_.max_command_distance),
                now);
     return false;
   }
 
-  void publish(const Setpoint& setpoint) {
+  void publish(const Setpoint& setpoint, const Measured& measured) {
+    const double dt = 1.0 / setup_.command_rate;
+    if (!q_base_command_) {
+      q_base_command_ =
+          setup_.follows_orientation ? measured.T_base_tool.rotation() : T_base_start_.rotation();
+      if (joint_command_) joint_command_->restart(measured.q);
+    }
+    if (setup_.follows_orientation) {
+      const Eigen::Quaterniond target(setpoint.q_base_tool.data());
+      const double angle = q_base_command_->angularDistance(target);
+      const double max_angle = setup_.max_command_rotation * dt;
+      q_base_command_ =
+          angle > max_angle ? q_base_command_->slerp(max_angle / angle, target) : target;
+    }
     const auto& [x, y, z] = setpoint.p_base_tip;
-    const Pose T_base_tool(T_base_start_.rotation(), {x, y, z});
+    const Pose T_base_tool(*q_base_command_, {x, y, z});
+    last_published_ = boot_clock();
+    if (joint_command_) return publish_joints(T_base_tool, dt);
     const Stamp stamp = Stamp::from_seconds(read_clock(CLOCK_REALTIME));
-    if (transport_->publish(0, cdr::pose_stamped(stamp, T_base_tool, setup_.base_frame))) return;
+    publish(cdr::pose_stamped(stamp, T_base_tool, setup_.base_frame));
+  }
+
+  void publish_joints(const Pose& T_base_tool, double dt) {
+    if (joint_command_->follow(T_base_tool, dt) > setup_.max_command_distance) {
+      notes_.add(setup_.command->name + ": the joints do not reach the setpoint: withheld",
+                 boot_clock());
+      return;
+    }
+    // A stamp of 0: from its arrival on, whatever the robot's clock says.
+    publish(cdr::joint_trajectory({}, joint_command_->names(), joint_command_->positions(),
+                                  setup_.command_time));
+  }
+
+  void publish(const std::vector<std::uint8_t>& message) {
+    if (transport_->publish(0, message)) return;
     notes_.add(setup_.command->name + ": could not be published", boot_clock());
   }
 
@@ -245,11 +301,6 @@ class Ros2Robot final : public RobotInterface {
     return true;
   }
 
-  struct Measured {
-    Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();
-    double arrival = 0.0;  ///< [s]
-  };
-
   const Ros2Setup setup_;
   RecordQueue samples_;    ///< from the reading thread to the site's
   RecordQueue pictures_;   ///< from the camera's thread to the site's
@@ -263,6 +314,11 @@ class Ros2Robot final : public RobotInterface {
   Pose T_base_start_;
   std::mutex mutex_;
   Measured measured_;
+
+  // Of the publishing thread.
+  std::optional<Ros2JointCommand> joint_command_;
+  std::optional<Eigen::Quaterniond> q_base_command_;  ///< the last published; none lately
+  double last_published_ = 0.0;                       ///< [s]
 
   // Of the site's thread.
   std::optional<double> scene_offset_;  ///< [s] scene's time less CLOCK_BOOTTIME

@@ -22,8 +22,12 @@ constexpr InputRange kRate{"rate", 1.0, 1000.0, "Hz", "at most the site's own"};
 constexpr InputRange kDistance{"distance", 1e-4, 1.0, "m", "from a sensor's noise to an arm"};
 constexpr InputRange kStd{"standard deviation", 1e-6, 0.1, "m", "of a tracker"};
 
+constexpr InputRange kTime{"time from start", 0.0, 1.0, "s", "some cycles of a controller"};
+constexpr InputRange kRotationSpeed{"rotation speed", 1e-3, 10.0, "rad/s", "of an arm's hand"};
+
 constexpr char kPoseType[] = "geometry_msgs/msg/PoseStamped";
 constexpr char kJointType[] = "sensor_msgs/msg/JointState";
+constexpr char kTrajectoryType[] = "trajectory_msgs/msg/JointTrajectory";
 constexpr char kWrenchType[] = "geometry_msgs/msg/WrenchStamped";
 constexpr char kTransformType[] = "tf2_msgs/msg/TFMessage";
 constexpr char kImageType[] = "sensor_msgs/msg/Image";
@@ -163,9 +167,34 @@ void read_camera(const YamlValue& value, const std::filesystem::path& folder, Ro
   setup.camera = std::move(camera);
 }
 
+/// Of a key that has one of two words.
+bool is_second_word(const YamlValue& value, const std::string& first, const std::string& second) {
+  const std::string text = value.text();
+  if (text != first && text != second) {
+    value.fail("is '" + text + "'", "write " + first + " or " + second);
+  }
+  return text == second;
+}
+
 void read_command(const YamlValue& value, Ros2Setup& setup) {
-  value.expect_keys({"topic", "reliability", "durability", "depth", "rate", "max_distance"});
-  setup.command = read_topic(value, kPoseType, {.is_reliable = true, .depth = 1});
+  value.expect_keys({"topic", "reliability", "durability", "depth", "rate", "max_distance", "type",
+                     "time_from_start", "orientation", "max_rotation_speed"});
+  if (const auto given = value.find("type")) {
+    setup.is_command_of_joints = is_second_word(*given, "pose", "joint_trajectory");
+    if (setup.is_command_of_joints && setup.tool_urdf.empty()) {
+      given->fail("needs the joints of the tool", "give tool.urdf and tool.link");
+    }
+  }
+  setup.command = read_topic(value, setup.is_command_of_joints ? kTrajectoryType : kPoseType,
+                             {.is_reliable = true, .depth = 1});
+  if (const auto given = value.find("time_from_start"))
+    setup.command_time = given->number_in(kTime);
+  if (const auto given = value.find("orientation")) {
+    setup.follows_orientation = is_second_word(*given, "start", "commanded");
+  }
+  if (const auto given = value.find("max_rotation_speed")) {
+    setup.max_command_rotation = given->number_in(kRotationSpeed);
+  }
   if (const auto given = value.find("rate")) setup.command_rate = given->number_in(kRate);
   if (const auto given = value.find("max_distance")) {
     setup.max_command_distance = given->number_in(kDistance);

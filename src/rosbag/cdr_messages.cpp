@@ -54,11 +54,14 @@ class Writer {
     bytes_.insert(bytes_.end(), text.begin(), text.end());
     bytes_.push_back(0);
   }
-  void header(Stamp stamp, std::string_view frame) {
+  void time(Stamp stamp) {
     std::int64_t seconds = stamp.nanoseconds / kNanoseconds;
     if (seconds * kNanoseconds > stamp.nanoseconds) --seconds;
     u32(static_cast<std::uint32_t>(seconds));
     u32(static_cast<std::uint32_t>(stamp.nanoseconds - seconds * kNanoseconds));
+  }
+  void header(Stamp stamp, std::string_view frame) {
+    time(stamp);
     text(frame);
   }
   void vector(const Eigen::Vector3d& v) {
@@ -125,6 +128,21 @@ std::vector<std::uint8_t> tf_message(Stamp stamp, const std::vector<Transform>& 
     writer.text(transform.child_frame);
     writer.pose(transform.T_base_child);
   }
+  return writer.take();
+}
+
+std::vector<std::uint8_t> joint_trajectory(Stamp stamp, const std::vector<std::string>& joints,
+                                           const std::vector<double>& positions,
+                                           double time_from_start) {
+  Writer writer;
+  writer.header(stamp, "");
+  writer.u32(static_cast<std::uint32_t>(joints.size()));
+  for (const std::string& joint : joints) writer.text(joint);
+  writer.u32(1);  // points
+  writer.u32(static_cast<std::uint32_t>(positions.size()));
+  for (const double position : positions) writer.f64(position);
+  for (int i = 0; i < 3; ++i) writer.u32(0);  // velocities, accelerations, effort
+  writer.time(Stamp::from_seconds(time_from_start));
   return writer.take();
 }
 

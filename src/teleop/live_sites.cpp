@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <utility>
 
 #include "pcavr/core/check.hpp"
@@ -97,7 +96,8 @@ struct LiveRobotSite::Impl {
   double correction_delay;                ///< [s]
   std::vector<std::size_t> taken_phases;  ///< by object
   double processed = 0.0;                 ///< [s] the newest cycle's time
-  std::deque<Cycle> waiting;              ///< not processed yet
+  std::vector<Cycle> cycles;              ///< used again, so that no command allocates
+  std::size_t waiting = 0;                ///< the first of them, not processed yet
   std::optional<PredictionLog> log;       ///< since the start, or the last interruption
   double log_start = 0.0;
   std::size_t logged = 0;  ///< cycles
@@ -185,20 +185,23 @@ void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> pr
   if (predictions.size() != objects || objects == 0 || !std::isfinite(t)) return;
   const double step = impl_->step;
   const double logged = impl_->log_start + step * static_cast<double>(impl_->logged);
-  const bool is_superseded = (impl_->log && t < logged + 0.5 * step) ||
-                             (!impl_->waiting.empty() && t <= impl_->waiting.back().t);
+  const std::size_t waiting = impl_->waiting;
+  const bool is_superseded =
+      (impl_->log && t < logged + 0.5 * step) || (waiting > 0 && t <= impl_->cycles[waiting - 1].t);
   if (is_superseded) return;
-  impl_->waiting.push_back(
-      {impl_->on_grid(t), correction_delay, {predictions.begin(), predictions.end()}});
+  if (waiting == impl_->cycles.size()) impl_->cycles.emplace_back();
+  Impl::Cycle& cycle = impl_->cycles[impl_->waiting++];
+  cycle.t = impl_->on_grid(t);
+  cycle.correction_delay = correction_delay;
+  cycle.predictions.assign(predictions.begin(), predictions.end());
 }
 
 std::vector<LiveCorrection> LiveRobotSite::advance(double now) {
   // [s] Older samples are not kept for predictions that may still come.
   constexpr double kMaxWait = 0.5;
   std::vector<LiveCorrection> corrections;
-  for (; !impl_->waiting.empty(); impl_->waiting.pop_front()) {
-    impl_->process(impl_->waiting.front(), corrections);
-  }
+  for (std::size_t i = 0; i < impl_->waiting; ++i) impl_->process(impl_->cycles[i], corrections);
+  impl_->waiting = 0;
   impl_->samples.pass_on(now - kMaxWait, impl_->site);
   return corrections;
 }
@@ -210,7 +213,7 @@ void LiveRobotSite::idle(double now) {
 
 void LiveRobotSite::restart(double now) {
   impl_->log.reset();
-  impl_->waiting.clear();
+  impl_->waiting = 0;
   impl_->site.restart(now);
 }
 

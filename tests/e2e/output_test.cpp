@@ -77,6 +77,7 @@ TEST_F(Outputs, AreNeverAnInput) {
                   "-o", "@home/run", "--force"},
                  "is the input");
   expect_refused({"evaluate", "@home/run", "-o", "@home/run", "--force"}, "is the input");
+  expect_refused({"evaluate", "@home/robot.mcap", "-o", "@home/log-report"}, "make a run of it");
   expect_refused(
       {"evaluate", "@home/run", "--reference", "@home/scene", "-o", "@home/scene", "--force"},
       "is the input");

@@ -36,6 +36,9 @@ void mcap(std::string_view bytes);
 void ros1_bag(std::string_view bytes);
 /// A ROS message: the first byte chooses type and serialization.
 void ros_message(std::string_view bytes);
+/// Messages of the topics of a robot on ROS 2: the first byte chooses poses or joint states of the
+/// tool, then each message follows its topic and its length, a byte each.
+void ros2_intake(std::string_view bytes);
 /// A WebSocket message of page or server.
 void live(std::string_view bytes);
 

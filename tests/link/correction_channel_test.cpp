@@ -95,6 +95,30 @@ TEST(CorrectionChannel, SendsOnceOverALinkWithoutFaults) {
 }
 
 // Those that were not late wait for the command that they name; those after one that waits, too.
+TEST(CorrectionChannel, SendsAMissingOneAgainWithTheNext) {
+  CorrectionSender sender;
+  sender.push({0, 1.0, 0.0, {1}});
+  EXPECT_EQ(sender.take_due(0.0).size(), 1U);
+  EXPECT_TRUE(sender.take_due(0.3).empty());
+  // Later ones wait for it: two chances cost less than a timeout.
+  sender.push({0, 2.0, 0.0, {2}});
+  EXPECT_EQ(sender.take_due(0.3).size(), 2U);
+  sender.push({0, 3.0, 0.0, {3}});
+  EXPECT_EQ(sender.take_due(0.35).size(), 1U);  // within the same burst of losses: no third
+}
+
+TEST(CorrectionChannel, BacksOffOnlyAfterSeveralLosses) {
+  CorrectionSender sender;
+  sender.push({0, 1.0, 0.0, {1}});
+  std::vector<double> sent;
+  for (double now = 0.0; now < 10.0; now += 0.01) {
+    if (!sender.take_due(now).empty()) sent.push_back(now);
+  }
+  ASSERT_GE(sent.size(), 6U);
+  for (std::size_t i = 1; i < 5; ++i) EXPECT_NEAR(sent[i] - sent[i - 1], 0.5, 0.03);
+  EXPECT_NEAR(sent[5] - sent[4], 1.0, 0.03);
+}
+
 TEST(CorrectionChannel, GivesThemWhenTheyAreDue) {
   CorrectionReceiver receiver;
   EXPECT_TRUE(receiver.accept({1, 1.0, 1.4, {1}}));

@@ -16,6 +16,7 @@
 
 #include "ros2/ros2_peer.hpp"
 #include "support/forked.hpp"
+#include "support/ros_encoder.hpp"
 #include "support/shared_data.hpp"
 
 #ifndef PCAVR_FAST_DDS_PEER
@@ -68,6 +69,17 @@ TEST(FastDds, ReadsAndWritesTheSameBytes) {
                                      std::string(static_cast<std::size_t>(i), 'f')));
   }
   EXPECT_EQ(echoed_by_fast_dds("geometry_msgs/msg/PoseStamped", sent), sent);
+  // Field by field: header, names, points, and in a point positions, velocities, accelerations,
+  // efforts, time [trajectory_msgs].
+  RosEncoder fields(RosEncoder::Format::cdr);
+  fields.header({}, "").number(std::uint32_t{2}).text("shoulder").text("elbow");
+  fields.number(std::uint32_t{1}).doubles({0.25, -1.5}).doubles({}).doubles({}).doubles({});
+  const std::string text =
+      fields.number(std::int32_t{1}).number(std::uint32_t{500'000'000}).bytes();
+  const Bytes trajectory = cdr::joint_trajectory({}, {"shoulder", "elbow"}, {0.25, -1.5}, 1.5);
+  EXPECT_EQ(trajectory, Bytes(text.begin(), text.end()));
+  EXPECT_EQ(echoed_by_fast_dds("trajectory_msgs/msg/JointTrajectory", {trajectory}),
+            std::vector<Bytes>{trajectory});
   // In fragments: beyond a datagram of UDP.
   const std::vector<Bytes> large(2, Bytes(300'000, 7));
   EXPECT_EQ(echoed_by_fast_dds("sensor_msgs/msg/Image", large), large);

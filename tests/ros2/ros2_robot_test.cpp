@@ -20,6 +20,7 @@
 #include "pcavr/sites/site_clock.hpp"
 
 #include "marker/tag_rendering.hpp"
+#include "ros2/planar_arm.hpp"
 #include "ros2/ros2_intake.hpp"
 #include "support/ros_encoder.hpp"
 #include "support/temporary_folder.hpp"
@@ -335,6 +336,79 @@ TEST_F(Ros2RobotTest, MeasuresAndPublishesSetpointsNearTheTool) {
 Bytes bytes_of_text(const std::string& text) { return {text.begin(), text.end()}; }
 
 // Tags of the table and of the box in one image: the box's pose in the base frame.
+/// Positions of the only point of a JointTrajectory with two joints.
+std::array<double, 2> positions_of(const Bytes& trajectory) {
+  std::array<double, 2> positions{};
+  constexpr std::size_t kAfter = 20;  // three empty sequences and the time
+  std::memcpy(positions.data(), trajectory.data() + trajectory.size() - kAfter - sizeof(positions),
+              sizeof(positions));
+  return positions;
+}
+
+TEST_F(Ros2RobotTest, CommandsJointsToThePoseThatIsCommanded) {
+  const TemporaryFolder folder;
+  setup_ = planar_arm_setup(folder.path());
+  setup_.command = Ros2Topic{"/trajectory", "trajectory_msgs/msg/JointTrajectory", {}};
+  setup_.is_command_of_joints = true;
+  setup_.follows_orientation = true;
+  const double shoulder = 0.3, elbow = 0.5, shoulder_target = 0.35, elbow_target = 0.52;
+  const auto send = [&] {
+    RosEncoder encoder(RosEncoder::Format::cdr);
+    encoder.header(peer_stamp(local_now()), "").number(std::uint32_t{3});
+    for (const char* const name : {"grip", "elbow", "shoulder"}) encoder.text(name);
+    const std::string text =
+        encoder.doubles({0.01, elbow, shoulder}).doubles({}).doubles({}).bytes();
+    network_.send(kTool, Bytes(text.begin(), text.end()));
+  };
+  send();
+  auto robot = connect();
+  ASSERT_TRUE(robot) << robot.error().to_string();
+  const double yaw = shoulder_target + elbow_target;
+  const Eigen::Vector3d target(0.4 * std::cos(shoulder_target) + 0.3 * std::cos(yaw),
+                               0.4 * std::sin(shoulder_target) + 0.3 * std::sin(yaw), 0.0);
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+  for (int i = 0; i < 500; ++i) {
+    if (i % 10 == 0) send();
+    (*robot)->set_command(target, turned);
+    (*robot)->advance(local_now() - start_, samples_);
+    std::this_thread::sleep_for(1ms);
+  }
+  ASSERT_GT(network_.count(), 50U);
+  const std::array<double, 2> first = positions_of(network_.from_robot.front());
+  const std::array<double, 2> last = positions_of(network_.from_robot.back());
+  // From the measured joints, in the order of the chain, no faster than the tool may turn.
+  EXPECT_NEAR(first[0], shoulder, 0.01);
+  EXPECT_NEAR(first[1], elbow, 0.01);
+  EXPECT_NEAR(last[0], shoulder_target, 1e-3);
+  EXPECT_NEAR(last[1], elbow_target, 1e-3);
+  for (std::size_t i = 1; i < network_.count(); ++i) {
+    const auto before = positions_of(network_.from_robot[i - 1]);
+    const auto after = positions_of(network_.from_robot[i]);
+    for (std::size_t joint = 0; joint < 2; ++joint) {
+      // [rad] in a cycle of 2 ms at the joint's 1 rad/s.
+      EXPECT_LE(std::abs(after[joint] - before[joint]), 0.002 + 1e-9);
+    }
+  }
+}
+
+TEST_F(Ros2RobotTest, TurnsTheToolNoFasterThanItMay) {
+  setup_.follows_orientation = true;
+  network_.send(kTool, tool_at(kStart, local_now()));
+  auto robot = connect();
+  ASSERT_TRUE(robot) << robot.error().to_string();
+  run(**robot, 200ms, kStart.translation());
+  ASSERT_GT(network_.count(), 20U);
+  const BagTopic topic{"/command", "geometry_msgs/msg/PoseStamped", "cdr", {}, {}};
+  Eigen::Quaterniond before = kStart.rotation();
+  for (const Bytes& bytes : network_.from_robot) {
+    const auto message = decode_ros_message(topic, bytes);
+    ASSERT_TRUE(message);
+    const Eigen::Quaterniond now = *std::get<RosPose>(*message).orientation;
+    EXPECT_NEAR(before.angularDistance(now), 0.001, 1e-6);  // 0.5 rad/s at 500 Hz
+    before = now;
+  }
+}
+
 TEST_F(Ros2RobotTest, FindsObjectsByTheirTagsInImages) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "tags.yaml") << R"(

@@ -77,6 +77,12 @@ TEST(Ros2Setup, SaysWhatIsWrongAndWhere) {
   EXPECT_NE(error_of("tool: {topic: /t}\ndomain: 233\n").find("0 to 232"), std::string::npos);
   EXPECT_NE(error_of("tool: {topic: /t, reliability: maybe}\n").find("best_effort"),
             std::string::npos);
+  EXPECT_NE(error_of("tool: {topic: /t}\ncommand: {topic: /c, type: joint_trajectory}\n")
+                .find("needs the joints of the tool"),
+            std::string::npos);
+  EXPECT_NE(error_of("tool: {topic: /t}\ncommand: {topic: /c, orientation: free}\n")
+                .find("write start or commanded"),
+            std::string::npos);
   EXPECT_NE(error_of("tool: {topic: /t}\ncommand: {topic: /c, speed: 1}\n").find("speed"),
             std::string::npos);
 }

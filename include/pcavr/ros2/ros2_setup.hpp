@@ -44,9 +44,14 @@ struct Ros2Setup {
   std::optional<Ros2Topic> static_transforms = {};  ///< the same
   std::vector<Ros2Object> objects = {};
   std::optional<Ros2Camera> camera = {};
-  std::optional<Ros2Topic> command = {};  ///< geometry_msgs/msg/PoseStamped; nothing: only watches
-  double command_rate = 500.0;            ///< [Hz]
-  double max_command_distance = 0.05;     ///< [m] from the measured tip: a farther one is withheld
+  /// geometry_msgs/msg/PoseStamped or trajectory_msgs/msg/JointTrajectory; nothing: only watches.
+  std::optional<Ros2Topic> command = {};
+  bool is_command_of_joints = false;   ///< a trajectory, by `tool_urdf`
+  double command_time = 0.02;          ///< [s] from a trajectory's stamp to its point
+  bool follows_orientation = false;    ///< of the commands; false: the tool's stays as at the start
+  double max_command_rotation = 0.5;   ///< [rad/s] of the tool, where it follows the commands'
+  double command_rate = 500.0;         ///< [Hz]
+  double max_command_distance = 0.05;  ///< [m] from the measured tip: a farther one is withheld
 };
 
 /// Reads a setup. An Error for unknown keys, values out of range and names that are not topics.

@@ -38,4 +38,11 @@ struct Transform {
                                                    const std::vector<Transform>& transforms,
                                                    std::string_view frame = "base");
 
+/// A trajectory_msgs/msg/JointTrajectory of one point, without velocities: `positions` [rad] or [m]
+/// are to be reached `time_from_start` [s] >= 0 after `stamp`; a stamp of 0 is the arrival.
+[[nodiscard]] std::vector<std::uint8_t> joint_trajectory(Stamp stamp,
+                                                         const std::vector<std::string>& joints,
+                                                         const std::vector<double>& positions,
+                                                         double time_from_start);
+
 }  // namespace pcavr::cdr
