@@ -18,11 +18,13 @@
 namespace pcavr {
 namespace {
 
-/// Of a spherical tip on a flat face [Hertz 1882]: assumed where no press gives it.
+/// Of a spherical tip on a flat face [Hertz 1882]: assumed where no press gives it, with the std of
+/// a uniform distribution between 1 (a flat tip, a layer) and 2 (a cone).
 constexpr double kHertzExponent = 1.5;
+constexpr double kHertzExponentStd = 0.289;  // 1 / sqrt(12)
 /// Std of a stiffness over its value above which the pulse's width does not identify it.
 constexpr double kMaxStiffnessShare = 0.5;
-/// A linear law of presses, or one of another stiffness, contradicts the impacts from here on.
+/// Stiffnesses of presses and of impacts contradict each other from here on.
 constexpr double kContradictionStds = 4.0;
 
 /// Relative std; infinite where there is no value.
@@ -131,7 +133,8 @@ IdentifiedParameter weighted_mean(const std::vector<MeasuredImpact>& impacts, co
 }
 
 /// Whether the impacts' stiffness replaces the known one: where presses, which hardly penetrate a
-/// stiff contact, gave none, or one that contradicts the impacts.
+/// stiff contact, gave none, a linear law whose exponent they do not know, or one that contradicts
+/// the impacts.
 bool is_stiffness_needed(const ObjectIdentification& result, bool has_press) {
   const IdentifiedParameter& found = result.impact_findings.stiffness;
   const auto& known = result.parameters.contact_stiffness;
@@ -139,8 +142,9 @@ bool is_stiffness_needed(const ObjectIdentification& result, bool has_press) {
   if (!known) return true;
   const double share = share_of(as_value(found));
   if (!has_press) return share < share_of(*known);
-  const bool is_linear = result.presses.best().exponent.value <= 1.0;
-  if (is_linear) return false;  // of another unit
+  const IdentifiedParameter& exponent = result.presses.best().exponent;
+  // Linear: the stiffness is of another unit, so they can't be compared.
+  if (exponent.value <= 1.0) return exponent.std > kHertzExponentStd;
   const double gap = std::abs(std::log(found.value / known->value));
   return gap > kContradictionStds * std::hypot(share, share_of(*known));
 }
@@ -152,8 +156,12 @@ void take_stiffness(ObjectIdentification& result) {
   parameters.contact_stiffness = as_value(found.stiffness);
   parameters.contact_exponent = ParameterValue{found.exponent, {}};
   parameters.contact_mass.reset();
+  // That of the presses belongs to their stiffness and exponent.
+  parameters.contact_damping.reset();
+  parameters.contact_damping_law.reset();
   result.is_exponent_given = true;
   for (auto* counts : {&parameters.sources.presses, &parameters.sources.pushes}) {
+    counts->erase("contact.damping");
     counts->erase("contact.stiffness");
     counts->erase("contact.exponent");
     counts->erase("contact.mass");

@@ -15,6 +15,9 @@ namespace {
 // View change up to which an old keyframe is reused: less than 1, so that it is used for a while.
 constexpr double kMaxReuseChange = 0.7;
 
+// Differences of two given poses from tracking beyond this many of their stds are contradictions.
+constexpr double kGivenStds = 4.0;
+
 // A keyframe needs surface in at least 1 / kMinSurfaceDivisor of the image: with less, the frames
 // aligned to it would be lost.
 constexpr std::size_t kMinSurfaceDivisor = 10;
@@ -49,6 +52,12 @@ void remove_outliers(const Alignment& alignment, ActiveModel& model) {
   });
 }
 
+/// Of the frame's surface in view. That of the features says less: their outliers are relative to
+/// their scatter, which a wrong pose widens.
+double matched_share(const Alignment& alignment) {
+  return alignment.surface_matched / std::max(1.0, static_cast<double>(alignment.surface_in_view));
+}
+
 bool has_enough_surface(const FrameView& view) {
   const auto filled = static_cast<std::size_t>(std::count_if(
       view.inverse_depth.begin(), view.inverse_depth.end(), [](float w) { return w > 0.0F; }));
@@ -71,7 +80,9 @@ double CameraFrontEnd::tracking_rms() const {
 }
 
 FrameRecord& CameraFrontEnd::add(const RgbdFrame& frame, const MaskImage& is_dynamic,
+                                 const std::optional<Pose>& T_base_frame_given,
                                  Parallelism parallelism) {
+  T_base_frame_given_ = T_base_frame_given;
   const double color_delay = to_seconds(frame.color_stamp - frame.depth_stamp);
   FrameView view;
   view.inverse_depth = cell_inverse_depth(sensor_.grid, frame.depth, is_dynamic, sensor_.noise);
@@ -103,10 +114,30 @@ bool CameraFrontEnd::track(const FrameView& view, FrameRecord& record, Paralleli
   if (!alignment.is_valid(options_)) {
     alignment = match(sensor_, *active_, view, last_->T_keyframe_frame, parallelism);
   }
+  alignment = align_by_given_motion(view, alignment, parallelism);
   if (!alignment.is_valid(options_)) return false;
   accept(view, alignment, record);
   choose_keyframe(view, alignment, record, parallelism);
   return true;
+}
+
+/// The alignment from the motion of the given poses, where `tracked` contradicts it and matches the
+/// frame worse; else `tracked`. A given pose may be an outlier.
+Alignment CameraFrontEnd::align_by_given_motion(const FrameView& view, const Alignment& tracked,
+                                                Parallelism parallelism) const {
+  if (!last_->T_base_frame_given || !T_base_frame_given_) return tracked;
+  const Pose T_last_frame = last_->T_base_frame_given->inverse() * *T_base_frame_given_;
+  const Pose start = last_->T_keyframe_frame * T_last_frame;
+  const Pose difference = start.inverse() * tracked.T_model_frame;
+  const bool agrees =
+      difference.translation().norm() < kGivenStds * options_.groundtruth_position_std &&
+      rotation_distance(Pose(), difference) < kGivenStds * options_.groundtruth_rotation_std;
+  if (agrees && tracked.is_valid(options_)) return tracked;
+  const Alignment given = match(sensor_, *active_, view, start, parallelism);
+  if (!given.is_valid(options_)) return tracked;
+  const bool is_better =
+      !tracked.is_valid(options_) || matched_share(given) > matched_share(tracked);
+  return is_better ? given : tracked;
 }
 
 void CameraFrontEnd::accept(const FrameView& view, const Alignment& alignment,
@@ -120,7 +151,7 @@ void CameraFrontEnd::accept(const FrameView& view, const Alignment& alignment,
       velocity_ = (last_->T_keyframe_frame.inverse() * alignment.T_model_frame).log() / elapsed;
     }
   }
-  last_ = Placed{alignment.T_model_frame, record.stamp};
+  last_ = Placed{alignment.T_model_frame, record.stamp, T_base_frame_given_};
   remove_outliers(alignment, *active_);
   Keyframe& keyframe = keyframes_[active_->keyframe];
   fuse(sensor_.grid, active_->surface, view.inverse_depth, alignment.T_model_frame, sensor_.noise,
@@ -178,7 +209,7 @@ std::optional<std::size_t> CameraFrontEnd::nearest_keyframe(const Pose& T_segmen
 
 void CameraFrontEnd::switch_to(ActiveModel model, const Pose& T_keyframe_frame, Stamp stamp) {
   active_ = std::move(model);
-  last_ = Placed{T_keyframe_frame, stamp};
+  last_ = Placed{T_keyframe_frame, stamp, T_base_frame_given_};
 }
 
 void CameraFrontEnd::make_keyframe(const FrameView& view, FrameRecord& record, int segment,

@@ -19,8 +19,10 @@ class CameraFrontEnd {
  public:
   CameraFrontEnd(const CameraModel& camera, const CameraTrackerOptions& options);
 
-  /// Aligns the frame and appends its record; the record of a lost frame has no links.
-  FrameRecord& add(const RgbdFrame& frame, const MaskImage& is_dynamic, Parallelism parallelism);
+  /// Aligns the frame and appends its record; the record of a lost frame has no links. The given
+  /// poses' motion is a second start of the alignment: over a long gap the first may be wrong.
+  FrameRecord& add(const RgbdFrame& frame, const MaskImage& is_dynamic,
+                   const std::optional<Pose>& T_base_frame_given, Parallelism parallelism);
 
   [[nodiscard]] const Sensor& sensor() const { return sensor_; }
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
@@ -31,9 +33,12 @@ class CameraFrontEnd {
   struct Placed {
     Pose T_keyframe_frame;
     Stamp stamp;
+    std::optional<Pose> T_base_frame_given;
   };
 
   [[nodiscard]] Pose predict(Stamp stamp) const;
+  [[nodiscard]] Alignment align_by_given_motion(const FrameView& view, const Alignment& tracked,
+                                                Parallelism parallelism) const;
   [[nodiscard]] bool track(const FrameView& view, FrameRecord& record, Parallelism parallelism);
   [[nodiscard]] bool relocalise(const FrameView& view, FrameRecord& record,
                                 Parallelism parallelism);
@@ -54,7 +59,8 @@ class CameraFrontEnd {
   std::vector<Keyframe> keyframes_;
   std::vector<FrameRecord> records_;
   std::optional<ActiveModel> active_;
-  std::optional<Placed> last_;            ///< in the active keyframe
+  std::optional<Placed> last_;  ///< in the active keyframe
+  std::optional<Pose> T_base_frame_given_;
   Vector6d velocity_ = Vector6d::Zero();  ///< [v; w] per second, in camera axes
   int next_segment_ = 0;
   double sum_squares_ = 0.0;  ///< of the frames' point-to-plane rms

@@ -108,7 +108,8 @@ void CameraTracker::add(const RgbdFrame& frame, const std::vector<TagDetection>&
   std::optional<tracking::CameraFrontEnd>& front_end = state_->front_end;
   if (!front_end) front_end.emplace(depth_camera, state_->options);
   PCAVR_REQUIRE(front_end->sensor().camera.width == depth_camera.width);
-  tracking::FrameRecord& record = front_end->add(frame, is_dynamic, parallelism);
+  tracking::FrameRecord& record =
+      front_end->add(frame, is_dynamic, state_->groundtruth.at(frame.depth_stamp), parallelism);
   state_->detect_base(frame, detections, record);
 }
 
