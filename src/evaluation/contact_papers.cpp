@@ -68,6 +68,7 @@ std::size_t nearest_speed(double speed) {
 std::string mean_and_std(const std::vector<double>& errors) {
   if (errors.empty()) return kNone;
   const ErrorStatistics stats = statistics(errors);
+  if (errors.size() == 1) return readable(kPercent * stats.mean);
   return readable(kPercent * stats.mean) + " ± " + readable(kPercent * stats.std);
 }
 

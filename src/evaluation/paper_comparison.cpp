@@ -154,6 +154,7 @@ std::string peak_error_text(const std::vector<ContactPeak>& presses) {
     errors.push_back(std::abs(peak.rendered - peak.measured) / peak.measured);
   }
   const ErrorStatistics stats = statistics(errors);
+  if (errors.size() == 1) return with_unit(kPercent * stats.mean, "%") + " of 1 press";  // no std
   return readable(kPercent * stats.mean) + " ± " + with_unit(kPercent * stats.std, "%") + " of " +
          std::to_string(errors.size()) + " presses";
 }

@@ -11,6 +11,7 @@
 #include "pcavr/contact/contact_law.hpp"
 #include "pcavr/contact/damping.hpp"
 #include "pcavr/contact/impact.hpp"
+#include "pcavr/core/median.hpp"
 #include "pcavr/object/damping_choice.hpp"
 
 #include "identify_parts.hpp"
@@ -24,6 +25,7 @@ constexpr double kHertzExponent = 1.5;
 constexpr double kHertzExponentStd = 0.289;  // 1 / sqrt(12)
 /// Std of a stiffness over its value above which the pulse's width does not identify it.
 constexpr double kMaxStiffnessShare = 0.5;
+constexpr double kMadToStd = 1.4826;  // of a normal distribution
 /// Stiffnesses of presses and of impacts contradict each other from here on.
 constexpr double kContradictionStds = 4.0;
 
@@ -132,6 +134,24 @@ IdentifiedParameter weighted_mean(const std::vector<MeasuredImpact>& impacts, co
   return {mean, std::max(1.0, birge) / std::sqrt(weights), true};
 }
 
+/// Median of the stiffnesses, with the larger of its own std and the scatter's. Not a mean: a spike
+/// of the force beside a pulse widens it, which lowers its stiffness and, by more, its std.
+IdentifiedParameter median_stiffness(const std::vector<MeasuredImpact>& impacts) {
+  std::vector<double> logs, shares, deviations;
+  for (const MeasuredImpact& impact : impacts) {
+    const IdentifiedParameter& one = impact.stiffness;
+    if (!one.is_excited || !(one.value > 0.0)) continue;
+    logs.push_back(std::log(one.value));
+    shares.push_back(one.std / one.value);
+  }
+  if (logs.empty()) return {};
+  const double middle = median(logs);
+  for (const double value : logs) deviations.push_back(kMadToStd * std::abs(value - middle));
+  const double share = std::max(median(std::move(shares)), median(std::move(deviations))) /
+                       std::sqrt(static_cast<double>(logs.size()));
+  return {std::exp(middle), std::exp(middle) * share, true};
+}
+
 /// Whether the impacts' stiffness replaces the known one: where presses, which hardly penetrate a
 /// stiff contact, gave none, a linear law whose exponent they do not know, or one that contradicts
 /// the impacts.
@@ -229,8 +249,7 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
   ImpactFindings& found = result.impact_findings;
   found.restitution =
       weighted_mean(result.impacts, [](const auto& impact) { return impact.restitution; });
-  found.stiffness =
-      weighted_mean(result.impacts, [](const auto& impact) { return impact.stiffness; });
+  found.stiffness = median_stiffness(result.impacts);
   result.parameters.contact_restitution = as_value(found.restitution);
   result.parameters.contact_impact_speed = as_value(
       weighted_mean(result.impacts, [](const auto& impact) { return impact.approach_speed; }));

@@ -103,7 +103,24 @@ TEST(IdentifyImpacts, ReplaceALawOfPressesThatTheyContradict) {
       EXPECT_FALSE(law.sources.presses.contains("contact.damping")) << at;
     }
   }
-  EXPECT_EQ(replaced, 3);
+  EXPECT_EQ(replaced, 2);
+}
+
+// A spike of the force beside one of the five pulses would make this contact seven times too soft.
+TEST(IdentifyImpacts, KeepTheStiffnessOfPressesDespiteASpike) {
+  const IdentifiedCase made = identified_case(ToolTask::impact, 31, 600.0);
+  const auto found = identify(made.input, IdentificationGoal::contact);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectParameters& law = found->objects[1].parameters;
+  const PlantParameters& truth = made.plant.bodies[1].parameters;
+  const auto force_at = [](double stiffness, double exponent) {
+    return stiffness * std::pow(0.001, exponent);  // 1 mm
+  };
+  const double expected = force_at(truth.contact_stiffness, truth.contact_exponent);
+  EXPECT_NEAR(force_at(law.contact_stiffness->value, law.contact_exponent->value), expected,
+              0.1 * expected);
+  EXPECT_NEAR(found->objects[1].impact_findings.stiffness.value, truth.contact_stiffness,
+              0.5 * truth.contact_stiffness);
 }
 
 TEST(IdentifyImpacts, NameTheDampingLawOfTheOptionOrOfPaperBsCriterion) {
