@@ -93,9 +93,11 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments) {
       ->add_option("--T-base-world", arguments.T_base_world,
                    "Pose of the world frame of clouds or of --object in base: tx ty tz qx qy qz qw")
       ->expected(7);
-  group->add_flag("--anchor-tags", arguments.anchor_tags,
-                  "Find the world frame's pose by the base tags of --manifest in the clouds' "
-                  "colours");
+  group
+      ->add_flag("--anchor-tags", arguments.anchor_tags,
+                 "Find the world frame's pose by the base tags of --manifest in the clouds' "
+                 "colours")
+      ->excludes("--T-base-world");
   group->add_option("--manifest", arguments.manifest,
                     "recording.yaml of which markers, objects and tool are taken over");
   group->add_option("--unit", arguments.unit, "m or mm; detected if absent")

@@ -136,7 +136,7 @@ std::optional<RangeCameras> single_camera(std::span<const Points> clouds, std::s
     // Of one cloud: others have nearly the same rays.
     const auto first = rays_in(clouds.front(), T_sensor_camera, kMaxTangent);
     if (const std::optional<CameraModel> grid = find_ray_grid(first, rays)) {
-      return RangeCameras{*grid, {T_sensor_camera}, 1.0 / grid->fx};
+      return RangeCameras{*grid, {T_sensor_camera}, 1.0 / grid->fx, true};
     }
     const double spacing = spacing_of(first);
     return RangeCameras{camera_around(rays, spacing), {T_sensor_camera}, spacing};

@@ -134,14 +134,25 @@ Expected<void> fit_camera(const std::vector<Probe>& probes, CloudCamera& camera)
   return {};
 }
 
-/// Unorganised clouds: the points are in the cloud's frame, seen from the viewpoint in it.
+/// Unorganised clouds: the points are in the cloud's frame, seen from the viewpoint in it; or in
+/// the sensor's at the viewpoint, where only so their rays are a camera's pixels.
 Expected<void> choose_rays(const std::vector<Probe>& probes, CloudCamera& camera) {
+  const auto points_by = [&](bool is_in_sensor_frame) {
+    std::vector<std::vector<Eigen::Vector3f>> points_sensor;
+    for (const auto& [file, cloud] : probes) {
+      points_sensor.push_back(is_in_sensor_frame
+                                  ? cloud.points
+                                  : in_frame(cloud.T_cloud_sensor.inverse(), cloud.points));
+    }
+    return points_sensor;
+  };
   camera.is_in_sensor_frame = false;
-  std::vector<std::vector<Eigen::Vector3f>> clouds_sensor;
-  for (const Probe& probe : probes) {
-    clouds_sensor.push_back(in_frame(probe.cloud.T_cloud_sensor.inverse(), probe.cloud.points));
+  RangeCameras rays = choose_range_cameras(points_by(false));
+  if (!rays.is_grid && camera.has_viewpoints) {
+    RangeCameras untransformed = choose_range_cameras(points_by(true));
+    camera.is_in_sensor_frame = untransformed.is_grid;
+    if (untransformed.is_grid) rays = std::move(untransformed);
   }
-  RangeCameras rays = choose_range_cameras(clouds_sensor);
   if (rays.T_sensor_camera.empty()) {
     return Error{.message = "the clouds have too few points",
                  .file = probes.front().file,
@@ -244,14 +255,14 @@ Expected<CloudCamera> choose_cloud_camera(const std::vector<ListedCloud>& clouds
   CloudCamera camera;
   if (auto done = apply_unit(options, *probes, camera); !done) return done.error();
   const std::vector<Probe>& all = *probes;
-  camera.is_organised = !options.as_unorganised && all.front().cloud.is_organised();
-  const Expected<void> chosen =
-      camera.is_organised ? fit_camera(all, camera) : choose_rays(all, camera);
-  if (!chosen) return chosen.error();
   // One viewpoint for all: the sensor's mounting, or a camera that does not move.
   camera.has_viewpoints = std::any_of(all.begin(), all.end(), [](const Probe& probe) {
     return !is_identity(probe.cloud.T_cloud_sensor);
   });
+  camera.is_organised = !options.as_unorganised && all.front().cloud.is_organised();
+  const Expected<void> chosen =
+      camera.is_organised ? fit_camera(all, camera) : choose_rays(all, camera);
+  if (!chosen) return chosen.error();
   return camera;
 }
 

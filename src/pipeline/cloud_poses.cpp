@@ -20,6 +20,8 @@ namespace {
 
 /// Overlap of neighbouring clouds by the poses as given that needs no explanation.
 constexpr double kPlausibleOverlap = 0.6;
+/// Below it, poses that no hypothesis explains are doubtful: a sequence shows the same place again.
+constexpr double kDoubtfulOverlap = 0.3;
 /// A hypothesis explains the clouds where they overlap by this much more.
 constexpr double kExplainedOverlap = 0.2;
 constexpr std::size_t kComparedPairs = 8;
@@ -130,13 +132,13 @@ Expected<std::vector<Pose>> read_cloud_poses(const std::filesystem::path& file,
       .hint = "write a pose at the stamp of each cloud, or one for each in their order"};
 }
 
-std::optional<Error> check_cloud_poses(
-    const std::vector<Pose>& T_world_cloud,
-    const std::vector<std::vector<Eigen::Vector3f>>& thinned_clouds, double voxel,
-    const std::filesystem::path& file) {
+Expected<void> check_cloud_poses(const std::vector<Pose>& T_world_cloud,
+                                 const std::vector<std::vector<Eigen::Vector3f>>& thinned_clouds,
+                                 double voxel, const std::filesystem::path& file,
+                                 const Observer& observer) {
   const double given =
       mean_overlap(T_world_cloud, thinned_clouds, voxel, [](const Pose& pose) { return pose; });
-  if (given >= kPlausibleOverlap) return std::nullopt;
+  if (given >= kPlausibleOverlap) return {};
   const PoseHypothesis* best = nullptr;
   double best_overlap = given + kExplainedOverlap;
   for (const PoseHypothesis& hypothesis : pose_hypotheses()) {
@@ -145,7 +147,14 @@ std::optional<Error> check_cloud_poses(
     best = &hypothesis;
     best_overlap = overlap;
   }
-  if (best == nullptr) return std::nullopt;
+  if (best == nullptr) {
+    if (given < kDoubtfulOverlap) {
+      observer.on_warning(file.string() +
+                          ": by these poses, clouds that follow each other overlap " + "by " +
+                          percent(given) + " only; if they show one place, check the poses");
+    }
+    return {};
+  }
   return Error{.message = std::string("the poses are ") + best->name +
                           ": as given, clouds that follow each other overlap by " + percent(given) +
                           ", else by " + percent(best_overlap),

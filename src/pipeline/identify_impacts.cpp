@@ -11,6 +11,7 @@
 #include "pcavr/contact/contact_law.hpp"
 #include "pcavr/contact/damping.hpp"
 #include "pcavr/contact/impact.hpp"
+#include "pcavr/core/median.hpp"
 #include "pcavr/object/damping_choice.hpp"
 
 #include "identify_parts.hpp"
@@ -18,11 +19,14 @@
 namespace pcavr {
 namespace {
 
-/// Of a spherical tip on a flat face [Hertz 1882]: assumed where no press gives it.
+/// Of a spherical tip on a flat face [Hertz 1882]: assumed where no press gives it, with the std of
+/// a uniform distribution between 1 (a flat tip, a layer) and 2 (a cone).
 constexpr double kHertzExponent = 1.5;
+constexpr double kHertzExponentStd = 0.289;  // 1 / sqrt(12)
 /// Std of a stiffness over its value above which the pulse's width does not identify it.
 constexpr double kMaxStiffnessShare = 0.5;
-/// A linear law of presses, or one of another stiffness, contradicts the impacts from here on.
+constexpr double kMadToStd = 1.4826;  // of a normal distribution
+/// Stiffnesses of presses and of impacts contradict each other from here on.
 constexpr double kContradictionStds = 4.0;
 
 /// Relative std; infinite where there is no value.
@@ -130,8 +134,27 @@ IdentifiedParameter weighted_mean(const std::vector<MeasuredImpact>& impacts, co
   return {mean, std::max(1.0, birge) / std::sqrt(weights), true};
 }
 
+/// Median of the stiffnesses, with the larger of its own std and the scatter's. Not a mean: a spike
+/// of the force beside a pulse widens it, which lowers its stiffness and, by more, its std.
+IdentifiedParameter median_stiffness(const std::vector<MeasuredImpact>& impacts) {
+  std::vector<double> logs, shares, deviations;
+  for (const MeasuredImpact& impact : impacts) {
+    const IdentifiedParameter& one = impact.stiffness;
+    if (!one.is_excited || !(one.value > 0.0)) continue;
+    logs.push_back(std::log(one.value));
+    shares.push_back(one.std / one.value);
+  }
+  if (logs.empty()) return {};
+  const double middle = median(logs);
+  for (const double value : logs) deviations.push_back(kMadToStd * std::abs(value - middle));
+  const double share = std::max(median(std::move(shares)), median(std::move(deviations))) /
+                       std::sqrt(static_cast<double>(logs.size()));
+  return {std::exp(middle), std::exp(middle) * share, true};
+}
+
 /// Whether the impacts' stiffness replaces the known one: where presses, which hardly penetrate a
-/// stiff contact, gave none, or one that contradicts the impacts.
+/// stiff contact, gave none, a linear law whose exponent they do not know, or one that contradicts
+/// the impacts.
 bool is_stiffness_needed(const ObjectIdentification& result, bool has_press) {
   const IdentifiedParameter& found = result.impact_findings.stiffness;
   const auto& known = result.parameters.contact_stiffness;
@@ -139,8 +162,9 @@ bool is_stiffness_needed(const ObjectIdentification& result, bool has_press) {
   if (!known) return true;
   const double share = share_of(as_value(found));
   if (!has_press) return share < share_of(*known);
-  const bool is_linear = result.presses.best().exponent.value <= 1.0;
-  if (is_linear) return false;  // of another unit
+  const IdentifiedParameter& exponent = result.presses.best().exponent;
+  // Linear: the stiffness is of another unit, so they can't be compared.
+  if (exponent.value <= 1.0) return exponent.std > kHertzExponentStd;
   const double gap = std::abs(std::log(found.value / known->value));
   return gap > kContradictionStds * std::hypot(share, share_of(*known));
 }
@@ -152,8 +176,12 @@ void take_stiffness(ObjectIdentification& result) {
   parameters.contact_stiffness = as_value(found.stiffness);
   parameters.contact_exponent = ParameterValue{found.exponent, {}};
   parameters.contact_mass.reset();
+  // That of the presses belongs to their stiffness and exponent.
+  parameters.contact_damping.reset();
+  parameters.contact_damping_law.reset();
   result.is_exponent_given = true;
   for (auto* counts : {&parameters.sources.presses, &parameters.sources.pushes}) {
+    counts->erase("contact.damping");
     counts->erase("contact.stiffness");
     counts->erase("contact.exponent");
     counts->erase("contact.mass");
@@ -221,8 +249,7 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
   ImpactFindings& found = result.impact_findings;
   found.restitution =
       weighted_mean(result.impacts, [](const auto& impact) { return impact.restitution; });
-  found.stiffness =
-      weighted_mean(result.impacts, [](const auto& impact) { return impact.stiffness; });
+  found.stiffness = median_stiffness(result.impacts);
   result.parameters.contact_restitution = as_value(found.restitution);
   result.parameters.contact_impact_speed = as_value(
       weighted_mean(result.impacts, [](const auto& impact) { return impact.approach_speed; }));

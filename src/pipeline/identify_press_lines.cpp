@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/core/median.hpp"
 #include "pcavr/identification/press_line.hpp"
 
 #include "identify_parts.hpp"
@@ -25,12 +26,6 @@ constexpr std::size_t kMaxFigurePoints = 1000;
 
 bool is_given_by_presses(const ObjectParameters& parameters) {
   return parameters.sources.presses.count("contact.stiffness") > 0;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The line that find_breakaway fitted to the push, in the episode's coordinate of the tool, which

@@ -194,7 +194,8 @@ class CloudImport {
     ++report_.clouds;
     report_.frames = frames_.size();
     report_.points += converted.points;
-    report_.points_outside += converted.points - converted.points_used;
+    // Neighbouring faces of a cube both show the points on their common edge.
+    report_.points_outside += converted.points - std::min(converted.points, converted.points_used);
     report_.pinhole_residual = std::max(report_.pinhole_residual, converted.residual);
     return {};
   }
@@ -203,10 +204,7 @@ class CloudImport {
   Expected<void> place_clouds() {
     switch (report_.poses) {
       case CloudPoses::given: {
-        if (auto fault = check_cloud_poses(T_world_cloud_, thinned_, thin_voxel_, options_.poses)) {
-          return *std::move(fault);
-        }
-        return {};
+        return check_cloud_poses(T_world_cloud_, thinned_, thin_voxel_, options_.poses, observer_);
       }
       case CloudPoses::viewpoints:
         // Points in the world frame themselves, or in that of the sensor at the viewpoint.

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <functional>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "pcavr/cloud/cloud_file.hpp"
@@ -230,6 +231,80 @@ TEST_F(ImportClouds, PosesOfALeftHandedFrame) {
       },
       kClouds);
   expect_refused({"--poses", poses().string()}, "left-handed frame, mirrored along y");
+}
+
+TEST_F(ImportClouds, PosesThatNothingExplainsAreDoubted) {
+  // Each cloud faces another way.
+  int turn = 0;
+  write_poses(
+      [&](const Pose& pose) {
+        return pose * Pose(Eigen::Quaterniond(Eigen::AngleAxisd(turn++, Eigen::Vector3d::UnitY())),
+                           Eigen::Vector3d::Zero());
+      },
+      kClouds);
+  const CommandOutcome outcome = run_pcavr(
+      {"import", clouds().string(), "--poses", poses().string(), "-o", target().string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  EXPECT_NE(outcome.standard_error.find("check the poses"), std::string::npos)
+      << outcome.standard_error;
+}
+
+TEST_F(ImportClouds, TagsAndAGivenWorldExcludeEachOther) {
+  const CommandOutcome outcome =
+      run_pcavr({"import", clouds().string(), "--poses", poses().string(), "--T-base-world", "0",
+                 "0", "0", "0", "0", "0", "1", "--anchor-tags", "-o", target().string()});
+  EXPECT_NE(outcome.exit_code, 0);
+  EXPECT_FALSE(fs::exists(target()));
+}
+
+/// Unorganised clouds in the sensor's frame: VIEWPOINT is the cloud's pose, as of PCL's viewer.
+TEST_F(ImportClouds, UnorganisedInTheSensorsFrameWithViewpoints) {
+  for (int i = 0; i < kClouds; ++i) {
+    PointCloud cloud = organised_clouds()[static_cast<std::size_t>(i)];
+    remove_unmeasured(cloud);
+    std::string text = format_pcd(cloud);
+    const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
+    const std::size_t at = text.find(none);
+    ASSERT_NE(at, std::string::npos);
+    const Eigen::Vector3d t = camera_pose(i).translation();
+    const Eigen::Quaterniond q(camera_pose(i).rotation());
+    text.replace(at, none.size(),
+                 fmt::format("VIEWPOINT {} {} {} {} {} {} {}", t.x(), t.y(), t.z(), q.w(), q.x(),
+                             q.y(), q.z()));
+    ASSERT_TRUE(write_file(cloud_file(i), text));
+  }
+  const json report = import({});
+  EXPECT_EQ(report["poses"], "viewpoints");
+  EXPECT_EQ(report["frames"], kClouds);
+  EXPECT_EQ(report["points_left_out"], 0);
+  const Recording made = recording();
+  for (int i = 0; i < kClouds; ++i) {
+    const Pose& pose = made.groundtruth.poses()[static_cast<std::size_t>(i)].pose;
+    EXPECT_LT(translation_distance(pose, camera_pose(i)), 1e-5) << i;
+    EXPECT_LT(rotation_distance(pose, camera_pose(i)), 1e-5) << i;
+  }
+}
+
+/// Neighbouring faces of a cube both see the points on their edge.
+TEST_F(ImportClouds, AllAroundNoMorePointsAreLeftOutThanThereAre) {
+  PointCloud sphere;
+  for (int i = 0; i < 40000; ++i) {
+    // A spiral of nearly equal distances.
+    const double z = 1.0 - (2.0 * i + 1.0) / 40000.0;
+    const double angle = 2.399963 * i;
+    const double r = std::sqrt(1.0 - z * z);
+    sphere.points.emplace_back(static_cast<float>(2.0 * r * std::cos(angle)),
+                               static_cast<float>(2.0 * r * std::sin(angle)),
+                               static_cast<float>(2.0 * z));
+    sphere.colors.push_back({});
+  }
+  for (int i = 0; i < kClouds; ++i) {
+    ASSERT_TRUE(write_file(cloud_file(i), format_pcd(sphere)));
+  }
+  write_poses([](const Pose&) { return Pose(); }, kClouds);
+  const json report = import({"--poses", poses().string()});
+  EXPECT_EQ(report["frames"], 6 * kClouds);
+  EXPECT_LE(report["points_left_out"].get<std::size_t>(), report["points"].get<std::size_t>());
 }
 
 TEST_F(ImportClouds, NoPinholeProjection) {

@@ -80,6 +80,49 @@ TEST(IdentifyImpacts, GiveTheDampingThatSlowPressesDoNot) {
   EXPECT_GE(from_impacts, 15);  // of 20
 }
 
+// Two slow presses on a stiff box give a linear law whose exponent nobody knows, or a damping of
+// another stiffness: the impacts' law replaces both.
+TEST(IdentifyImpacts, ReplaceALawOfPressesThatTheyContradict) {
+  int replaced = 0;
+  for (const std::uint64_t seed : {31U, 33U}) {
+    const IdentifiedCase made = identified_case(ToolTask::impact, seed, 600.0);
+    const auto found = identify(made.input, IdentificationGoal::contact);
+    ASSERT_TRUE(found.has_value()) << found.error().to_string();
+    for (std::size_t i = 0; i < 2; ++i) {
+      const ObjectIdentification& object = found->objects[i];
+      if (!object.impact_findings.gives_stiffness) continue;
+      ++replaced;
+      const ObjectParameters& law = object.parameters;
+      const PlantParameters& truth = made.plant.bodies[i].parameters;
+      const std::string at = std::to_string(seed) + " " + object.name;
+      EXPECT_EQ(law.contact_exponent->value, object.impact_findings.exponent) << at;
+      EXPECT_TRUE(object.impact_findings.gives_damping) << at;
+      const double ratio = law.contact_damping->value / law.contact_stiffness->value;
+      const double expected = truth.contact_damping / truth.contact_stiffness;
+      EXPECT_NEAR(ratio, expected, 0.25 * expected) << at;
+      EXPECT_FALSE(law.sources.presses.contains("contact.damping")) << at;
+    }
+  }
+  EXPECT_EQ(replaced, 2);
+}
+
+// A spike of the force beside one of the five pulses would make this contact seven times too soft.
+TEST(IdentifyImpacts, KeepTheStiffnessOfPressesDespiteASpike) {
+  const IdentifiedCase made = identified_case(ToolTask::impact, 31, 600.0);
+  const auto found = identify(made.input, IdentificationGoal::contact);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectParameters& law = found->objects[1].parameters;
+  const PlantParameters& truth = made.plant.bodies[1].parameters;
+  const auto force_at = [](double stiffness, double exponent) {
+    return stiffness * std::pow(0.001, exponent);  // 1 mm
+  };
+  const double expected = force_at(truth.contact_stiffness, truth.contact_exponent);
+  EXPECT_NEAR(force_at(law.contact_stiffness->value, law.contact_exponent->value), expected,
+              0.1 * expected);
+  EXPECT_NEAR(found->objects[1].impact_findings.stiffness.value, truth.contact_stiffness,
+              0.5 * truth.contact_stiffness);
+}
+
 TEST(IdentifyImpacts, NameTheDampingLawOfTheOptionOrOfPaperBsCriterion) {
   const IdentifiedCase made = identified_case(ToolTask::impact, 101, 600.0);
   IdentificationOptions options;

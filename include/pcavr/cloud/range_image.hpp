@@ -21,6 +21,7 @@ struct RangeCameras {
   CameraModel camera;
   std::vector<Pose> T_sensor_camera;  ///< rotations; one or up to six
   double ray_spacing = 0.0;           ///< median distance of neighbouring rays [rad]
+  bool is_grid = false;               ///< the rays are the pixels of one depth camera
 };
 
 /// Chooses them from sample clouds in sensor coordinates (NaN: not measured). Empty cameras where
