@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/core.h>
@@ -198,10 +199,13 @@ void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option
   found.choice = chosen.reason;
   found.damping_over_stiffness = weighted_mean(
       result.impacts, [law](const auto& impact) { return damping_over_stiffness(law, impact); });
-  // Kelvin-Voigt has another relation.
-  if (!parameters.contact_stiffness ||
-      parameters.contact_exponent.value_or(ParameterValue{1.0}).value <= 1.0) {
-    return;
+  const auto leave_out = [&](std::string_view reason) {
+    result.notes.push_back(
+        fmt::format("the damping law {} of impacts is not used: {}", key_of(law), reason));
+  };
+  if (!parameters.contact_stiffness) return leave_out("no stiffness is known");
+  if (parameters.contact_exponent.value_or(ParameterValue{1.0}).value <= 1.0) {
+    return leave_out("the contact is linear");  // Kelvin-Voigt has another relation
   }
   const ParameterValue& stiffness = *parameters.contact_stiffness;
   const double value = found.damping_over_stiffness.value * stiffness.value;
@@ -209,7 +213,9 @@ void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option
       std::hypot(found.damping_over_stiffness.std / found.damping_over_stiffness.value,
                  stiffness.std ? *stiffness.std / stiffness.value : 0.0);
   const ParameterValue damping{value, value * share};
-  if (parameters.contact_damping && share_of(*parameters.contact_damping) < share) return;
+  if (parameters.contact_damping && share_of(*parameters.contact_damping) < share) {
+    return leave_out("the damping of presses is surer");
+  }
   parameters.contact_damping = damping;
   parameters.contact_damping_law = law;
   found.gives_damping = true;

@@ -3,11 +3,15 @@
 // Errors of the real command on shared recordings, against their ground truth. The bounds are the
 // project's guarantees; the measured errors are printed.
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/core/median.hpp"
+#include "pcavr/core/output.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 
@@ -39,6 +43,44 @@ TEST(PositionError, TabletopByAHandHeldCamera) {
   expect_within(report, "mesh.share_left_behind", 0.001);
   expect_within(report, "mesh.share_not_explained", 0.001);
   EXPECT_GE(report["mesh.completeness_10mm"].get<double>(), 0.95);
+}
+
+/// Every `step`-th line of a list of files.
+void thin_list(const fs::path& from, const fs::path& to, int step) {
+  std::istringstream lines(read_file(from).value());
+  std::string kept;
+  int row = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('#') || row++ % step == 0) kept += line + '\n';
+  }
+  std::ofstream(to) << kept;
+}
+
+// Views 0.2 to 0.3 m apart: from the last one, the next aligns as well when it slides along the
+// table.
+TEST(PositionError, TabletopByAFewViewsWithGivenPoses) {
+  PCAVR_NEEDS_SHARED_DATA("tabletop/truth/camera.txt");
+  const fs::path whole = shared_data("tabletop");
+  for (const int step : {10, 15, 20}) {
+    const TemporaryFolder folder;
+    const fs::path recording = folder.path() / "few";
+    fs::create_directory(recording);
+    for (const char* name : {"depth", "rgb", "objects"}) {
+      fs::create_directory_symlink(fs::absolute(whole / name), recording / name);
+    }
+    fs::copy_file(whole / "recording.yaml", recording / "recording.yaml");
+    fs::copy_file(whole / "truth/camera.txt", recording / "groundtruth.txt");
+    for (const char* name : {"depth.txt", "rgb.txt"}) {
+      thin_list(whole / name, recording / name, step);
+    }
+    const std::string scene = (folder.path() / "scene").string();
+    run_json({"build", recording.string(), "-o", scene});
+    const json report = run_json({"evaluate", scene, "--truth", (whole / "truth").string(), "-o",
+                                  (folder.path() / "report").string()});
+    EXPECT_EQ(report["camera.absolute.translation.count"].get<int>(), 120 / step);
+    expect_within(report, "camera.absolute.translation.rmse_m", 1.0 * kMillimetre);
+    expect_within(report, "camera.absolute.rotation.rmse_rad", 0.1 * kDegree);
+  }
 }
 
 TEST(PositionError, TwoBoxesThatAToolPushes) {
