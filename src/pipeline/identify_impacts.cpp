@@ -214,7 +214,7 @@ void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option
                  stiffness.std ? *stiffness.std / stiffness.value : 0.0);
   const ParameterValue damping{value, value * share};
   if (parameters.contact_damping && share_of(*parameters.contact_damping) < share) {
-    return leave_out("the damping of presses is surer");
+    return leave_out("the damping of presses is more certain");
   }
   parameters.contact_damping = damping;
   parameters.contact_damping_law = law;
