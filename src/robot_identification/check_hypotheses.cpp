@@ -25,9 +25,6 @@ constexpr Eigen::Index kHypothesisRows =
 /// gained 1.3 to 2.3.
 constexpr double kDecisiveSwap = 1.2;
 constexpr double kDecisive = 3.0;
-/// A smaller gain of a swap is decisive where each of this many stretches of the log, left out of
-/// the fit, is predicted better by it: wrists with little mass fit either way almost alike.
-constexpr std::size_t kFolds = 5;
 /// Signs and units are tried where they concern a joint with at least this relative error.
 constexpr double kPoorFit = 0.3;
 constexpr double kKnownMassScale = 0.35;  ///< torque below this share of the description's: current
@@ -48,82 +45,41 @@ JointSignals thinned(const JointSignals& signals) {
   return few;
 }
 
-/// A fit with a wide prior, in folds of consecutive rows.
-struct Trial {
-  BlockSystem system;
-  Selection selection;
-  Eigen::VectorXd variance;
-  FitPrior prior;
-};
-
-Trial trial_of(const JointSignals& signals, const RobotModel& model) {
+/// Log of the relative error of each joint in a fit with a wide prior.
+Eigen::VectorXd misfit(const JointSignals& signals, const RobotModel& model) {
   std::vector<JointRows> joints = rigid_rows(signals, model);
   const std::vector<LibraryColumn>& library = full_library();
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(signals.position.rows());
   const auto count = static_cast<Eigen::Index>(joints.size());
-  Trial trial;
-  trial.variance.resize(count);
+  FitPrior prior;
+  Eigen::VectorXd variance(count);
   for (Eigen::Index j = 0; j < count; ++j) {
     JointRows& joint = joints[static_cast<std::size_t>(j)];
     joint.library = library_columns(library, {signals.position.col(j), signals.velocity.col(j),
                                               signals.acceleration.col(j), none, 0.05});
     const double power = joint.torque.squaredNorm() / static_cast<double>(joint.torque.size());
-    trial.variance[j] = std::max(1e-6, 0.01 * power);
-    trial.prior.library_std.emplace_back(Eigen::VectorXd::Constant(joint.library.cols(), 1e3));
+    variance[j] = std::max(1e-6, 0.01 * power);
+    prior.library_std.emplace_back(Eigen::VectorXd::Constant(joint.library.cols(), 1e3));
   }
-  trial.system = block_system(joints, signals.position.rows(), kFolds);
-  trial.prior.mean = Eigen::VectorXd::Zero(trial.system.rigid);
-  trial.prior.std = Eigen::VectorXd::Constant(trial.system.rigid, 30.0);
-  trial.selection.assign(joints.size(), {column_of(library, FrictionTerm::offset),
-                                         column_of(library, FrictionTerm::viscous),
-                                         column_of(library, FrictionTerm::coulomb)});
-  return trial;
-}
-
-/// Log of the relative error of each joint: in the folds where `is_judged`, by the fit to those
-/// where `is_fitted`.
-Eigen::VectorXd misfit(const Trial& trial, const std::vector<bool>& is_fitted,
-                       const std::vector<bool>& is_judged) {
-  const FitSolution solution =
-      solve(trial.system, is_fitted, trial.selection, trial.variance, trial.prior);
-  Eigen::VectorXd logs(trial.variance.size());
-  for (Eigen::Index j = 0; j < logs.size(); ++j) {
-    const auto joint = static_cast<std::size_t>(j);
-    NormalEquations equations = trial.system.blocks[0][joint];
-    equations.gram.setZero();
-    equations.moment.setZero();
-    equations.power = equations.count = 0.0;
-    for (std::size_t fold = 0; fold < kFolds; ++fold) {
-      if (is_judged[fold]) equations.add(trial.system.blocks[fold][joint]);
-    }
+  const BlockSystem system = block_system(joints, signals.position.rows(), 1);
+  prior.mean = Eigen::VectorXd::Zero(system.rigid);
+  prior.std = Eigen::VectorXd::Constant(system.rigid, 30.0);
+  const Selection selection(joints.size(), {column_of(library, FrictionTerm::offset),
+                                            column_of(library, FrictionTerm::viscous),
+                                            column_of(library, FrictionTerm::coulomb)});
+  const FitSolution solution = solve(system, {true}, selection, variance, prior);
+  Eigen::VectorXd logs(count);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const NormalEquations& equations = system.blocks[0][j];
     const double floor = 1e-8 * equations.power + 1e-12;
-    logs[j] = 0.5 * std::log((equations.squared_error(solution.of_joint(joint)) + floor) /
-                             (equations.power + floor));
+    logs[static_cast<Eigen::Index>(j)] =
+        0.5 * std::log((equations.squared_error(solution.of_joint(j)) + floor) /
+                       (equations.power + floor));
   }
   return logs;
 }
 
-Eigen::VectorXd misfit(const JointSignals& signals, const RobotModel& model) {
-  const std::vector<bool> all(kFolds, true);
-  return misfit(trial_of(signals, model), all, all);
-}
-
 using Change = std::function<void(JointSignals&)>;
-
-/// Whether the changed log predicts each fold better than the log as it is, by fits to the others.
-bool is_better_in_each_fold(const JointSignals& signals, const Change& change,
-                            const RobotModel& model) {
-  JointSignals changed = signals;
-  change(changed);
-  const Trial as_written = trial_of(signals, model), tried = trial_of(changed, model);
-  for (std::size_t fold = 0; fold < kFolds; ++fold) {
-    std::vector<bool> others(kFolds, true), one(kFolds, false);
-    others[fold] = false;
-    one[fold] = true;
-    if (misfit(tried, others, one).sum() >= misfit(as_written, others, one).sum()) return false;
-  }
-  return true;
-}
 
 struct Hypothesis {
   std::string message;
@@ -289,18 +245,13 @@ LogFindings check_hypotheses(JointSignals& signals, const RobotModel& model) {
     JointSignals changed = few;
     hypothesis.change(changed);
     const double changed_misfit = misfit(changed, model).sum();
-    const bool is_decisive = changed_misfit < as_written - std::log(hypothesis.decisive);
-    const bool is_swap = hypothesis.decisive == kDecisiveSwap;
-    if (changed_misfit >= std::min(best, as_written) ||
-        !(is_decisive || (is_swap && is_better_in_each_fold(signals, hypothesis.change, model)))) {
-      continue;
-    }
+    if (changed_misfit >= std::min(best, as_written - std::log(hypothesis.decisive))) continue;
     best = changed_misfit;
     found = &hypothesis;
   }
   if (found == nullptr) return findings;
   const std::string place = found->joints.empty() ? "q" : joint_text(model, found->joints.front());
-  findings.errors.push_back({.message = fmt::format("{}: the torques then fit {:.3g} times better",
+  findings.errors.push_back({.message = fmt::format("{}: the torques then fit {:.1f} times better",
                                                     found->message, std::exp(as_written - best)),
                              .line = signals.lines.front(),
                              .place = place,

@@ -178,21 +178,6 @@ TEST(CheckHypotheses, FindsSwappedPositions) {
             std::string::npos);
 }
 
-// The last wrists hold so little that their torques are friction's, whichever joint they are of.
-TEST(CheckHypotheses, FindsSwappedWristsThatAreAlmostAlike) {
-  for (const std::uint64_t seed : {3U, 11U, 12U, 13U}) {
-    JointLog log = simulated_log(pa10(), {.duration = 20.0, .seed = seed});
-    EXPECT_TRUE(shown_by(log).errors.empty()) << seed;
-    for (Eigen::MatrixXd* columns : {&log.position, &log.torque}) {
-      columns->col(5).swap(columns->col(6));
-    }
-    const LogFindings shown = shown_by(log);
-    ASSERT_EQ(shown.errors.size(), 1U) << seed;
-    EXPECT_NE(shown.errors[0].message.find("joint6 and joint7 are swapped"), std::string::npos)
-        << shown.errors[0].message;
-  }
-}
-
 // Free bodies fit either order within 30 % of each torque: a swap shows against the right order.
 TEST(CheckHypotheses, FindsSwappedJointsThatBothFit) {
   PCAVR_NEEDS_SHARED_DATA("real/franka_dynamics");
