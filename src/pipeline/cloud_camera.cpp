@@ -139,6 +139,7 @@ Expected<void> fit_camera(const std::vector<Probe>& probes, CloudCamera& camera)
 Expected<void> choose_rays(const std::vector<Probe>& probes, CloudCamera& camera) {
   const auto points_by = [&](bool is_in_sensor_frame) {
     std::vector<std::vector<Eigen::Vector3f>> points_sensor;
+    points_sensor.reserve(probes.size());
     for (const auto& [file, cloud] : probes) {
       points_sensor.push_back(is_in_sensor_frame
                                   ? cloud.points
