@@ -150,7 +150,7 @@ Expected<void> check_cloud_poses(const std::vector<Pose>& T_world_cloud,
   if (best == nullptr) {
     if (given < kDoubtfulOverlap) {
       observer.on_warning(file.string() +
-                          ": by these poses, clouds that follow each other overlap " + "by " +
+                          ": by these poses, clouds that follow each other overlap by " +
                           percent(given) + " only; if they show one place, check the poses");
     }
     return {};
