@@ -194,13 +194,10 @@ class CsvSeriesReader final : public BagReader {
     const SeriesLayout& layout = layouts_[file_];
     std::vector<double> row;
     row.reserve(layout.columns);
-    for (bool is_more = true; is_more;) {
-      const std::size_t comma = line.find(',');
-      const std::optional<double> number = parse_number(trimmed(line.substr(0, comma)));
-      if (!number) return error_at("'" + std::string(line.substr(0, comma)) + "' is not a number");
+    for (const std::string_view field : split_at(',', line)) {
+      const std::optional<double> number = parse_number(field);
+      if (!number) return error_at("'" + std::string(field) + "' is not a number");
       row.push_back(*number);
-      is_more = comma != line.npos;
-      if (is_more) line.remove_prefix(comma + 1);
     }
     if (row.size() != layout.columns) {
       return error_at("has " + std::to_string(row.size()) + " columns, the header " +

@@ -32,16 +32,6 @@ struct ObjectTable {
   Stamps stamps = Stamps::ascend;    ///< of one object
 };
 
-std::vector<std::string_view> split_at(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const std::size_t end = text.find(separator);
-    parts.push_back(trimmed(text.substr(0, end)));
-    if (end == text.npos) return parts;
-    text.remove_prefix(end + 1);
-  }
-}
-
 std::string header_of(const ObjectTable& table) {
   std::string header;
   for (const std::string& column : table.columns) header += (header.empty() ? "" : ",") + column;
@@ -50,7 +40,7 @@ std::string header_of(const ObjectTable& table) {
 
 RowError parse_row(const ObjectTable& table, std::string_view line,
                    std::map<std::string, Stamp, std::less<>>& last, const RowHandler& handle) {
-  const std::vector<std::string_view> fields = split_at(line, ',');
+  const std::vector<std::string_view> fields = split_at(',', line);
   if (fields.size() != table.columns.size()) {
     return Error{.message = "has " + std::to_string(fields.size()) + " columns, not " +
                             std::to_string(table.columns.size()),
@@ -153,7 +143,7 @@ RowError append_correction(Stamp stamp, const std::string& object, Fields rest,
                  .place = "case",
                  .hint = "write 1.1, 1.2a, 1.2b, 1.3 or 2"};
   }
-  for (const std::string_view word : split_at(rest[1], '+')) {
+  for (const std::string_view word : split_at('+', rest[1])) {
     if (word == "lost") {
       correction.is_lost = true;
     } else {

@@ -21,16 +21,6 @@ namespace {
 constexpr std::array<std::size_t, 2> kGroups{5, 3};
 constexpr std::size_t kMaxJoints = 20;
 
-std::vector<std::string_view> comma_fields(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(trimmed(line.substr(0, comma)));
-    if (comma == line.npos) return fields;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 /// Joints of a row of `columns` numbers without header; 0 where no layout fits.
 std::size_t joints_of(std::size_t columns) {
   for (const std::size_t groups : kGroups) {
@@ -106,7 +96,7 @@ Expected<ImportedJointLog> import_without_header(const fs::path& file, const std
   std::size_t columns = 0;
   while (const std::optional<std::string_view> line = lines.next()) {
     if (trimmed(*line).empty()) continue;
-    const std::vector<std::string_view> fields = comma_fields(*line);
+    const std::vector<std::string_view> fields = split_at(',', *line);
     if (columns == 0) columns = fields.size();
     if (fields.size() != columns || joints_of(columns) == 0) {
       return Error{.message = fmt::format("has {} columns", fields.size()),
@@ -247,7 +237,7 @@ bool has_joint_log(const fs::path& source) {
   }
   if (source.extension() != ".csv") return false;
   const std::string line = first_line(source);
-  const std::vector<std::string_view> fields = comma_fields(line);
+  const std::vector<std::string_view> fields = split_at(',', line);
   const bool is_numbers = parse_number(fields[0]).has_value();
   return is_numbers ? joints_of(fields.size()) > 0
                     : line.starts_with("q") || line.find(",q_") != line.npos;
@@ -266,7 +256,7 @@ Expected<ImportedJointLog> import_joint_log(const fs::path& source,
   const Expected<std::string> text = read_file(source);
   if (!text) return text.error();
   const std::string line = text->substr(0, text->find('\n'));
-  const bool is_numbers = parse_number(comma_fields(line)[0]).has_value();
+  const bool is_numbers = parse_number(split_at(',', line)[0]).has_value();
   Expected<ImportedJointLog> imported = is_numbers ? import_without_header(source, *text)
                                                    : import_without_stamps(source, *text, options);
   if (imported && imported->log.t.empty()) {

@@ -15,15 +15,6 @@ using Separator = RowFormat::Separator;
 
 constexpr std::string_view kWhitespace = " \t";
 
-void split_at_commas(std::string_view line, std::vector<std::string_view>& fields) {
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(trimmed(line.substr(0, comma)));
-    if (comma == line.npos) return;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 void split_at_whitespace(std::string_view line, std::vector<std::string_view>& fields) {
   for (;;) {
     const std::size_t begin = line.find_first_not_of(kWhitespace);
@@ -43,7 +34,7 @@ class RowFields {
     fields_.clear();
     if (separator == Separator::comma) {
       if (trimmed(line).empty()) return false;
-      split_at_commas(line, fields_);
+      split_at(',', line, fields_);
       return true;
     }
     // Quotes are rare: without them a row needs no copy.
@@ -171,6 +162,22 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kWhitespace) - begin + 1);
 }
 
+void split_at(char separator, std::string_view line, std::vector<std::string_view>& fields) {
+  fields.clear();
+  for (;;) {
+    const std::size_t end = line.find(separator);
+    fields.push_back(trimmed(line.substr(0, end)));
+    if (end == line.npos) return;
+    line.remove_prefix(end + 1);
+  }
+}
+
+std::vector<std::string_view> split_at(char separator, std::string_view line) {
+  std::vector<std::string_view> fields;
+  split_at(separator, line, fields);
+  return fields;
+}
+
 std::optional<double> parse_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double number = 0.0;
@@ -245,8 +252,7 @@ Expected<std::vector<std::string>> read_header(const std::string& file, LineRead
   if (!line) {
     return Error{.message = "is empty", .file = file, .hint = "begin with the header line"};
   }
-  std::vector<std::string_view> names;
-  split_at_commas(*line, names);
+  const std::vector<std::string_view> names = split_at(',', *line);
   return std::vector<std::string>(names.begin(), names.end());
 }
 

@@ -10,10 +10,10 @@
 
 #include <libdeflate.h>
 
+#include "rosbag/chunked_reader.hpp"
 #include "rosbag/decompression.hpp"
 #include "rosbag/mcap_format.hpp"
 #include "rosbag/record_fields.hpp"
-#include "rosbag/topic_table.hpp"
 
 namespace pcavr {
 namespace {
@@ -36,51 +36,15 @@ Stamp stamp_of(std::uint64_t nanoseconds) {
   return {static_cast<std::int64_t>(std::min(nanoseconds, kMax))};
 }
 
-class McapReader final : public BagReader {
+class McapReader final : public ChunkedReader<McapRecord> {
  public:
-  explicit McapReader(ByteSource source) : source_(std::move(source)) {}
-
-  Expected<std::optional<BagMessage>> next() override {
-    while (!is_end_) {
-      Expected<std::optional<McapRecord>> record = is_in_chunk_ ? next_of_chunk() : next_of_file();
-      if (!record) return fail(record.error());
-      if (!*record) continue;
-      Expected<std::optional<BagMessage>> message = handle(**record);
-      if (!message) return fail(message.error());
-      if (*message) return message;
-    }
-    return std::optional<BagMessage>();
-  }
-
-  const std::vector<BagTopic>& topics() const override { return topics_.topics(); }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  explicit McapReader(ByteSource source)
+      : ChunkedReader(std::move(source), mcap::kMagic.size(), kDamagedHint) {}
 
  private:
-  Error fail(Error error) {
-    is_end_ = true;
-    return error;
-  }
-
-  Error damaged(const std::string& what) const {
-    return source_.error_at(record_at_, what, kDamagedHint);
-  }
-
-  void warn(const std::string& text) { warnings_.push_back(source_.name() + ": " + text); }
-
-  /// The file ends in the middle of a record, or without a footer.
-  void finish_cut() {
-    is_end_ = true;
-    warn("is cut at byte " + std::to_string(record_at_) + "; " + std::to_string(messages_) +
-         " messages before it are read");
-  }
-
-  /// nullopt: there is nothing to handle.
-  Expected<std::optional<McapRecord>> next_of_file() {
+  Expected<std::optional<McapRecord>> next_of_file() override {
     record_at_ = offset_;
-    if (source_.size() - offset_ < mcap::kRecordHead) {
-      finish_cut();
-      return std::optional<McapRecord>();
-    }
+    if (source_.size() - offset_ < mcap::kRecordHead) return finish_cut();
     const Expected<Bytes> head = source_.view(offset_, mcap::kRecordHead);
     if (!head) return head.error();
     RecordFields fields(*head);
@@ -116,7 +80,7 @@ class McapReader final : public BagReader {
     return (opcode >= kHeader && opcode <= kChunk) || opcode == kStatistics || opcode == kDataEnd;
   }
 
-  Expected<std::optional<McapRecord>> next_of_chunk() {
+  Expected<std::optional<McapRecord>> next_of_chunk() override {
     const std::size_t left = chunk_.size();
     if (left == 0) {
       leave_chunk();
@@ -144,8 +108,7 @@ class McapReader final : public BagReader {
     if (is_cut_chunk_) finish_cut();
   }
 
-  /// A message, or nullopt for any other record.
-  Expected<std::optional<BagMessage>> handle(const McapRecord& record) {
+  Expected<std::optional<BagMessage>> handle(const McapRecord& record) override {
     RecordFields fields(record.content);
     Expected<void> done;
     switch (record.opcode) {
@@ -287,20 +250,10 @@ class McapReader final : public BagReader {
     return {};
   }
 
-  ByteSource source_;
-  TopicTable topics_;
-  std::vector<std::string> warnings_;
   std::map<std::uint16_t, SchemaRecord> schemas_;
   std::map<std::uint16_t, std::size_t> channels_;  ///< index of the topic
-  std::vector<std::uint8_t> unpacked_;
-  Bytes chunk_;  ///< the rest of `unpacked_`
-  std::uint64_t offset_ = mcap::kMagic.size();
-  std::uint64_t record_at_ = 0;
-  std::uint64_t messages_ = 0;
-  bool is_in_chunk_ = false;
   bool is_cut_chunk_ = false;
   bool is_in_summary_ = false;
-  bool is_end_ = false;
 };
 
 }  // namespace

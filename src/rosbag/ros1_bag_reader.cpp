@@ -6,9 +6,9 @@
 #include <map>
 #include <utility>
 
+#include "rosbag/chunked_reader.hpp"
 #include "rosbag/decompression.hpp"
 #include "rosbag/ros1_fields.hpp"
-#include "rosbag/topic_table.hpp"
 
 namespace pcavr {
 namespace {
@@ -34,51 +34,18 @@ struct Ros1Record {
   Ros1Bytes data;
 };
 
-class Ros1BagReader final : public BagReader {
+class Ros1BagReader final : public ChunkedReader<Ros1Record> {
  public:
-  explicit Ros1BagReader(ByteSource source) : source_(std::move(source)) {}
-
-  Expected<std::optional<BagMessage>> next() override {
-    while (!is_end_) {
-      const Expected<std::optional<Ros1Record>> record =
-          is_in_chunk_ ? next_of_chunk() : next_of_file();
-      if (!record) return fail(record.error());
-      if (!*record) continue;
-      Expected<std::optional<BagMessage>> message = handle(**record);
-      if (!message) return fail(message.error());
-      if (*message) return message;
-    }
-    return std::optional<BagMessage>();
-  }
-
-  const std::vector<BagTopic>& topics() const override { return topics_.topics(); }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  explicit Ros1BagReader(ByteSource source)
+      : ChunkedReader(std::move(source), kRos1Magic.size(), kRos1Hint) {}
 
  private:
-  Error fail(Error error) {
-    is_end_ = true;
-    return error;
-  }
-
-  Error damaged(const std::string& what) const {
-    return source_.error_at(record_at_, what, kRos1Hint);
-  }
-
-  void warn(const std::string& text) { warnings_.push_back(source_.name() + ": " + text); }
-
   std::optional<Ros1Record> finish() {
     is_end_ = true;
     if (has_counts_ && counted_ != messages_) {
       warn("its index counts " + std::to_string(counted_) + " messages, but it has " +
            std::to_string(messages_));
     }
-    return std::nullopt;
-  }
-
-  std::optional<Ros1Record> finish_cut() {
-    is_end_ = true;
-    warn("is cut at byte " + std::to_string(record_at_) + "; " + std::to_string(messages_) +
-         " messages before it are read");
     return std::nullopt;
   }
 
@@ -91,8 +58,7 @@ class Ros1BagReader final : public BagReader {
     return damaged("record without fields");
   }
 
-  /// nullopt: there is nothing to handle.
-  Expected<std::optional<Ros1Record>> next_of_file() {
+  Expected<std::optional<Ros1Record>> next_of_file() override {
     record_at_ = offset_;
     std::uint64_t left = source_.size() - offset_;
     if (left == 0) {
@@ -138,7 +104,7 @@ class Ros1BagReader final : public BagReader {
     return std::optional(Ros1Record{*op, *fields, data});
   }
 
-  Expected<std::optional<Ros1Record>> next_of_chunk() {
+  Expected<std::optional<Ros1Record>> next_of_chunk() override {
     RecordFields rest(chunk_);
     const Ros1Bytes header = rest.sized();
     const Ros1Bytes data = rest.sized();
@@ -152,7 +118,7 @@ class Ros1BagReader final : public BagReader {
     return record_of(header, data);
   }
 
-  Expected<std::optional<BagMessage>> handle(const Ros1Record& record) {
+  Expected<std::optional<BagMessage>> handle(const Ros1Record& record) override {
     Expected<void> done;
     if (is_cut_ && !is_in_chunk_ && record.op != kRos1Chunk) {
       finish_cut();
@@ -250,21 +216,11 @@ class Ros1BagReader final : public BagReader {
     has_counts_ = true;
   }
 
-  ByteSource source_;
-  TopicTable topics_;
-  std::vector<std::string> warnings_;
   std::map<std::uint32_t, std::size_t> connections_;  ///< index of the topic
-  std::vector<std::uint8_t> unpacked_;
-  Ros1Bytes chunk_;  ///< the rest of `unpacked_`
-  std::uint64_t offset_ = kRos1Magic.size();
-  std::uint64_t record_at_ = 0;
-  std::uint64_t index_at_ = 0;  ///< 0: the bag was not closed
-  std::uint64_t messages_ = 0;
-  std::uint64_t counted_ = 0;  ///< by the index
+  std::uint64_t index_at_ = 0;                        ///< 0: the bag was not closed
+  std::uint64_t counted_ = 0;                         ///< by the index
   bool has_counts_ = false;
-  bool is_in_chunk_ = false;
   bool is_cut_ = false;  ///< the record at record_at_ ends with the file
-  bool is_end_ = false;
 };
 
 }  // namespace

@@ -29,7 +29,8 @@ class ByteWriter {
   std::vector<std::uint8_t>& bytes_;
 };
 
-/// Deserialises what ByteWriter wrote. Past the end it returns zeros and is_valid() is false.
+/// Deserialises little-endian numbers, as ByteWriter wrote them. Past the end it returns zeros and
+/// empty spans, and is_valid() is false. Never copies.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -37,19 +38,25 @@ class ByteReader {
   template <std::unsigned_integral Integer>
   [[nodiscard]] Integer integer() {
     Integer value = 0;
-    if (bytes_.size() < sizeof(Integer)) {
-      is_valid_ = false;
-      bytes_ = {};
-      return value;
+    const std::span<const std::uint8_t> bytes = take(sizeof(Integer));
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      value = static_cast<Integer>(value | (static_cast<std::uint64_t>(bytes[i]) << (8 * i)));
     }
-    for (std::size_t i = 0; i < sizeof(Integer); ++i) {
-      value = static_cast<Integer>(value | (static_cast<std::uint64_t>(bytes_[i]) << (8 * i)));
-    }
-    bytes_ = bytes_.subspan(sizeof(Integer));
     return value;
   }
   [[nodiscard]] float f32() { return std::bit_cast<float>(integer<std::uint32_t>()); }
   [[nodiscard]] double f64() { return std::bit_cast<double>(integer<std::uint64_t>()); }
+
+  [[nodiscard]] std::span<const std::uint8_t> take(std::uint64_t count) {
+    if (count > bytes_.size()) {
+      is_valid_ = false;
+      bytes_ = {};
+      return {};
+    }
+    const std::span<const std::uint8_t> taken = bytes_.first(static_cast<std::size_t>(count));
+    bytes_ = bytes_.subspan(taken.size());
+    return taken;
+  }
 
   [[nodiscard]] std::span<const std::uint8_t> rest() const { return bytes_; }
   [[nodiscard]] bool is_valid() const { return is_valid_; }

@@ -36,6 +36,10 @@ class LineReader {
 /// Without whitespace (space, tab) at either end.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
+/// The parts of `line` between the separators, trimmed, in the place of what `fields` had.
+void split_at(char separator, std::string_view line, std::vector<std::string_view>& fields);
+[[nodiscard]] std::vector<std::string_view> split_at(char separator, std::string_view line);
+
 /// Parses all of `text` as a decimal number. nullopt where it is not one, or not finite.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
