@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "cloud/parse_formats.hpp"
-
 #include <algorithm>
+
+#include "cloud/parse_formats.hpp"
 
 namespace pcavr {
 namespace {
