@@ -17,6 +17,7 @@
 #include <pcl/registration/correspondence_rejection_sample_consensus.h>
 #include <pcl/registration/gicp.h>
 
+#include "pcavr/cloud/silence_pcl.hpp"
 #include "pcavr/core/check.hpp"
 
 namespace pcavr {
@@ -245,6 +246,7 @@ CloudAgreement compare_clouds(const Points& points_a, const Points& points_b, co
 CloudAlignment align_clouds(const std::vector<Points>& clouds, const AlignmentOptions& options,
                             const Observer& observer) {
   PCAVR_REQUIRE(options.voxel > 0.0, options.voxel);
+  const SilencePcl silence;
   SequenceAligner aligner(options);
   for (std::size_t i = 0; i < clouds.size(); ++i) {
     const std::optional<Pose> T_world_cloud = aligner.add(clouds[i]);

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "cloud/parse_formats.hpp"
 
 namespace pcavr {
@@ -31,8 +33,13 @@ bool copy_match(unsigned control, std::size_t size, LzfInput& input, std::string
   length += 2;
   const std::size_t offset = ((control & 31U) << 8 | input.take()) + 1;
   if (!input.is_valid || offset > output.size() || length > size - output.size()) return false;
-  // Byte by byte: a match may overlap what it produces.
-  for (std::size_t i = 0; i < length; ++i) output.push_back(output[output.size() - offset]);
+  // A match may overlap what it produces: it then repeats what is there.
+  const std::size_t from = output.size() - offset;
+  while (length > 0) {
+    const std::size_t copied = std::min(length, output.size() - from);
+    output.append(output, from, copied);
+    length -= copied;
+  }
   return true;
 }
 

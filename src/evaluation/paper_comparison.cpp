@@ -183,11 +183,8 @@ ReportTable paper_table(const Findings& findings) {
   add(kForceError,
       with_delays(format_errors(relative_force_errors(run.forces_with_parameters), kPercent, "%"),
                   run));
-  std::vector<ContactPeak> presses = peaks_of(run, ContactTask::press);
-  const auto first_soft = std::stable_partition(
-      presses.begin(), presses.end(), [](const ContactPeak& peak) { return !is_soft_press(peak); });
-  const std::vector<ContactPeak> soft(first_soft, presses.end());
-  presses.erase(first_soft, presses.end());
+  const std::vector<ContactPeak> presses = experiment_presses(run, false);
+  const std::vector<ContactPeak> soft = experiment_presses(run, true);
   if (!presses.empty()) add(kPeakError, peak_error_text(presses));
   if (!soft.empty()) add(kSoftError, peak_error_text(soft));
   const std::vector<ContactPeak> slotting = peaks_of(run, ContactTask::slotting);
@@ -198,9 +195,8 @@ ReportTable paper_table(const Findings& findings) {
       "augmented virtual environment. The papers use real boxes and robots; for a run of a "
       "simulated recording, this compares methods under the given noise, not hardware. Not in the "
       "source: the available text of C lacks its tables' numbers. –: this run has no value. B's "
-      "presses, soft object and slotting are listed for runs with such contacts. C's figure 8, the "
-      "comparison of "
-      "estimators, is in the report of pcavr identify.";
+      "presses, soft object and slotting are listed for runs of such contacts. C's figure 8, the "
+      "comparison of estimators, is in the report of pcavr identify.";
   return table;
 }
 

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pcavr/contact/hunt_crossley.hpp"
+#include "pcavr/contact/impact.hpp"
 
 namespace pcavr {
 namespace {
@@ -28,6 +31,7 @@ const std::array kKinds = {
     Kind{"contact.stiffness", "N/m^n", &ObjectParameters::contact_stiffness, true},
     Kind{"contact.damping", "N s/m^(n+1)", &ObjectParameters::contact_damping, true},
     Kind{"contact.exponent", "", &ObjectParameters::contact_exponent},
+    Kind{"contact.mass", "kg", &ObjectParameters::contact_mass},
     Kind{"friction_radius", "m", &ObjectParameters::friction_radius},
     Kind{"tool_friction_coefficient", "", &ObjectParameters::tool_friction_coefficient}};
 
@@ -67,6 +71,26 @@ std::optional<ParameterError> contact_force_error(const std::string& object,
   return error;
 }
 
+/// The restitution of impacts at the speed of the measured ones; the truth by the true law.
+std::optional<ParameterError> restitution_error(const std::string& object,
+                                                const ObjectParameters* truth,
+                                                const ObjectParameters& estimate) {
+  if (!estimate.contact_restitution) return std::nullopt;
+  ParameterError error{.object = object,
+                       .name = "contact.restitution",
+                       .unit = "",
+                       .estimate = estimate.contact_restitution};
+  const bool is_known = truth && truth->contact_damping && estimate.contact_impact_speed;
+  const std::optional<HuntCrossley> law = is_known ? contact_law_of(*truth) : std::nullopt;
+  if (law && law->exponent > 1.0) {  // a linear damping has another unit
+    // It does not depend on the mass.
+    const Impact impact = simulate_impact(*law, 1.0, estimate.contact_impact_speed->value);
+    if (impact.has_separated) error.truth = impact.restitution;
+  }
+  compare(error);
+  return error;
+}
+
 std::vector<ParameterError> errors_of(const std::string& object, const ObjectParameters* truth,
                                       const ObjectParameters& estimate) {
   std::vector<ParameterError> errors;
@@ -83,6 +107,9 @@ std::vector<ParameterError> errors_of(const std::string& object, const ObjectPar
     if (truth && !error.is_given && (!kind.depends_on_exponent || same_exponent(*truth, estimate)))
       compare(error);
     errors.push_back(error);
+  }
+  if (auto restitution = restitution_error(object, truth, estimate)) {
+    errors.push_back(*std::move(restitution));
   }
   if (truth) {
     if (auto force = contact_force_error(object, *truth, estimate)) errors.push_back(*force);

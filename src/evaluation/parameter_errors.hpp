@@ -27,7 +27,8 @@ struct ParameterError {
 /// Every parameter of either side, of the objects in the estimate; objects by name, parameters in
 /// the order of the files. Where both contact laws are known, the last line of an object,
 /// "contact.force", compares their elastic forces at the penetration at which the true contact's
-/// force equals the true limiting friction, so that laws of different exponents can be compared. An
+/// force equals the true limiting friction, so that laws of different exponents can be compared. A
+/// restitution's truth is that of the true law at the speed of the measured impacts. An
 /// empty `truth` gives the estimate alone.
 [[nodiscard]] std::vector<ParameterError> parameter_errors(const ParameterTable& truth,
                                                            const ParameterTable& estimate);

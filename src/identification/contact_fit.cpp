@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
@@ -25,6 +26,11 @@ constexpr double kNoiseFactor = 3.0;
 // An exponent below is that of a linear law: in a tie, noise decides about the rest.
 constexpr double kMaxLinearExponent = 1.15;
 constexpr double kMinExponentStd = 0.01;  // no measured law is linear to more than that
+// Of the accelerations' rms: beyond, noise makes the mass smaller by its square and more, since at
+// one frequency the mass hardly differs from a stiffness.
+constexpr double kMaxNoiseShare = 0.05;
+constexpr double kMaxSmoothing = 4.0;   // times the half width of the options
+constexpr double kSmoothingStep = 1.4;  // from one half width to the next
 
 ContactSample mean_of(const std::vector<ContactSample>& samples) {
   ContactSample mean;
@@ -119,12 +125,45 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses, double min_mass_
   fit.is_valid = fit.stiffness.is_excited && fit.stiffness.value > 0.0;
   if (fit.is_valid) fit.penetration_std = fit.stiffness.std / fit.stiffness.value;
   for (const PressSamples& press : presses) {
-    const ContactSample mean = press.samples.empty() ? ContactSample{} : mean_of(press.samples);
+    if (press.samples.empty()) {
+      fit.surface.push_back(press.onset);
+      continue;
+    }
+    const ContactSample mean = mean_of(press.samples);
     const double lift =
         mean.force - fit.mass.value * mean.acceleration - fit.damping.value * mean.speed;
     fit.surface.push_back(mean.position - lift / fit.stiffness.value);
   }
   return fit;
+}
+
+std::vector<PressSamples> samples_of(std::span<const ForceMotion> presses,
+                                     const std::vector<std::size_t>& touched,
+                                     const ContactFitOptions& options) {
+  std::vector<PressSamples> samples;
+  for (const std::size_t i : touched) samples.push_back(press_samples(presses[i], options));
+  return samples;
+}
+
+/// The linear law with its mass, if that is significant, of signals smoothed until noise is a small
+/// share of the accelerations: the law holds of signals that any kernel has smoothed, and only the
+/// ends of the presses are lost. `options` get that half width.
+std::optional<ContactFit> fit_with_mass(std::span<const ForceMotion> presses,
+                                        const std::vector<std::size_t>& touched,
+                                        ContactFitOptions& options) {
+  ContactFitOptions wider = options;
+  for (; wider.half_width < kMaxSmoothing * options.half_width;
+       wider.half_width *= kSmoothingStep) {
+    const std::vector<PressSamples> samples = samples_of(presses, touched, wider);
+    double noise = 0.0;
+    for (const PressSamples& press : samples) noise = std::max(noise, press.acceleration_noise);
+    if (noise > kMaxNoiseShare * scales_of(samples)[0]) continue;
+    ContactFit fit = fit_linear(samples, options.min_mass_stds);
+    if (!fit.is_valid || !fit.mass.is_excited) return std::nullopt;
+    options.half_width = wider.half_width;
+    return fit;
+  }
+  return std::nullopt;
 }
 
 /// The uncertainty of the linear law's exponent, from the Hunt-Crossley fit.
@@ -147,7 +186,8 @@ std::string proposal_for(const ContactIdentification& found) {
 }
 
 /// Of the two hypotheses, a surface that stays and one that moves, the better one: on the same
-/// presses, as along the local direction the force itself differs.
+/// presses, as along the local direction the force itself differs. `options` with the smoothing of
+/// the first one.
 void take_drifting_surface(std::span<const ForceMotion> presses, std::span<const ForceMotion> local,
                            const ContactFitOptions& options, ContactIdentification& found) {
   const ContactFit fixed = found.best();
@@ -193,6 +233,10 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
     return found;
   }
   found.mass_damper_spring = fit_linear(samples, options.min_mass_stds);
+  ContactFitOptions smoothed = options;
+  if (auto fit = fit_with_mass(presses, found.touched, smoothed)) {
+    found.mass_damper_spring = *std::move(fit);
+  }
   if (options.drift_half_width <= 0.0) {
     found.hunt_crossley = fit_hunt_crossley(samples, options);
     set_linear_exponent(found.hunt_crossley, found.mass_damper_spring);
@@ -210,7 +254,8 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
     found.chosen = ContactRegressor::hunt_crossley;
   }
   found.proposal = proposal_for(found);
-  if (options.drift_half_width <= 0.0) take_drifting_surface(presses, local, options, found);
+  if (found.chosen == ContactRegressor::hunt_crossley) smoothed = options;
+  if (options.drift_half_width <= 0.0) take_drifting_surface(presses, local, smoothed, found);
   return found;
 }
 

@@ -292,8 +292,9 @@ double normalised_misfit(const std::vector<PressSamples>& presses, const Contact
           depth > 0.0 ? n * power / depth * (fit.stiffness.value + (is_curved ? drag : 0.0)) : 0.0;
       double estimated = power * (fit.stiffness.value + (is_curved ? drag : 0.0));
       if (!is_curved && depth > 0.0) estimated += drag + fit.mass.value * sample.acceleration;
-      const double variance =
-          std::pow(press.force_noise, 2) + std::pow(slope * press.position_noise, 2);
+      const double variance = std::pow(press.force_noise, 2) +
+                              std::pow(slope * press.position_noise, 2) +
+                              std::pow(fit.mass.value * press.acceleration_noise, 2);
       sum += std::pow(sample.force - estimated, 2) / std::max(variance, 1e-300);
       count += 1.0;
     }

@@ -22,6 +22,9 @@ constexpr double kCorrelatedByInterpolation = 2.0;
 constexpr double kExponents[] = {1.0, 1.5, 2.0};
 constexpr double kBeforeRelease = 0.15;   // [s] of a push before its release that are used
 constexpr std::size_t kMaxSamples = 250;  // of a contact: more are not independent
+// A linear contact's force leads the tip by its damping over its stiffness, as an early clock
+// would.
+constexpr double kMaxLinearLead = 0.010;  // [s] real tissue: 4 ms
 
 /// Samples on the force's clock at which the object is at rest under the tip.
 struct StationaryContact {
@@ -223,8 +226,11 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
   const ResidualSums trend =
       residual_sums(contacts, tip, result.offset, exponent, Signals::smoothed);
   result.correlation = std::sqrt(std::max(0.0, 1.0 - trend.squares / trend.motion_squares));
+  const bool may_be_damping = has_presses && exponent == kExponents[0] && result.offset < 0.0 &&
+                              result.offset > -kMaxLinearLead;
   // At constant speed under load, any offset would fit.
-  result.is_known = !is_at_end && result.correlation > 0.9 && result.std < 0.5 * kGridStep;
+  result.is_known =
+      !is_at_end && !may_be_damping && result.correlation > 0.9 && result.std < 0.5 * kGridStep;
   return result;
 }
 

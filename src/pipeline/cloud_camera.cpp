@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "pcavr/cloud/cloud_alignment.hpp"
 #include "pcavr/cloud/range_image.hpp"
 #include "pcavr/core/median.hpp"
+#include "pcavr/core/parallel.hpp"
 
 namespace pcavr {
 namespace {
@@ -56,13 +58,18 @@ struct Probe {
   RecordedCloud cloud;
 };
 
-Expected<std::vector<Probe>> read_probes(const std::vector<ListedCloud>& clouds) {
+Expected<std::vector<Probe>> read_probes(const std::vector<ListedCloud>& clouds,
+                                         Parallelism parallelism) {
+  const std::set<std::size_t> chosen = probe_indices(clouds.size());
+  const std::vector<std::size_t> indices(chosen.begin(), chosen.end());
+  std::vector<std::optional<Expected<RecordedCloud>>> read(indices.size());
+  parallel_for(parallelism, indices.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) read[i] = read_cloud(clouds[indices[i]].file);
+  });
   std::vector<Probe> probes;
-  for (const std::size_t i : probe_indices(clouds.size())) {
-    const std::string file = clouds[i].file.string();
-    Expected<RecordedCloud> cloud = read_cloud(file);
-    if (!cloud) return cloud.error();
-    probes.push_back({file, *std::move(cloud)});
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (!*read[i]) return read[i]->error();
+    probes.push_back({clouds[indices[i]].file.string(), std::move(**read[i])});
   }
   return probes;
 }
@@ -251,7 +258,7 @@ Expected<MetricCloud> to_metres(RecordedCloud cloud, double unit, const std::str
 
 Expected<CloudCamera> choose_cloud_camera(const std::vector<ListedCloud>& clouds,
                                           const CloudImportOptions& options) {
-  Expected<std::vector<Probe>> probes = read_probes(clouds);
+  Expected<std::vector<Probe>> probes = read_probes(clouds, options.parallelism);
   if (!probes) return probes.error();
   CloudCamera camera;
   if (auto done = apply_unit(options, *probes, camera); !done) return done.error();

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -56,16 +57,20 @@ const std::array<PoseHypothesis, 5>& pose_hypotheses() {
 /// Mean overlap of pairs of clouds along the sequence, with each pose passed through `change`.
 double mean_overlap(const std::vector<Pose>& T_world_cloud,
                     const std::vector<std::vector<Eigen::Vector3f>>& clouds, double voxel,
-                    const std::function<Pose(const Pose&)>& change) {
+                    Parallelism parallelism, const std::function<Pose(const Pose&)>& change) {
   const std::size_t step = compared_cloud_step(clouds.size());
-  double sum = 0.0;
-  std::size_t pairs = 0;
-  for (std::size_t i = 0; i + step < clouds.size(); i += step) {
-    const Pose T_a_b = change(T_world_cloud[i]).inverse() * change(T_world_cloud[i + step]);
-    sum += compare_clouds(clouds[i], clouds[i + step], T_a_b, voxel).overlap;
-    ++pairs;
-  }
-  return pairs == 0 ? 1.0 : sum / static_cast<double>(pairs);
+  std::vector<double> overlaps((clouds.size() - 1) / step);
+  if (overlaps.empty()) return 1.0;
+  parallel_for(parallelism, overlaps.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t pair = begin; pair < end; ++pair) {
+      const std::size_t a = pair * step;
+      const std::size_t b = a + step;
+      const Pose T_a_b = change(T_world_cloud[a]).inverse() * change(T_world_cloud[b]);
+      overlaps[pair] = compare_clouds(clouds[a], clouds[b], T_a_b, voxel).overlap;
+    }
+  });
+  return std::accumulate(overlaps.begin(), overlaps.end(), 0.0) /
+         static_cast<double>(overlaps.size());
 }
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
@@ -135,14 +140,16 @@ Expected<std::vector<Pose>> read_cloud_poses(const std::filesystem::path& file,
 Expected<void> check_cloud_poses(const std::vector<Pose>& T_world_cloud,
                                  const std::vector<std::vector<Eigen::Vector3f>>& thinned_clouds,
                                  double voxel, const std::filesystem::path& file,
-                                 const Observer& observer) {
-  const double given =
-      mean_overlap(T_world_cloud, thinned_clouds, voxel, [](const Pose& pose) { return pose; });
+                                 Parallelism parallelism, const Observer& observer) {
+  const auto overlap_by = [&](const std::function<Pose(const Pose&)>& change) {
+    return mean_overlap(T_world_cloud, thinned_clouds, voxel, parallelism, change);
+  };
+  const double given = overlap_by([](const Pose& pose) { return pose; });
   if (given >= kPlausibleOverlap) return {};
   const PoseHypothesis* best = nullptr;
   double best_overlap = given + kExplainedOverlap;
   for (const PoseHypothesis& hypothesis : pose_hypotheses()) {
-    const double overlap = mean_overlap(T_world_cloud, thinned_clouds, voxel, hypothesis.pose);
+    const double overlap = overlap_by(hypothesis.pose);
     if (overlap < best_overlap) continue;
     best = &hypothesis;
     best_overlap = overlap;

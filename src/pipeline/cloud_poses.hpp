@@ -10,6 +10,7 @@
 
 #include "pcavr/cloud/cloud_list.hpp"
 #include "pcavr/core/expected.hpp"
+#include "pcavr/core/parallel.hpp"
 #include "pcavr/geometry/depth_noise.hpp"
 #include "pcavr/marker/body_pose.hpp"
 #include "pcavr/marker/tag_detector.hpp"
@@ -34,7 +35,7 @@ namespace pcavr {
 [[nodiscard]] Expected<void> check_cloud_poses(
     const std::vector<Pose>& T_world_cloud,
     const std::vector<std::vector<Eigen::Vector3f>>& thinned_clouds, double voxel,
-    const std::filesystem::path& file, const Observer& observer);
+    const std::filesystem::path& file, Parallelism parallelism, const Observer& observer);
 
 /// T_base_world from base tags that the clouds show.
 struct TagAnchor {

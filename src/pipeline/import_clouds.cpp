@@ -204,7 +204,8 @@ class CloudImport {
   Expected<void> place_clouds() {
     switch (report_.poses) {
       case CloudPoses::given: {
-        return check_cloud_poses(T_world_cloud_, thinned_, thin_voxel_, options_.poses, observer_);
+        return check_cloud_poses(T_world_cloud_, thinned_, thin_voxel_, options_.poses,
+                                 options_.parallelism, observer_);
       }
       case CloudPoses::viewpoints:
         // Points in the world frame themselves, or in that of the sensor at the viewpoint.

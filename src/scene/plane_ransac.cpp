@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <pcl/console/print.h>
 #include <pcl/point_types.h>
 #include <pcl/sample_consensus/ransac.h>
 #include <pcl/sample_consensus/sac_model_perpendicular_plane.h>
+
+#include "pcavr/cloud/silence_pcl.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,18 +19,6 @@ constexpr std::size_t kMaxPoints = 20'000;
 constexpr int kMaxIterations = 500;
 /// Confidence of drawing a sample without outliers.
 constexpr double kConfidence = 0.9999;
-
-/// Silences PCL's message that it found no model, which is an expected result here.
-class SilencePcl {
- public:
-  SilencePcl() { pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS); }
-  ~SilencePcl() { pcl::console::setVerbosityLevel(previous_level_); }
-  SilencePcl(const SilencePcl&) = delete;
-  SilencePcl& operator=(const SilencePcl&) = delete;
-
- private:
-  pcl::console::VERBOSITY_LEVEL previous_level_ = pcl::console::getVerbosityLevel();
-};
 
 }  // namespace
 

@@ -127,6 +127,7 @@ class ImportClouds : public testing::Test {
     const std::string line = outcome.standard_error.substr(at);
     EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
     EXPECT_NE(line.find(text), std::string::npos) << line;
+    EXPECT_EQ(outcome.standard_error.find("[pcl::"), std::string::npos) << outcome.standard_error;
     EXPECT_FALSE(fs::exists(target()));
   }
   [[nodiscard]] Recording recording() const { return read_recording(target()).value(); }

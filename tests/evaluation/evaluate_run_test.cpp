@@ -354,6 +354,20 @@ TEST_F(EvaluateRun, ComparesPressesWithPaperB) {
   EXPECT_EQ(data.find("[paper B, table 4]"), std::string::npos);
 }
 
+TEST_F(EvaluateRun, ComparesNoImpactWithPaperBsPresses) {
+  // The tip comes down at 200 mm/s: no press of B's is faster than 60 mm/s.
+  write(truth() / "phase.csv", "t,object,phase\n0,box,free\n1.0,box,static\n2.5,box,free\n");
+  std::string tool = "t,x,y,z,qx,qy,qz,qw\n";
+  for (int i = 0; i <= 400; ++i) {
+    const double z = 0.3 - 0.2 * std::min(0.01 * i, 1.02);
+    tool += std::to_string(0.01 * i) + ",0,0," + std::to_string(z) + ",0,0,0,1\n";
+  }
+  write(truth().parent_path() / "tool.csv", tool);
+  write(truth().parent_path() / "recording.yaml", "format: pcavr-recording/1\n");
+  EXPECT_EQ(beside("B, table 3"), "no row");
+  EXPECT_EQ(beside("B, table 4"), "no row");
+}
+
 TEST_F(EvaluateRun, ComparesSoftPressesWithPaperBsTable4) {
   // 12 mm deep until the force's peak.
   write(truth() / "phase.csv", "t,object,phase\n0,box,free\n1.0,box,static\n2.5,box,free\n");

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/contact/damping.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -50,6 +52,21 @@ TEST(ParameterErrors, DoNotIncludeThatOfAGivenMass) {
       find(parameter_errors({{"box", a_true_box()}}, {{"box", estimate}}), "mass");
   EXPECT_FALSE(identified.is_given);
   EXPECT_EQ(identified.relative, 0.0);
+}
+
+TEST(ParameterErrors, IncludeTheRestitutionOfTheTrueLaw) {
+  ObjectParameters truth = a_true_box();
+  // At 0.1 m/s this damping is that of a restitution of 0.6, by the exact relation.
+  truth.contact_damping =
+      ParameterValue{hunt_crossley_damping(DampingLaw::exact, 1000.0, 0.6, 0.1)};
+  ObjectParameters estimate;
+  estimate.contact_restitution = ParameterValue{0.63, 0.02};
+  estimate.contact_impact_speed = ParameterValue{0.1};
+  const ParameterError error =
+      find(parameter_errors({{"box", truth}}, {{"box", estimate}}), "contact.restitution");
+  ASSERT_TRUE(error.truth.has_value() && error.relative.has_value());
+  EXPECT_NEAR(*error.truth, 0.6, 1e-3);
+  EXPECT_NEAR(*error.relative, 0.05, 2e-3);
 }
 
 TEST(ParameterErrors, IncludeUnknownParameters) {

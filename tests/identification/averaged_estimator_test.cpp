@@ -96,12 +96,12 @@ EstimatorOptions<3> options_of(EstimationMethod method) {
 }
 
 /// Paper C's claim [figure 8]. The options were chosen on seeds 7001 to 7010; these are others.
-TEST(AveragedEstimator, IsMoreAccurateThanBlockAndExponentialAndSettlesBeforeBlockOver10Seeds) {
-  constexpr int kSeeds = 10;
+TEST(AveragedEstimator, IsMoreAccurateThanBlockAndExponentialAndSettlesBeforeBlockOver20Seeds) {
+  constexpr int kSeeds = 20;
   for (const Change change : {Change::step, Change::ramp, Change::drift}) {
     std::array<Tracked, 3> mean{};
     int more_accurate = 0;
-    for (std::uint64_t seed = 7201; seed < 7201 + kSeeds; ++seed) {
+    for (std::uint64_t seed = 7301; seed < 7301 + kSeeds; ++seed) {
       const ChangingPress press(change, seed);
       const Tracked found[] = {
           track(ParameterEstimator<3>(options_of(EstimationMethod::block)), press, seed),

@@ -16,8 +16,9 @@ struct Recorded {
   std::vector<Eigen::Vector3d> tip, force;
 };
 
-/// Presses with smooth reversals, without noise, by Hunt and Crossley's law.
-Recorded soft_presses(double depth, double stiffness, double damping) {
+/// Presses with smooth reversals, without noise, by `force` [N] of penetration [m] and speed.
+template <typename Law>
+Recorded presses(double depth, Law force) {
   constexpr double kRate = 500.0;
   constexpr double kPeriod = 1.2;  // [s]
   Recorded recorded;
@@ -26,27 +27,38 @@ Recorded soft_presses(double depth, double stiffness, double damping) {
     const double phase = 2.0 * 3.14159265358979 / kPeriod * t;
     const double d = depth * (0.5 - 1.5 * std::cos(phase));
     const double rate = depth * 1.5 * std::sin(phase) * 2.0 * 3.14159265358979 / kPeriod;
-    const double power = std::pow(std::max(d, 0.0), 1.5);
     recorded.t.push_back(t);
     recorded.tip.emplace_back(0.4, 0.0, 0.1 - d);
-    recorded.force.emplace_back(0.0, 0.0, -std::max(0.0, power * (stiffness + damping * rate)));
+    recorded.force.emplace_back(0.0, 0.0, d > 0.0 ? -std::max(0.0, force(d, rate)) : 0.0);
   }
   return recorded;
 }
 
+TimeOffset offset_of(Recorded recorded, double shift) {
+  std::vector<double> t_tool = recorded.t;
+  for (double& t : recorded.t) t += shift;
+  const Segmentation found = segment_contacts(recorded.t, recorded.force, t_tool, recorded.tip, {});
+  return force_offset(found, recorded.t, PathView(t_tool, recorded.tip));
+}
+
 TEST(ForceOffset, IsNoneOfADeepPressWithStrongDamping) {
   // At 60 mm/s the damping changes the force by a quarter.
+  const Recorded recorded = presses(
+      0.008, [](double d, double rate) { return std::pow(d, 1.5) * (19000.0 + 76000.0 * rate); });
   for (const double shift : {0.0, 0.004, -0.004}) {
-    Recorded recorded = soft_presses(0.008, 19000.0, 76000.0);
-    for (double& t : recorded.t) t += shift;
-    std::vector<double> t_tool = recorded.t;
-    for (double& t : t_tool) t -= shift;
-    const Segmentation found =
-        segment_contacts(recorded.t, recorded.force, t_tool, recorded.tip, {});
-    const TimeOffset offset = force_offset(found, recorded.t, PathView(t_tool, recorded.tip));
+    const TimeOffset offset = offset_of(recorded, shift);
     ASSERT_TRUE(offset.is_known);
     EXPECT_NEAR(offset.offset, shift, 2e-4);
   }
+}
+
+TEST(ForceOffset, OfALinearContactMayBeItsDamping) {
+  const Recorded recorded =
+      presses(0.002, [](double d, double rate) { return 8000.0 * d + 20.0 * rate; });
+  EXPECT_FALSE(offset_of(recorded, 0.0).is_known);
+  const TimeOffset late = offset_of(recorded, 0.020);
+  EXPECT_TRUE(late.is_known);
+  EXPECT_NEAR(late.offset, 0.020 - 20.0 / 8000.0, 5e-4);
 }
 
 }  // namespace
