@@ -15,6 +15,10 @@ streaming (aim: 1 %), the error of the rendered force outside the first 0.3 s of
 10 %), and the display's errors as a share of those of a plainly delayed one (aim: 25 %). Aim of the
 bad link: no figure worse by more than a third.
 
+As in paper C the parameters come from before the run, by presses and repeated pushes of the same
+boxes: `simulate paper --no-images`, `identify contact`, `identify friction`. One push alone gives a
+limiting friction that is some 20 % off, and t2 is then found when the correction arrives.
+
 --wrong-start gives both sites twice the mass, half the friction, and objects 10 mm off; then the
 corrections of each object until its error is below 3 mm for good are printed, too (aim: 2), and the
 parameters are needed. Needs only python3.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pcavr {
 namespace {
@@ -30,11 +31,17 @@ std::vector<InputBody> bodies_of(const std::vector<TeleopObject>& objects) {
 }  // namespace
 
 InputWatch::InputWatch(const std::vector<TeleopObject>& objects, double tool_radius,
-                       const TeleopOptions& options)
+                       const TeleopOptions& options, std::launch background)
     : prior_(options.sensors),
+      background_(background),
       monitor_(bodies_of(objects), tool_radius, options.inputs),
       force_{options.sensors.force_offset},
       camera_{options.sensors.camera_offset} {}
+
+void InputWatch::add(Waiting sample) {
+  if (examination_) return waiting_.push_back(std::move(sample));
+  sample(monitor_);
+}
 
 void InputWatch::add_tool(double t, const Eigen::Vector3d& p_base_tip,
                           const std::optional<Eigen::Quaterniond>& q_base_tool) {
@@ -42,27 +49,47 @@ void InputWatch::add_tool(double t, const Eigen::Vector3d& p_base_tip,
   if (!has_orientation_) has_orientation_ = q_base_tool.has_value();
   if (*has_orientation_ && !q_base_tool) return;
   first_ = std::min(first_, t);
-  monitor_.add_tool(t, p_base_tip, *has_orientation_ ? q_base_tool : std::nullopt);
+  const std::optional<Eigen::Quaterniond> q = *has_orientation_ ? q_base_tool : std::nullopt;
+  add([=](InputMonitor& monitor) { monitor.add_tool(t, p_base_tip, q); });
 }
 
 void InputWatch::add_force(double t, const Eigen::Vector3d& force_base) {
-  monitor_.add_force(t - prior_.force_offset, force_base);
+  add([=, this](InputMonitor& monitor) { monitor.add_force(t - prior_.force_offset, force_base); });
 }
 
 void InputWatch::add_tracked(std::size_t object, const TrackedPose& pose) {
   TrackedPose shifted = pose;
   shifted.t -= prior_.camera_offset;
-  monitor_.add_tracked(object, shifted);
+  add([=](InputMonitor& monitor) { monitor.add_tracked(object, shifted); });
+}
+
+InputFindings InputWatch::findings() {
+  if (examination_) static_cast<void>(take_examined());
+  return monitor_.findings();
+}
+
+InputFindings InputWatch::take_examined() {
+  InputFindings found = examination_->get();
+  examination_.reset();
+  for (const Waiting& sample : waiting_) sample(monitor_);
+  waiting_.clear();
+  return found;
 }
 
 bool InputWatch::examine(double t, bool has_new_contact) {
+  const bool has_changed =
+      examination_ && examination_->is_due(t) && apply_findings(take_examined(), t);
   const double since = t - examined_.value_or(first_);
   const double known = examined_ ? *examined_ - first_ : 0.0;
   const double due =
       has_new_contact ? kContactGrowth * known : std::max(kFirstExamination, kTimeGrowth * known);
-  if (!(since >= due)) return false;
+  if (examination_ || !(since >= due)) return has_changed;
   examined_ = t;
-  const InputFindings found = monitor_.findings();
+  examination_.emplace(background_, t + kExaminationTime, [this] { return monitor_.findings(); });
+  return has_changed;
+}
+
+bool InputWatch::apply_findings(const InputFindings& found, double t) {
   // A fault of the tool or its clock ends a session: little data may look like one.
   const bool is_of_all = found.fault && !found.fault->is_of_force_only();
   if (is_of_all) return false;

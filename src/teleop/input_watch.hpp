@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -15,6 +16,8 @@
 #include "pcavr/teleop/options.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
+#include "teleop/delayed_result.hpp"
+
 namespace pcavr {
 
 /// A clock offset that is being subtracted, with what is written about it.
@@ -26,12 +29,13 @@ struct AppliedOffset {
 
 /// Examines the samples of a live site while no object is touched: faults of the force, clock
 /// offsets. What is found applies from then on, and is refined. Stamps are those of the sensors,
-/// from which the prior's offsets are subtracted first. Not thread-safe.
+/// from which the prior's offsets are subtracted first. An examination takes up to some tenths of a
+/// second: where `background` is async a thread computes it, and samples wait. Not thread-safe.
 class InputWatch {
  public:
   /// `objects` must outlive it; their series are not used.
   InputWatch(const std::vector<TeleopObject>& objects, double tool_radius,
-             const TeleopOptions& options);
+             const TeleopOptions& options, std::launch background = std::launch::deferred);
 
   void add_tool(double t, const Eigen::Vector3d& p_base_tip,
                 const std::optional<Eigen::Quaterniond>& q_base_tool);
@@ -39,9 +43,11 @@ class InputWatch {
   void add_tracked(std::size_t object, const TrackedPose& pose);
 
   /// Examines the samples so far if that is due at `t` [s]: after a contact, or when half as much
-  /// again has come since the last time. True if a fault or an offset has changed. Call while no
-  /// object is touched.
+  /// again has come since the last time. What is found applies from the first call on that is
+  /// kExaminationTime later. True if a fault or an offset has changed. Call while no object is
+  /// touched.
   bool examine(double t, bool has_new_contact);
+  static constexpr double kExaminationTime = 0.2;  ///< [s] of the data, so that replay equals live
 
   /// A fault of the force; as of the last examination. (One of the tool or its clock is stated by
   /// findings() only, at the end: of little data it may be wrong.)
@@ -49,19 +55,28 @@ class InputWatch {
   [[nodiscard]] const AppliedOffset& force() const { return force_; }
   [[nodiscard]] const AppliedOffset& camera() const { return camera_; }
   /// By all samples so far; expensive.
-  [[nodiscard]] InputFindings findings() const { return monitor_.findings(); }
+  [[nodiscard]] InputFindings findings();
 
  private:
+  using Waiting = std::function<void(InputMonitor&)>;
+  /// To the monitor, after what is being examined.
+  void add(Waiting sample);
+  /// Ends the examination in progress; the samples that wait go to the monitor.
+  [[nodiscard]] InputFindings take_examined();
+  bool apply_findings(const InputFindings& found, double t);
   bool apply(const TimeOffset& found, bool is_significant, double prior, double t,
              AppliedOffset& applied) const;
 
   SensorPriorOptions prior_;
-  InputMonitor monitor_;
+  std::launch background_;
+  InputMonitor monitor_;  ///< only read while an examination is in progress
+  std::vector<Waiting> waiting_;
   std::optional<bool> has_orientation_ = {};
   double first_ = std::numeric_limits<double>::infinity();  ///< [s]
   std::optional<double> examined_ = {};                     ///< [s]
   std::optional<InputFault> fault_ = {};
   AppliedOffset force_, camera_;
+  std::optional<DelayedResult<InputFindings>> examination_ = {};  ///< refers to the monitor
 };
 
 }  // namespace pcavr

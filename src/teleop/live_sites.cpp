@@ -73,7 +73,7 @@ struct LiveRobotSite::Impl {
       : objects(world.objects.size()),
         step(options.predictor.step),
         start(scene_start),
-        site(world, options, completed_bodies(world, options), scene_start),
+        site(world, options, completed_bodies(world, options), scene_start, std::launch::async),
         samples(options.pose.tracking_latency),
         correction_delay(options.round_trip()),
         taken_phases(world.objects.size(), 0) {}

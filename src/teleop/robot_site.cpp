@@ -61,12 +61,12 @@ std::vector<TeleopObject> without_tracking(const std::vector<TeleopObject>& obje
 }  // namespace
 
 RobotSite::RobotSite(const TeleopInput& world, const TeleopOptions& options,
-                     const std::vector<BodyPhysics>& physics, double start)
+                     const std::vector<BodyPhysics>& physics, double start, std::launch background)
     : options_(options),
       world_(without_tracking(world.objects)),
       tip_(options.sensors.tip_noise, options.inputs),
       force_(options.sensors.force_noise),
-      watch_(world_, world.tool_radius, options),
+      watch_(world_, world.tool_radius, options, background),
       trial_(world, physics, options),
       sensors_(sensor_properties(tip_, force_, options.touch)),
       last_tracked_(world_.size()),

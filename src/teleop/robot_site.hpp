@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,9 +35,12 @@ namespace pcavr {
 /// Deterministic in the order of the calls. One thread at a time.
 class RobotSite {
  public:
-  /// Of `world` the series and `tracked` are not used. It is copied.
+  /// Of `world` the series and `tracked` are not used. It is copied. The inputs are examined by a
+  /// thread, so that this does not hold up `advance`, or, where `background` is deferred, within
+  /// it; the results are the same.
   RobotSite(const TeleopInput& world, const TeleopOptions& options,
-            const std::vector<BodyPhysics>& physics, double start);
+            const std::vector<BodyPhysics>& physics, double start,
+            std::launch background = std::launch::deferred);
   // The parts refer to each other.
   RobotSite(const RobotSite&) = delete;
   RobotSite& operator=(const RobotSite&) = delete;
@@ -69,7 +73,7 @@ class RobotSite {
   /// The force has a fault, so that it is not used.
   [[nodiscard]] bool has_force_fault() const { return watch_.fault().has_value(); }
   /// What the inputs show so far, by all samples; expensive.
-  [[nodiscard]] InputFindings findings() const { return watch_.findings(); }
+  [[nodiscard]] InputFindings findings() { return watch_.findings(); }
 
  private:
   [[nodiscard]] bool has_force(double now) const;

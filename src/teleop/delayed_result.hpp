@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <future>
+#include <utility>
+
+namespace pcavr {
+
+/// What another thread computes while the samples go on, used from a time of the data on: whether
+/// it was ready by then or is waited for, and whether a thread computed it or the caller does then,
+/// leaves no trace in the results. Waits for the thread before it ends.
+template <typename Result>
+class DelayedResult {
+ public:
+  /// `due` [s]: from then on the result is used.
+  template <typename Work>
+  DelayedResult(std::launch policy, double due, Work work)
+      : due_(due), result_(std::async(policy, std::move(work)).share()) {}
+
+  [[nodiscard]] bool is_due(double t) const { return t >= due_; }
+  /// Waits for it.
+  [[nodiscard]] const Result& get() const { return result_.get(); }
+
+ private:
+  double due_;  ///< [s]
+  std::shared_future<Result> result_;
+};
+
+}  // namespace pcavr
