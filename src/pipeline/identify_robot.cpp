@@ -141,13 +141,12 @@ Expected<void> check_lag(const RobotFitOptions& options, const std::string& file
 void check_joint_lags(const RobotFitOptions& options, const std::string& file,
                       RobotIdentification& found) {
   for (const JointFit& joint : found.fit.joints) {
-    const double lag = std::abs(joint.torque_lag);
-    if (lag <= std::max(options.usual_torque_lag, 3.0 * joint.torque_lag_std)) continue;
+    if (!joint.is_out_of_step(options.usual_torque_lag)) continue;
     found.warnings.push_back(
         {.message = fmt::format("torques are {:.3g} ± {:.2g} ms {} those of all joints; this is "
                                 "not removed",
-                                lag * 1e3, joint.torque_lag_std * 1e3,
-                                joint.torque_lag > 0.0 ? "after" : "before"),
+                                std::abs(joint.torque_lag.value) * 1e3, joint.torque_lag.std * 1e3,
+                                joint.torque_lag.value > 0.0 ? "after" : "before"),
          .file = file,
          .line = found.signals.lines.front(),
          .place = "joint " + joint.name,
