@@ -52,11 +52,16 @@ double JointFit::value_of(FrictionTerm term) const {
   return 0.0;
 }
 
+bool JointFit::seems_out_of_step(double usual) const {
+  constexpr double kCertain = 3.0;  // std
+  return std::abs(torque_lag.value) > std::max(usual, kCertain * torque_lag.std);
+}
+
 bool JointFit::is_out_of_step(double usual) const {
-  constexpr double kCertain = 3.0, kConfirmed = 2.0;  // std
-  if (std::abs(torque_lag.value) <= std::max(usual, kCertain * torque_lag.std)) return false;
-  return std::copysign(sliding_lag.value, torque_lag.value * sliding_lag.value) >
-         kConfirmed * sliding_lag.std;
+  constexpr double kConfirmed = 2.0;  // std
+  return seems_out_of_step(usual) &&
+         std::copysign(sliding_lag.value, torque_lag.value * sliding_lag.value) >
+             kConfirmed * sliding_lag.std;
 }
 
 double friction_torque(const JointFit& joint, double q, double v, double load) {

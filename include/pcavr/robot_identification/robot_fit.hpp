@@ -83,8 +83,10 @@ struct JointFit {
   std::vector<FittedTerm> equivalent;
 
   [[nodiscard]] double value_of(FrictionTerm term) const;  ///< 0 where it is not used
-  /// Whether its torques are out of step with the others', by more than `usual` [s]: by both
-  /// estimates, so that friction after reversals alone does not look so.
+  /// Whether its torques seem out of step with the others', by more than `usual` [s]. Friction
+  /// after reversals seems so, too.
+  [[nodiscard]] bool seems_out_of_step(double usual) const;
+  /// The same where the rows between reversals show it as well.
   [[nodiscard]] bool is_out_of_step(double usual) const;
 };
 
