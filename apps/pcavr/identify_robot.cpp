@@ -65,9 +65,28 @@ nlohmann::ordered_json joint_json(const RobotIdentification& found, std::size_t 
   if (found.replay.is_finite) {
     json["replay_after_1s"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
     json["replay_kept"] = found.replay.kept[static_cast<Eigen::Index>(index)];
+    json["replay_tolerable_torque"] =
+        found.replay.tolerable_torque[static_cast<Eigen::Index>(index)];
     json["replay_rms"] = found.replay.rms[static_cast<Eigen::Index>(index)];
   }
   return json;
+}
+
+void describe_replay(const RobotIdentification& found, CommandResult& result) {
+  if (!found.replay.is_finite) return;
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  const MotionReplay& replay = found.replay;
+  Eigen::Index joint = 0;
+  const double tolerable = replay.tolerable_torque.minCoeff(&joint);
+  const JointFit& weakest = found.fit.joints[static_cast<std::size_t>(joint)];
+  result.summary += fmt::format(
+      "replay of held-out torques: position error after 1 s up to {:.2g} deg, rms over {:.2g} s up "
+      "to {:.2g} deg, all joints within 3 deg for {:.2g} s\n"
+      "    3 deg rms would need torques of {} within {:.2g} N m; its held-out error is {:.2g} N "
+      "m\n",
+      replay.after_1s.maxCoeff() * kDegrees, replay.t.back() - replay.t.front(),
+      replay.rms.maxCoeff() * kDegrees, replay.kept.minCoeff(), weakest.name, tolerable,
+      weakest.held_out.rms);
 }
 
 void describe_contacts(const RobotIdentification& found, CommandResult& result) {
@@ -155,14 +174,7 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
     result.summary += joint_line(found.fit.joints[j]);
     result.json["joints"].push_back(joint_json(found, j));
   }
-  if (found.replay.is_finite) {
-    const double degrees = 180.0 / std::numbers::pi;
-    result.summary += fmt::format(
-        "replay of held-out torques: position error after 1 s up to {:.2g} deg, rms "
-        "over {:.2g} s up to {:.2g} deg, all joints within 3 deg for {:.2g} s\n",
-        found.replay.after_1s.maxCoeff() * degrees, found.replay.t.back() - found.replay.t.front(),
-        found.replay.rms.maxCoeff() * degrees, found.replay.kept.minCoeff());
-  }
+  describe_replay(found, result);
   describe_trial(found, result);
   describe_contacts(found, result);
   describe_payload(found, result);

@@ -136,23 +136,29 @@ Expected<void> check_lag(const RobotFitOptions& options, const std::string& file
   return {};
 }
 
-/// Names joints whose torques are out of step with the others': friction may look like it, too, so
-/// that nothing is removed.
+/// Names joints whose torques are out of step with the others': a warning where it is not friction
+/// that looks so, else a note. Nothing is removed.
 void check_joint_lags(const RobotFitOptions& options, const std::string& file,
                       RobotIdentification& found) {
   for (const JointFit& joint : found.fit.joints) {
-    const double lag = std::abs(joint.torque_lag);
-    if (lag <= std::max(options.usual_torque_lag, 3.0 * joint.torque_lag_std)) continue;
-    found.warnings.push_back(
-        {.message = fmt::format("torques are {:.3g} ± {:.2g} ms {} those of all joints; this is "
-                                "not removed",
-                                lag * 1e3, joint.torque_lag_std * 1e3,
-                                joint.torque_lag > 0.0 ? "after" : "before"),
-         .file = file,
-         .line = found.signals.lines.front(),
-         .place = "joint " + joint.name,
-         .hint = "check that they are from the same cycle of the controller; friction may look so, "
-                 "too"});
+    if (!joint.seems_out_of_step(options.usual_torque_lag)) continue;
+    const std::string text =
+        fmt::format("torques {} {:.3g} ± {:.2g} ms {} those of all joints",
+                    joint.is_out_of_step(options.usual_torque_lag) ? "are" : "seem",
+                    std::abs(joint.torque_lag.value) * 1e3, joint.torque_lag.std * 1e3,
+                    joint.torque_lag.value > 0.0 ? "after" : "before");
+    if (!joint.is_out_of_step(options.usual_torque_lag)) {
+      found.notes.push_back(fmt::format(
+          "joint {}: {}; friction after reversals looks so, too: check that they are from the same "
+          "cycle of the controller",
+          joint.name, text));
+      continue;
+    }
+    found.warnings.push_back({.message = text + "; this is not removed",
+                              .file = file,
+                              .line = found.signals.lines.front(),
+                              .place = "joint " + joint.name,
+                              .hint = "check that they are from the same cycle of the controller"});
   }
 }
 

@@ -230,15 +230,21 @@ PageSection joint_section(const RobotIdentification& found, std::size_t index) {
 
 ReportTable replay_table(const RobotIdentification& found) {
   ReportTable table{.title = "Replay: recorded torques in, positions out",
-                    .columns = {"joint", "error after 1 s (deg)", "rms (deg)"}};
+                    .columns = {"joint", "error after 1 s (deg)", "rms (deg)",
+                                "torque error for 3 deg (N m)", "held-out torque error (N m)"}};
   for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
     const auto joint = static_cast<Eigen::Index>(j);
     table.rows.push_back({found.fit.joints[j].name,
                           readable(found.replay.after_1s[joint] * kDegrees),
-                          readable(found.replay.rms[joint] * kDegrees)});
+                          readable(found.replay.rms[joint] * kDegrees),
+                          readable(found.replay.tolerable_torque[joint]),
+                          readable(found.fit.joints[j].held_out.rms)});
   }
-  table.note = fmt::format("simulated over {:.3g} s of the held-out part from its first state",
-                           found.replay.t.back() - found.replay.t.front());
+  table.note = fmt::format(
+      "Simulated over {:.3g} s of the held-out part from its first state. Torque error for 3 deg: "
+      "a "
+      "constant one of this joint's torque alone that moves some joint by 3 deg rms.",
+      found.replay.t.back() - found.replay.t.front());
   return table;
 }
 
@@ -324,6 +330,8 @@ void add_joint(Json& json, const RobotIdentification& found, std::size_t index) 
   if (!found.replay.is_finite) return;
   json[key + "replay.after_1s_rad"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
   json[key + "replay.kept_s"] = found.replay.kept[static_cast<Eigen::Index>(index)];
+  json[key + "replay.tolerable_torque"] =
+      found.replay.tolerable_torque[static_cast<Eigen::Index>(index)];
   json[key + "replay.rms_rad"] = found.replay.rms[static_cast<Eigen::Index>(index)];
 }
 

@@ -86,6 +86,12 @@ class InertiaCheck {
       add(findings_.faults, link.name, *fault, "correct its <inertial>");
       return;
     }
+    if (inertia.inertia_at_com.isZero(0.0)) {
+      add(findings_.faults, link.name,
+          fmt::format("mass is {:g} kg, and the inertia 0", inertia.mass),
+          "correct its <inertial>");
+      return;
+    }
     const double radius = std::sqrt(0.5 * inertia.inertia_at_com.trace() / inertia.mass);
     const double max_radius = reach(model_);
     if (max_radius > 0.0 && radius > max_radius) {

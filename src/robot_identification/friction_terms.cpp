@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "pcavr/core/check.hpp"
@@ -49,6 +50,18 @@ double JointFit::value_of(FrictionTerm term) const {
     if (entry.term == term) return entry.value;
   }
   return 0.0;
+}
+
+bool JointFit::seems_out_of_step(double usual) const {
+  constexpr double kCertain = 3.0;  // std
+  return std::abs(torque_lag.value) > std::max(usual, kCertain * torque_lag.std);
+}
+
+bool JointFit::is_out_of_step(double usual) const {
+  constexpr double kConfirmed = 2.0;  // std
+  return seems_out_of_step(usual) &&
+         std::copysign(sliding_lag.value, torque_lag.value * sliding_lag.value) >
+             kConfirmed * sliding_lag.std;
 }
 
 double friction_torque(const JointFit& joint, double q, double v, double load) {

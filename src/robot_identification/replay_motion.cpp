@@ -37,6 +37,71 @@ Eigen::Index row_count(const JointSignals& signals, std::size_t first, double du
   return static_cast<Eigen::Index>(last - first) + 1;
 }
 
+/// Small motions about the recorded one: mass x'' + damping x' + stiffness x = torque error.
+struct Linearised {
+  Eigen::MatrixXd mass, damping, stiffness;
+};
+
+class Linearisation {
+ public:
+  Linearisation(const RobotFit& fit, const RobotModel& robot)
+      : fit_(fit), dynamics_(robot), dof_(static_cast<Eigen::Index>(robot.dof)) {}
+
+  [[nodiscard]] Linearised at(const Eigen::VectorXd& q, const Eigen::VectorXd& dq,
+                              const Eigen::VectorXd& ddq) {
+    constexpr double kStep = 1e-5;  // [rad], [rad/s]
+    Linearised about{Eigen::MatrixXd(dof_, dof_), Eigen::MatrixXd(dof_, dof_),
+                     Eigen::MatrixXd(dof_, dof_)};
+    dynamics_.mass_matrix(q, about.mass);
+    for (Eigen::Index j = 0; j < dof_; ++j) {
+      const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(dof_, j);
+      about.stiffness.col(j) =
+          (torque(q + step, dq, ddq) - torque(q - step, dq, ddq)) / (2.0 * kStep);
+      about.damping.col(j) =
+          (torque(q, dq + step, ddq) - torque(q, dq - step, ddq)) / (2.0 * kStep);
+    }
+    return about;
+  }
+
+ private:
+  [[nodiscard]] Eigen::VectorXd torque(const Eigen::VectorXd& q, const Eigen::VectorXd& dq,
+                                       const Eigen::VectorXd& ddq) {
+    Eigen::VectorXd all(dof_), bias(dof_);
+    dynamics_.inverse_dynamics(q, dq, ddq, all);
+    dynamics_.inverse_dynamics(q, dq, Eigen::VectorXd::Zero(dof_), bias);
+    for (Eigen::Index j = 0; j < dof_; ++j) {
+      all[j] += friction_torque(fit_.joints[static_cast<std::size_t>(j)], q[j], dq[j], bias[j]);
+    }
+    return all;
+  }
+
+  const RobotFit& fit_;
+  RobotDynamics dynamics_;
+  Eigen::Index dof_;
+};
+
+/// See MotionReplay. Implicit steps from row to row: friction's damping is stiff.
+Eigen::VectorXd tolerable_torque(const JointSignals& signals, const RobotFit& fit,
+                                 const RobotModel& robot, Eigen::Index first, Eigen::Index rows) {
+  const Eigen::Index dof = signals.position.cols();
+  const double dt = signals.interval;
+  Linearisation linearisation(fit, robot);
+  // Column by column, the motion due to a unit torque error of one joint.
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(dof, dof), dx = x, squares = x;
+  for (Eigen::Index row = first; row < first + rows; ++row) {
+    const Linearised about = linearisation.at(signals.position.row(row).transpose(),
+                                              signals.velocity.row(row).transpose(),
+                                              signals.acceleration.row(row).transpose());
+    const Eigen::MatrixXd implicit = about.mass + dt * (about.damping + dt * about.stiffness);
+    const Eigen::MatrixXd error = Eigen::MatrixXd::Identity(dof, dof) - about.stiffness * x;
+    dx = implicit.partialPivLu().solve(about.mass * dx + dt * error);
+    x += dt * dx;
+    squares += x.cwiseAbs2();
+  }
+  const Eigen::RowVectorXd rms = (squares / double(rows)).cwiseSqrt().colwise().maxCoeff();
+  return kKept * rms.cwiseInverse().transpose();
+}
+
 }  // namespace
 
 MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, const RobotFit& fit,
@@ -48,7 +113,9 @@ MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, con
   replay.recorded = signals.position.middleRows(start, rows);
   replay.simulated = replay.recorded;
   const double sign = signals.is_sign_changed ? -1.0 : 1.0;
-  detail::ArmSimulation simulation(fit.joints, fit.robot(model));
+  const RobotModel robot = fit.robot(model);
+  replay.tolerable_torque = tolerable_torque(signals, fit, robot, start, rows);
+  detail::ArmSimulation simulation(fit.joints, robot);
   detail::MotionState state{signals.position.row(start).transpose(),
                             signals.velocity.row(start).transpose()};
   const int steps = static_cast<int>(std::ceil(signals.interval / kMaxStep));

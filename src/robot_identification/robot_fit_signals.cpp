@@ -15,6 +15,37 @@ namespace {
 
 constexpr double kWide = 1e4;      ///< std that leaves a parameter to the data
 constexpr double kLagPrior = 0.1;  ///< [s] std: wider than any lag that is looked for
+/// Speed over a joint's rms speed below which it is about to reverse: a tenth of a sine's time on
+/// either side.
+constexpr double kSlow = 0.3;
+
+/// What the last of the joint's columns has beyond its others and the rigid ones, in the rows that
+/// count.
+Eigen::VectorXd alone(const JointRows& rows, const std::vector<int>& columns) {
+  const Eigen::Index rigid = rows.rigid.cols(), others = at(columns.size()) - 1;
+  Eigen::MatrixXd rest(rows.rigid.rows(), rigid + others);
+  rest.leftCols(rigid) = rows.rigid;
+  for (Eigen::Index k = 0; k < others; ++k) {
+    rest.col(rigid + k) = rows.library.col(columns[static_cast<std::size_t>(k)]);
+  }
+  rest.array().colwise() *= rows.weight.array();
+  const Eigen::VectorXd last = rows.library.col(columns.back()).cwiseProduct(rows.weight);
+  return last - rest * rest.completeOrthogonalDecomposition().solve(last);
+}
+
+/// Std of a coefficient of least squares from its column, less what the others explain, and the
+/// residual: errors of different blocks are independent, those of one need not be [Liang & Zeger
+/// 1986].
+double coefficient_std(const Eigen::VectorXd& column, const Eigen::VectorXd& residual) {
+  double squares = 0.0;
+  for (std::size_t block = 0; block < kBlocks; ++block) {
+    const Eigen::Index first = column.size() * at(block) / at(kBlocks);
+    const Eigen::Index count = column.size() * at(block + 1) / at(kBlocks) - first;
+    const double sum = column.segment(first, count).dot(residual.segment(first, count));
+    squares += sum * sum;
+  }
+  return std::sqrt(squares) / column.squaredNorm();
+}
 
 }  // namespace
 
@@ -104,30 +135,56 @@ void RobotFitter::remove_torque_lag(RobotFit& fit) {
   }
 }
 
-/// The lag of one joint's torques after those of all: one further unknown of each joint.
+/// The lag of each joint's torques after those of all: one further unknown of each joint, whose
+/// column is its library's last. `columns`: of the library.
+std::vector<EstimatedLag> RobotFitter::joint_lags(const std::vector<JointRows>& joints,
+                                                  const std::vector<int>& columns) const {
+  FitPrior prior = prior_;
+  for (Eigen::VectorXd& std : prior.library_std) {
+    std.conservativeResize(std.size() + 1);
+    std.tail<1>().setConstant(kLagPrior);
+  }
+  const FitSolution solution =
+      solve(block_system(joints, train_, kBlocks), std::vector<bool>(kBlocks, true),
+            Selection(joints.size(), columns), variance_, prior);
+  std::vector<EstimatedLag> lags;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const JointRows& rows = joints[j];
+    const Eigen::VectorXd residual =
+        rows.torque - rows.rigid * solution.rigid - rows.library * solution.library[j];
+    lags.push_back({solution.library[j][columns.back()],
+                    coefficient_std(alone(rows, columns).head(train_), residual.head(train_))});
+  }
+  return lags;
+}
+
+/// Friction after a reversal may look like a lag, and a lag of friction in proportion to the speed
+/// is motor inertia's torque: the second estimate is of the rows between reversals, with that
+/// inertia.
 void RobotFitter::find_joint_lags(RobotFit& fit) const {
   const auto lag = static_cast<int>(full_library().size());  // its column
   std::vector<JointRows> extended = joints_;
-  FitPrior prior = prior_;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Eigen::VectorXd fitted =
         joints_[j].rigid * solution_.rigid + joints_[j].library * solution_.library[j];
     Eigen::MatrixXd& library = extended[j].library;
     library.conservativeResize(Eigen::NoChange, lag + 1);
     library.rightCols<1>() = -differentiate(fitted, signals_.interval);
-    prior.library_std[j].conservativeResize(lag + 1);
-    prior.library_std[j][lag] = kLagPrior;
   }
-  const std::vector<int> columns{column_of(full_library(), FrictionTerm::offset),
-                                 column_of(full_library(), FrictionTerm::viscous),
-                                 column_of(full_library(), FrictionTerm::coulomb), lag};
-  const FitSolution solution =
-      solve(block_system(extended, train_, kBlocks), std::vector<bool>(kBlocks, true),
-            Selection(joints_.size(), columns), variance_, prior, true);
+  std::vector<int> columns{column_of(full_library(), FrictionTerm::offset),
+                           column_of(full_library(), FrictionTerm::viscous),
+                           column_of(full_library(), FrictionTerm::coulomb), lag};
+  const std::vector<EstimatedLag> lags = joint_lags(extended, columns);
+  columns.insert(columns.end() - 1, column_of(full_library(), FrictionTerm::motor_inertia));
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const Eigen::Index place = solution.rigid.size() + at((j + 1) * columns.size() - 1);
-    fit.joints[j].torque_lag = solution.library[j][lag];
-    fit.joints[j].torque_lag_std = std::sqrt(solution.covariance(place, place));
+    const Eigen::ArrayXd speed = signals_.velocity.col(at(j)).array().abs();
+    const double slow = kSlow * std::sqrt(speed.square().mean());
+    extended[j].weight = (speed >= slow).cast<double>().matrix();
+  }
+  const std::vector<EstimatedLag> sliding = joint_lags(extended, columns);
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    fit.joints[j].torque_lag = lags[j];
+    fit.joints[j].sliding_lag = sliding[j];
   }
 }
 

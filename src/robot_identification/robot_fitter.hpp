@@ -40,6 +40,8 @@ class RobotFitter {
                                                const FitPrior& prior) const;
   void fit_plainly(RobotFit& fit);
   void remove_torque_lag(RobotFit& fit);
+  [[nodiscard]] std::vector<EstimatedLag> joint_lags(const std::vector<JointRows>& joints,
+                                                     const std::vector<int>& columns) const;
   void find_joint_lags(RobotFit& fit) const;
   void choose_smoothing();
   void set_variance();

@@ -200,6 +200,7 @@ TEST(Urdf, UnlikelyInertiasAreErrorsOnlyWhereWanted) {
        "inertia violates the triangle inequality: principal moments 1 + 1 < 3 kg m^2"},
       {arm("1", "ixx='1' iyy='-0.1' izz='1'"),
        "inertia is not positive definite: principal moments -0.1, 1, 1 kg m^2"},
+      {arm("2", "ixx='0' iyy='0' izz='0'"), "mass is 2 kg, and the inertia 0"},
   };
   for (const auto& [content, message] : cases) {
     EXPECT_EQ(error_line(content, {.requires_inertia = true}),

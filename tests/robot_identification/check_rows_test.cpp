@@ -178,6 +178,26 @@ TEST(CheckHypotheses, FindsSwappedPositions) {
             std::string::npos);
 }
 
+void swap_joints(JointLog& log, Eigen::Index a, Eigen::Index b) {
+  for (Eigen::MatrixXd* columns : {&log.position, &log.torque})
+    columns->col(a).swap(columns->col(b));
+}
+
+// The last wrists hold so little that their torques are friction's, whichever joint they are of.
+TEST(CheckHypotheses, FindsSwappedWristsThatAreAlmostAlike) {
+  for (const std::uint64_t seed : {3U, 21U, 22U}) {
+    for (const double delay : {0.0, 0.02}) {
+      JointLog log = simulated_log(pa10(), {.duration = 20.0, .torque_delay = delay, .seed = seed});
+      EXPECT_TRUE(shown_by(log).errors.empty()) << seed << ", " << delay;
+      swap_joints(log, 5, 6);
+      const LogFindings shown = shown_by(log);
+      ASSERT_EQ(shown.errors.size(), 1U) << seed << ", " << delay;
+      EXPECT_NE(shown.errors[0].message.find("joint6 and joint7 are swapped"), std::string::npos)
+          << shown.errors[0].message;
+    }
+  }
+}
+
 // Free bodies fit either order within 30 % of each torque: a swap shows against the right order.
 TEST(CheckHypotheses, FindsSwappedJointsThatBothFit) {
   PCAVR_NEEDS_SHARED_DATA("real/franka_dynamics");
@@ -226,8 +246,9 @@ TEST(FitRobot, FindsTheJointWhoseTorquesAreLate) {
   JointLog log = simulated_log(pa10(), {.duration = 20.0});
   const RobotFit in_step = fit_robot(joint_signals(log, {}), pa10(), {});
   for (const JointFit& joint : in_step.joints) {
-    EXPECT_LT(std::abs(joint.torque_lag), std::max(0.012, 3.0 * joint.torque_lag_std))
+    EXPECT_LT(std::abs(joint.torque_lag.value), std::max(0.012, 3.0 * joint.torque_lag.std))
         << joint.name;
+    EXPECT_FALSE(joint.is_out_of_step(0.012)) << joint.name;
   }
   constexpr Eigen::Index kLate = 3;
   const Eigen::VectorXd torque = log.torque.col(kLate);
@@ -237,8 +258,22 @@ TEST(FitRobot, FindsTheJointWhoseTorquesAreLate) {
     log.torque(i, kLate) = torque[std::max<Eigen::Index>(0, i - rows)];
   }
   const RobotFit late = fit_robot(joint_signals(log, {}), pa10(), {});
-  EXPECT_NEAR(late.joints[kLate].torque_lag + late.torque_lag, 0.02, 0.004);
-  EXPECT_GT(late.joints[kLate].torque_lag, 5.0 * late.joints[kLate].torque_lag_std);
+  EXPECT_NEAR(late.joints[kLate].torque_lag.value + late.torque_lag, 0.02, 0.004);
+  EXPECT_GT(late.joints[kLate].torque_lag.value, 5.0 * late.joints[kLate].torque_lag.std);
+  EXPECT_TRUE(late.joints[kLate].is_out_of_step(0.012));
+}
+
+// The Panda's friction after reversals looks like a lag of its joints 5 and 7, 28 and 32 ms.
+TEST(FitRobot, DoesNotTakeFrictionForLateTorques) {
+  PCAVR_NEEDS_SHARED_DATA("real/franka_dynamics");
+  const JointLog log = import_joint_log(shared_data("real/franka_dynamics"), {}).value().log;
+  const RobotModel panda = read_urdf(shared_data("real/robots/panda/panda.urdf")).value();
+  const RobotModel model = match_joints(log, panda).value().model;
+  RobotFitOptions options;
+  options.is_extended = options.is_physical = false;
+  const RobotFit fit = fit_robot(joint_signals(log, {}), model, options);
+  for (const JointFit& joint : fit.joints) EXPECT_FALSE(joint.is_out_of_step(0.012)) << joint.name;
+  EXPECT_TRUE(fit.joints[4].seems_out_of_step(0.012));
 }
 
 TEST(FitRobot, MeasuresTorquesThatAreLate) {

@@ -75,6 +75,26 @@ TEST(FitRobot, FitsPossibleBodiesAndReplaysTheMotion) {
   EXPECT_LT(replay.after_1s.maxCoeff() * kDegrees, 0.5);
 }
 
+TEST(ReplayMotion, StatesTheTorqueErrorThatMovesAJointByThreeDegrees) {
+  constexpr double kDuration = 1.5;  // [s]
+  const RobotModel model = pa10();
+  JointLog log = simulated_log(model, {.duration = 40.0});
+  const JointSignals signals = joint_signals(log, {});
+  const RobotFit fit = fit_robot(signals, model, {});
+  const auto replayed = [&] {
+    return replay_motion(log, signals, fit, model, fit.train_rows, kDuration);
+  };
+  const MotionReplay as_recorded = replayed();
+  for (const Eigen::Index joint : {0, 1, 3, 6}) {
+    log.torque.col(joint).array() += as_recorded.tolerable_torque[joint];
+    const Eigen::MatrixXd moved = replayed().simulated - as_recorded.simulated;
+    log.torque.col(joint).array() -= as_recorded.tolerable_torque[joint];
+    const double rms =
+        (moved.colwise().squaredNorm() / double(moved.rows())).cwiseSqrt().maxCoeff();
+    EXPECT_NEAR(rms * kDegrees, 3.0, 1.0) << joint;
+  }
+}
+
 TEST(FitRobot, FitsFrictionAloneOnAKnownBody) {
   const RobotModel model = pa10();
   RobotFitOptions options;

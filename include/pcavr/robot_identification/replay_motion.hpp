@@ -21,7 +21,10 @@ struct MotionReplay {
   Eigen::VectorXd rms;        ///< [rad] by joint, over the stretch
   Eigen::VectorXd after_1s;   ///< [rad] absolute error 1 s after the start
   Eigen::VectorXd kept;       ///< [s] by joint: within 3 degrees from the start on
-  bool is_finite = false;     ///< false: the simulation diverged
+  /// [N m] by joint: the constant error of its torque alone that moves some joint by 3 degrees rms
+  /// over the stretch, linearised about the recorded motion. What a replay of this length asks for.
+  Eigen::VectorXd tolerable_torque;
+  bool is_finite = false;  ///< false: the simulation diverged
 };
 
 /// Simulates from row `first` of the signals for `duration` [s], or to the end of the rows without

@@ -62,6 +62,11 @@ struct TorqueError {
   double relative = 0.0;  ///< rms error over rms torque
 };
 
+struct EstimatedLag {
+  double value = 0.0;  ///< [s]
+  double std = 0.0;    ///< [s]
+};
+
 struct JointFit {
   std::string name;
   std::vector<FittedTerm> friction;  ///< the terms that were used
@@ -69,8 +74,8 @@ struct JointFit {
   double stribeck_speed = 0.0;       ///< [rad/s] where the term is used
   double noise_std = 0.0;            ///< [N m] of the residual, training part
   double correlated_rows = 1.0;      ///< rows that count as one independent one
-  double torque_lag = 0.0;           ///< [s] of its torques after all joints'; not removed
-  double torque_lag_std = 0.0;       ///< [s]
+  EstimatedLag torque_lag;           ///< of its torques after all joints'; not removed
+  EstimatedLag sliding_lag;          ///< the same without the rows about reversals
   TorqueError train, held_out;
   TorqueError plain_held_out;  ///< of plain least squares: unweighted, no prior, plain friction
   /// Offset, viscous and Coulomb friction with a sign that changes at once, next to the fitted
@@ -78,6 +83,11 @@ struct JointFit {
   std::vector<FittedTerm> equivalent;
 
   [[nodiscard]] double value_of(FrictionTerm term) const;  ///< 0 where it is not used
+  /// Whether its torques seem out of step with the others', by more than `usual` [s]. Friction
+  /// after reversals seems so, too.
+  [[nodiscard]] bool seems_out_of_step(double usual) const;
+  /// The same where the rows between reversals show it as well.
+  [[nodiscard]] bool is_out_of_step(double usual) const;
 };
 
 /// A combination of inertial parameters that the torques of this robot can identify.
