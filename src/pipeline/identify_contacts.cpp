@@ -37,15 +37,16 @@ bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
   });
 }
 
-/// States how many presses, or pushes, the contact law rests on.
-void count_sources(bool by_presses, int count, ObjectParameters& parameters) {
+/// States how many presses, or pushes, the contact law rests on. A damping that is only bounded
+/// rests on none.
+void count_sources(bool by_presses, int count, bool has_damping, ObjectParameters& parameters) {
   ParameterSources& sources = parameters.sources;
   for (const char* key :
        {"contact.stiffness", "contact.damping", "contact.exponent", "contact.mass"}) {
     sources.presses.erase(key);
     sources.pushes.erase(key);
     const bool is_damping = std::string_view(key) == "contact.damping";
-    if (is_damping && !parameters.contact_damping) continue;
+    if (is_damping && !(has_damping && parameters.contact_damping)) continue;
     if (std::string_view(key) == "contact.mass" && !parameters.contact_mass) continue;
     (by_presses ? sources.presses : sources.pushes)[key] = count;
   }
@@ -296,7 +297,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
       result.parameters.contact_exponent = exponent;
       result.parameters.contact_damping.reset();  // creep biases the damping, too
     }
-    count_sources(!result.is_exponent_given, count, result.parameters);
+    count_sources(!result.is_exponent_given, count, best->damping.is_excited, result.parameters);
     if (result.is_exponent_given) result.parameters.sources.pushes.erase("contact.exponent");
   }
   identify_impacts(contacts, object, options.damping_law, result);

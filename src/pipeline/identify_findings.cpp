@@ -17,6 +17,8 @@ namespace {
 const std::string kKnownBefore = "known before; to identify it again: ";
 const std::string kExponentRemark =
     "given: the value known before, else that of a spherical tip on a flat face; to identify it: ";
+const std::string kBoundedDamping =
+    "not excited: the file has the largest damping that the presses allow; to identify it: ";
 constexpr char kPriorRemark[] =
     "not excited: the value is its prior's, right with the coefficient at the speeds that were "
     "pushed only; to identify it: ";
@@ -76,11 +78,15 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
       impacts.gives_stiffness ? by_impacts + ", under the given exponent" : source, better);
   const bool is_linear = p.contact_exponent && p.contact_exponent->value == 1.0;
   const char* const unit = is_linear ? "N s/m" : "N s/m^(n+1)";
-  findings.add("contact.damping", unit, p.contact_damping, is_identified || impacts.gives_damping,
-               impacts.gives_damping ? by_impacts + ", damping law: " +
-                                           std::string(name_of(impacts.law)) + ", " + impacts.choice
-                                     : source,
-               better);
+  const bool is_bounded = by_presses && p.contact_damping && !impacts.gives_damping &&
+                          !found.presses.best().damping.is_excited;
+  findings.add(
+      "contact.damping", unit, is_bounded ? std::optional<ParameterValue>() : p.contact_damping,
+      is_identified || impacts.gives_damping,
+      impacts.gives_damping ? by_impacts + ", damping law: " + std::string(name_of(impacts.law)) +
+                                  ", " + impacts.choice
+                            : source,
+      is_bounded ? kBoundedDamping + better : better);
   if (p.contact_mass) {
     findings.add("contact.mass", "kg", p.contact_mass, by_presses, source,
                  "modulate the press at 10 Hz, 1 mm");

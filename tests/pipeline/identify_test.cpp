@@ -12,6 +12,7 @@
 
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/core/output.hpp"
+#include "pcavr/core/random.hpp"
 #include "pcavr/object/parameters_file.hpp"
 
 #include "pipeline/identified_case.hpp"
@@ -373,6 +374,24 @@ const ParameterFinding* finding_of(const ObjectIdentification& object, const std
 
 bool lists(const std::vector<std::string>& keys, const std::string& key) {
   return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+TEST(Identify, WithholdsADampingThatThePressesOnlyBound) {
+  IdentificationInput input = probe().input;
+  Random random(5);
+  for (Eigen::Vector3d& p : input.p_base_tip) p.z() += 4e-4 * random.normal();
+  const auto found = identify(input, IdentificationGoal::contact);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  const ObjectIdentification& box = found->objects[0];
+  ASSERT_FALSE(box.presses.best().damping.is_excited);
+  // A predictor needs one all the same: the bound is in the file.
+  ASSERT_TRUE(box.parameters.contact_damping.has_value());
+  EXPECT_FALSE(box.parameters.sources.presses.contains("contact.damping"));
+  const ParameterFinding* damping = finding_of(box, "contact.damping");
+  ASSERT_NE(damping, nullptr);
+  EXPECT_FALSE(damping->is_excited);
+  EXPECT_EQ(damping->value, 0.0);
+  EXPECT_NE(damping->remark.find("not excited"), std::string::npos);
 }
 
 TEST(Identify, DoesNotMixTheWeighedMassWithTheOneByAccelerations) {
