@@ -64,7 +64,7 @@ bool is_contact_assumed(const ObjectParameters& parameters) {
 void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::size_t object,
                                ObjectIdentification& result) {
   ObjectParameters& parameters = result.parameters;
-  if (parameters.contact_stiffness) return;
+  if (parameters.contact_stiffness || result.is_contact_off_centre) return;
   std::vector<double> forces, penetrations;
   for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
     const std::optional<Loading> loading = loading_of(push->episode);
@@ -78,10 +78,11 @@ void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::si
       ParameterValue{median(std::move(forces)) / penetration_power(penetration, kExponent), {}};
   parameters.contact_exponent = ParameterValue{kExponent, {}};
   parameters.contact_damping.reset();
-  result.notes.push_back(fmt::format(
-      "contact law assumed, not identified: by the tip's way while pushes are loaded, {:.2f} mm, in "
-      "which the object may give way, too; press along z to identify it",
-      1e3 * penetration));
+  result.notes.push_back(
+      fmt::format("contact law assumed, not identified: by the tip's way while pushes are loaded, "
+                  "{:.2f} mm, in "
+                  "which the object may give way, too; press along z to identify it",
+                  1e3 * penetration));
 }
 
 }  // namespace pcavr
