@@ -40,7 +40,7 @@ def read_truth(file):
             continue
         depth, key, value = len(match[1]) // 2, match[2], match[3].strip()
         stack = stack[:depth] + [key]
-        if value and depth > 0:
+        if value and depth > 0 and re.fullmatch(r"[-+.\deE]+", value):  # no name of a law
             objects.setdefault(stack[0], {})[".".join(stack[1:])] = float(value)
     return objects
 

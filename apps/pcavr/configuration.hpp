@@ -45,7 +45,6 @@ struct Configuration {
   DeviceOptions devices;
   EvaluationOptions evaluation;
   FrictionPriors friction_priors;
-  LimitSurfaceFitOptions limit_surface;
   PlanOptions plan;               ///< of identify --plan
   EstimatorOptions<3> estimator;  ///< of the comparison in identify's report
   RobotIdentificationOptions robot_identification;

@@ -165,6 +165,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     const BodyMotion motion{object.model, tracked};
     identify_tool_friction_of(result.contacts, i, motion, tip, input.tool_radius, found);
     if (object.is_movable) leave_out_moved_presses(result.contacts, i, tracked, tip);
+    if (is_contact_assumed(found.parameters)) forget_contact(found.parameters);
     const bool has_contact_law = found.parameters.contact_stiffness.has_value();
     if (goal == IdentificationGoal::contact || !has_contact_law) {
       identify_contact_of(result.contacts, i, tip, options, found);
@@ -181,6 +182,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
       }
     }
     withhold_contact_off_centre(found);
+    if (object.is_movable) assume_contact_by_loading(result.contacts, i, found);
     state_findings(goal, object, found);
   }
   note_contacts(result, input);

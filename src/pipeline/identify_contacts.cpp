@@ -304,16 +304,20 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   if (best != nullptr) take_correlation(*best, result.parameters);
 }
 
-void withhold_contact_off_centre(ObjectIdentification& result) {
-  if (!result.is_contact_off_centre) return;
-  ObjectParameters& parameters = result.parameters;
+void forget_contact(ObjectParameters& parameters) {
   parameters.contact_stiffness.reset();
   parameters.contact_damping.reset();
   parameters.contact_exponent.reset();
   for (const char* key : {"contact.stiffness", "contact.damping", "contact.exponent"}) {
     parameters.sources.pushes.erase(key);
+    std::erase(parameters.sources.given, key);
     remove_correlation({key}, parameters.sources);
   }
+}
+
+void withhold_contact_off_centre(ObjectIdentification& result) {
+  if (!result.is_contact_off_centre) return;
+  forget_contact(result.parameters);
   result.notes.emplace_back(
       "the pushes are off the centre of mass: the contact law is not identified, because the "
       "object turns under the load; press along z, or push through the centre");

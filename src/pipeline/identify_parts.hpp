@@ -9,6 +9,7 @@
 
 #include "pcavr/identification/path_view.hpp"
 #include "pcavr/pipeline/identify.hpp"
+#include "pcavr/turning/body_motion.hpp"
 
 namespace pcavr {
 
@@ -23,6 +24,7 @@ namespace pcavr {
 inline constexpr double kMaxCentredLever = 0.010;  // [m]
 [[nodiscard]] bool is_centred(const IdentifiedContact* push);
 
+void forget_contact(ObjectParameters& parameters);
 /// Removes a contact law that is not a result (ObjectIdentification::is_contact_off_centre).
 void withhold_contact_off_centre(ObjectIdentification& result);
 
@@ -30,6 +32,13 @@ void withhold_contact_off_centre(ObjectIdentification& result);
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const PathView& tip, const IdentificationOptions& options,
                          ObjectIdentification& result);
+/// Where no contact law was found, nor withheld: the stiffness that the tip's way implies while
+/// pushes are loaded, under the exponent of a spherical tip. The object gives way meanwhile, so
+/// that it is too soft, by up to a half; what would be assumed instead knows nothing of the object.
+void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::size_t object,
+                               ObjectIdentification& result);
+/// Whether `assume_contact_by_loading` gave the contact law, in this or an earlier identification.
+[[nodiscard]] bool is_contact_assumed(const ObjectParameters& parameters);
 /// Where the presses met the surface, beside the CAD body's at its first pose: the law is rendered
 /// from there. For presses on one flat face.
 void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size_t index,
@@ -44,11 +53,6 @@ void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size
 void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_t object,
                       std::optional<DampingLaw> damping_law, ObjectIdentification& result);
 
-/// A body whose motion is known, on the tool's clock.
-struct BodyMotion {
-  const CadModel& model;
-  std::span<const TrackedPose> tracked;
-};
 /// Breakaway and sliding.
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,
@@ -63,9 +67,7 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
                          const BodyMotion& body, const PathView& tip, double tool_radius,
                          const IdentificationOptions& options, ObjectIdentification& result);
 
-/// Friction between tip and object, where the tip slid along one flat face, as in a slot, an
-/// oblique hole or a push beside the centre, at any speed: the force along the slip over that along
-/// the face's normal. Needs tracking.
+/// Friction between tip and object, where the tip slid along a face.
 void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
                                const BodyMotion& body, const PathView& tip, double tool_radius,
                                ObjectIdentification& result);

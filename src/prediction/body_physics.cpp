@@ -57,6 +57,21 @@ class Completion {
   std::vector<std::string>& assumed_;
 };
 
+/// [N] Coulomb friction where no coefficient is known: what pushes have shown of the whole friction
+/// at the surest speed, else by the limiting friction.
+double default_coulomb(const ObjectParameters& known, double weight,
+                       const PhysicsDefaults& defaults) {
+  const auto& limit = known.limiting_static_friction;
+  if (!known.sliding_force.empty()) {
+    const auto surest = std::min_element(
+        known.sliding_force.begin(), known.sliding_force.end(),
+        [](const SlidingForce& a, const SlidingForce& b) { return a.std < b.std; });
+    return limit ? std::min(surest->force, limit->value) : surest->force;
+  }
+  return limit ? limit->value / defaults.static_to_kinetic_ratio
+               : defaults.sliding_coefficient * weight;
+}
+
 FrictionParameters complete_friction(const ObjectParameters& known, double volume, double gravity,
                                      const PhysicsDefaults& defaults, const Completion& value_of) {
   const auto& limit = known.limiting_static_friction;
@@ -68,9 +83,7 @@ FrictionParameters complete_friction(const ObjectParameters& known, double volum
   FrictionParameters friction;
   friction.mass = value_of(known.mass, mass, "mass");
   const double weight = friction.mass * gravity;
-  const double default_coefficient =
-      limit ? limit->value / (defaults.static_to_kinetic_ratio * weight)
-            : defaults.sliding_coefficient;
+  const double default_coefficient = default_coulomb(known, weight, defaults) / weight;
   friction.coulomb_force =
       weight * value_of(coefficient, default_coefficient, "sliding_friction_coefficient");
   friction.limiting_force = value_of(

@@ -12,6 +12,7 @@
 #include "pcavr/core/median.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/friction_posterior.hpp"
+#include "pcavr/identification/inertial_peak.hpp"
 #include "pcavr/identification/limit_of_pushes.hpp"
 #include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/sliding.hpp"
@@ -25,8 +26,6 @@ constexpr double kMaxStdRatio = 1.2;
 constexpr double kSaturatedRatio = 0.98;
 // [samples] Fewer do not determine the contact law's three parameters.
 constexpr std::size_t kMinContactSamples = 30;
-// The estimated start of a new contact may still change by this much with more data [s].
-constexpr double kSameContact = 0.25;
 // Cosine between the mean forces of two presses on the same face: 1 degree, of noise and friction.
 constexpr double kSamePressDirection = 0.9998;
 // Of the exponent that holds beyond the forces that were seen: a third of what laws range over.
@@ -128,6 +127,7 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, const Conta
   if (!is_press(*nearest) && facts.has_slid) {
     learn_breakaway();
     learn_sliding();
+    if (record.seen) learn_turning(record, found, facts.is_over);
   }
   return has_changed_;
 }
@@ -180,16 +180,17 @@ bool ObjectLearner::is_contradicted(const std::optional<ParameterValue>& old,
          gap > options_.model_error * std::abs(found.value);
 }
 
-void ObjectLearner::accept(std::optional<ParameterValue> ObjectParameters::*field,
+bool ObjectLearner::accept(std::optional<ParameterValue> ObjectParameters::*field,
                            const ParameterValue& found) {
   std::optional<ParameterValue>& old = known_.*field;
   const bool was_given = (given_.*field).has_value();
   const bool is_more_certain =
       old && old->std && !was_given && found.std.value_or(0.0) <= kMaxStdRatio * *old->std;
-  if (!is_more_certain && !is_contradicted(old, found)) return;
+  if (!is_more_certain && !is_contradicted(old, found)) return false;
   old = found;
   (given_.*field).reset();
   has_changed_ = true;
+  return true;
 }
 
 double ObjectLearner::extrapolation_std(const ContactFit& fit,
@@ -256,9 +257,11 @@ void ObjectLearner::learn_breakaway() {
   const std::optional<HuntCrossley> contact_law = contact_law_of(known_);
   std::vector<Breakaway> breakaways;
   double noise = 0.0;
+  bool has_inertial_peak = false;
   for (const ContactEpisode& contact : contacts_) {
     if (!contact.breakaway.is_found || contact.slides.empty()) continue;
     Breakaway breakaway = contact.breakaway;
+    const IdentifiedParameter sliding = friction_in(contact);
     if (contact_law && known_.mass) {
       const IdentifiedParameter own = limit_of_push(contact.series(), breakaway, *contact_law,
                                                     known_.mass->value, options_.onset);
@@ -267,9 +270,12 @@ void ObjectLearner::learn_breakaway() {
         breakaway.std = own.std;
       }
     }
+    if (is_inertial_peak(breakaway, sliding)) {
+      has_inertial_peak = true;
+      continue;
+    }
     // A peak of the load before the object slides at all: the tip slipped, or left and came again.
     const double std = std::max(breakaway.std, options_.single_breakaway_std * breakaway.force);
-    const IdentifiedParameter sliding = friction_in(contact);
     if (!limit_above_sliding({breakaway.force, std, true}, sliding).is_excited) {
       if (&contact == &contacts_.back()) contradict(breakaway.force, sliding.value);
       withdraw_limit_below(sliding);
@@ -278,7 +284,10 @@ void ObjectLearner::learn_breakaway() {
     noise = std::max(noise, breakaway.std);
     breakaways.push_back(breakaway);
   }
-  if (breakaways.empty()) return;
+  if (breakaways.empty()) {
+    if (has_inertial_peak) discard_learned_limit();
+    return;
+  }
   const LimitingFriction limit = limiting_friction(breakaways, options_.limiting_friction);
   const double spread = limit.pushes > 1
                             ? std::max(limit.std, noise)
@@ -302,6 +311,12 @@ void ObjectLearner::withdraw_limit_below(const IdentifiedParameter& sliding) {
   const double std = limit->std.value_or(options_.default_relative_std * limit->value);
   if (limit_above_sliding({limit->value, std, true}, sliding).is_excited) return;
   contradict(limit->value, sliding.value);
+  discard_learned_limit();
+}
+
+void ObjectLearner::discard_learned_limit() {
+  std::optional<ParameterValue>& limit = known_.limiting_static_friction;
+  if (!limit || given_.limiting_static_friction) return;
   limit.reset();
   has_changed_ = true;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,10 +14,20 @@
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/parameter.hpp"
 #include "pcavr/identification/segmentation.hpp"
+#include "pcavr/inputs/touch.hpp"
 #include "pcavr/object/object_parameters.hpp"
 #include "pcavr/teleop/options.hpp"
+#include "pcavr/turning/body_motion.hpp"
+#include "pcavr/turning/turning.hpp"
 
 namespace pcavr {
+
+/// The object in a contact, by tracking.
+struct SeenMotion {
+  BodyMotion body;  ///< at least one pose
+  const BodySurface& surface;
+  double tool_radius = 0.0;  ///< [m]
+};
 
 /// The data of a contact up to now, with some time without contact before it.
 struct ContactRecord {
@@ -24,12 +35,14 @@ struct ContactRecord {
   std::span<const Eigen::Vector3d> force_base;
   std::span<const double> t_tool;
   std::span<const Eigen::Vector3d> p_base_tip;
+  std::optional<SeenMotion> seen = {};
 };
 
 /// Online identification of one object's parameters, contact by contact, with the methods of
 /// `identification`: the contact law from presses, or without any from pushes while the object is
-/// static; F_M from each breakaway; M, mu and B from sliding. Parameters without excitation keep
-/// their values.
+/// static; F_M from each breakaway; M, mu and B from sliding; where the object is tracked, the
+/// friction radius and limit surface from its turning, and the tip's friction from its slip along a
+/// face. Parameters without excitation keep their values.
 ///
 /// An estimate replaces a previous one that was based on less data, or that the data contradict: by
 /// more than some standard deviations and a model error. So noise does not degrade given
@@ -44,6 +57,7 @@ class ObjectLearner {
   struct ContactFacts {
     bool has_slid = false;   ///< by force and motion
     bool has_moved = false;  ///< by tracking
+    bool is_over = false;
   };
   /// Identifies from a contact that began at `begin` [s], again if it was processed before. A
   /// contact in which the object has not slid yet has no information on friction: a tool that stops
@@ -71,6 +85,9 @@ class ObjectLearner {
   [[nodiscard]] ObjectParameters conservative_estimate() const;
 
  private:
+  /// [s] The estimated start of a new contact may still change by this much with more data.
+  static constexpr double kSameContact = 0.25;
+
   [[nodiscard]] bool is_press(const ContactEpisode& contact) const;
   /// Gives a press the direction of an earlier one on the same face, so that both meet the surface
   /// at the same coordinate: at half a metre from base, 0.05 degrees would displace it by 0.4 mm.
@@ -85,9 +102,15 @@ class ObjectLearner {
   void learn_breakaway();
   /// Discards an F_M that was identified before the slides contradicted it.
   void withdraw_limit_below(const IdentifiedParameter& sliding);
+  void discard_learned_limit();
   void contradict(double limit, double sliding);
   void learn_sliding();
-  void accept(std::optional<ParameterValue> ObjectParameters::*field, const ParameterValue& found);
+  /// By the newest contact, and those before it. The radius of many once a contact `is_over`: it
+  /// takes tens of milliseconds.
+  void learn_turning(const ContactRecord& record, const Segmentation& found, bool is_over);
+  void learn_tool_friction(std::span<const TrackedPose> tracked);
+  void learn_radius(const BodyMotion& body);
+  bool accept(std::optional<ParameterValue> ObjectParameters::*field, const ParameterValue& found);
   [[nodiscard]] bool is_contradicted(const std::optional<ParameterValue>& old,
                                      const ParameterValue& found) const;
 
@@ -101,6 +124,13 @@ class ObjectLearner {
   IdentifiedParameter coulomb_;               ///< [N] of the slides so far
   std::optional<std::string> contradiction_;
   std::vector<ContactEpisode> contacts_;
+  /// What tracking shows in a contact.
+  struct SeenSamples {
+    double begin = 0.0;  ///< [s]
+    std::vector<PushSample> turning;
+    std::vector<double> tool_friction;
+  };
+  std::deque<SeenSamples> seen_samples_;
   bool has_changed_ = false;
 };
 

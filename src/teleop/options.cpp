@@ -158,6 +158,10 @@ constexpr auto kLearningFields = std::to_array<OptionField<Learning>>({
     {"max_penetration_std", &Learning::max_penetration_std, 0.25, 0.0, 10.0, "",
      "relative std of the penetration above which a contact law is rejected",
      "lower: noisy sensors have no law; higher: young contacts give wrong laws"},
+    // Uniform pressure on the support, which it replaces, is as wrong on ordinary objects.
+    {"max_radius_std", &Learning::max_radius_std, 0.1, 0.0, 10.0, "",
+     "relative std of the friction radius above which it is not used",
+     "lower: objects on feet turn as on their whole face; higher: few pushes give wrong radii"},
     {"min_peak_force", &Learning::min_peak_force, 1.0, 0.0, 1e4, "N",
      "peak force of a contact that is used for the contact law",
      "lower: noise dominates light touches; higher: light objects have no law"},
@@ -362,7 +366,8 @@ std::vector<OptionSection> sections_of(TeleopOptions& options) {
           section_of(learning.contact_fit),
           section_of(learning.onset),
           section_of(learning.limiting_friction),
-          section_of(learning.sliding)};
+          section_of(learning.sliding),
+          section_of(learning.limit_surface)};
 }
 
 }  // namespace pcavr

@@ -103,6 +103,7 @@ void RobotObject::update_tracking(double t, double camera_offset) {
     compare_with_before_contact();
     record_contact(seen);
     detect_slow_slide(seen);
+    remember(seen);
     seen_.push_back(seen);
     if (seen_.size() > kMotionFrames) seen_.pop_front();
     measure_motion();
@@ -137,6 +138,23 @@ void RobotObject::record_contact(const TrackedPose& seen) {
   SeenContact& contact = seen_contacts_.back();
   contact.direction_base = monitor.direction_base();
   if (seen.t >= begin && seen.t <= begin + kMaxSeenTime) contact.poses.push_back(seen);
+}
+
+void RobotObject::remember(const TrackedPose& seen) {
+  if (!history_.empty() && history_.front().t < seen.t - 2.0 * learning_.max_contact_time) {
+    std::erase_if(history_, [&](const TrackedPose& pose) {
+      return pose.t < seen.t - learning_.max_contact_time;
+    });
+  }
+  history_.push_back(seen);
+}
+
+std::optional<SeenMotion> RobotObject::seen_motion(double begin, double end) const {
+  const auto by_time = [](const TrackedPose& pose, double t) { return pose.t < t; };
+  const auto from = std::lower_bound(history_.begin(), history_.end(), begin, by_time);
+  const auto to = std::lower_bound(from, history_.end(), end, by_time);
+  if (from == to) return std::nullopt;
+  return SeenMotion{{source_->model, {from, to}}, surface_, tool_radius_};
 }
 
 void RobotObject::detect_slow_slide(const TrackedPose& seen) {

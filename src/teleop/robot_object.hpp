@@ -85,6 +85,9 @@ class RobotObject {
   };
   static constexpr double kMaxSeenTime = 4.0;  ///< [s] a trial of more would hold up the site
   [[nodiscard]] const std::deque<SeenContact>& seen_contacts() const { return seen_contacts_; }
+  /// How the object went in [begin, end] [s] by tracking; empty where no pose is known. Until the
+  /// next pose is processed.
+  [[nodiscard]] std::optional<SeenMotion> seen_motion(double begin, double end) const;
   /// The physics that the operator's site has with these parameters.
   [[nodiscard]] BodyPhysics physics_with(const ObjectParameters& parameters) const;
 
@@ -148,6 +151,7 @@ class RobotObject {
   [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
   void compare_with_before_contact();
   void record_contact(const TrackedPose& seen);
+  void remember(const TrackedPose& seen);
   /// Slides that tracking shows although force and motion do not.
   void detect_slow_slide(const TrackedPose& seen);
   void measure_interval(double t);
@@ -186,6 +190,7 @@ class RobotObject {
   TrackedPose before_contact_;  ///< the latest frame before the contact
   bool has_moved_in_contact_ = false;
   std::deque<SeenContact> seen_contacts_;  ///< the newest
+  std::vector<TrackedPose> history_;       ///< of the longest contact that is identified, at least
   SlowSlide slow_slide_;
   std::optional<double> slow_contact_begin_ = {};             ///< [s] of its contact
   Eigen::Vector3d touched_object_ = Eigen::Vector3d::Zero();  ///< [m] at first touch

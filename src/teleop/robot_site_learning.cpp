@@ -78,7 +78,10 @@ void RobotSite::learn(RobotObject& object, double t) {
   }
   if (object.learned.empty() || object.learned.back().begin != begin) object.learned.push_back({});
   if (object.learned.size() > kMaxLearned) object.learned.pop_front();
-  object.learned.back() = {begin, t, {object.monitor.has_slid(), object.has_moved_in_contact()}};
+  object.learned.back() = {
+      begin,
+      t,
+      {object.monitor.has_slid(), object.has_moved_in_contact(), !object.monitor.is_touched()}};
   learn_from(object, object.learned.back());
 }
 
@@ -102,7 +105,8 @@ void RobotSite::learn_from(RobotObject& object, const RobotObject::LearnedContac
   const auto first = static_cast<std::size_t>(from - t.begin());
   const auto count = static_cast<std::size_t>(to - from);
   object.learner.learn(
-      {force.t, force.clean_base, t.subspan(first, count), tip_.p_base().subspan(first, count)},
+      {force.t, force.clean_base, t.subspan(first, count), tip_.p_base().subspan(first, count),
+       object.seen_motion(contact.begin - kBefore, contact.until)},
       contact.begin, contact.facts);
   if (!object.learner.contradiction() || object.contradicted_contact == contact.begin) return;
   object.contradicted_contact = contact.begin;

@@ -67,6 +67,21 @@ bool has_different_force(const ObjectParameters& now, const ObjectParameters& ac
   return false;
 }
 
+/// The surface is a form of degree four: of the load the relative change is a quarter of the
+/// form's.
+bool has_different_surface(const ObjectParameters& now, const ObjectParameters& acknowledged,
+                           double tolerance) {
+  if (!now.limit_surface) return false;
+  if (!acknowledged.limit_surface) return true;
+  double largest = 0.0, change = 0.0;
+  for (std::size_t i = 0; i < now.limit_surface->coefficients.size(); ++i) {
+    const double coefficient = now.limit_surface->coefficients[i];
+    largest = std::max(largest, std::abs(coefficient));
+    change = std::max(change, std::abs(coefficient - acknowledged.limit_surface->coefficients[i]));
+  }
+  return change > 4.0 * tolerance * largest;
+}
+
 Eigen::Vector3d surface_offset(const ObjectParameters& parameters) {
   return parameters.contact_surface_offset.value_or(Eigen::Vector3d::Zero());
 }
@@ -109,7 +124,7 @@ ParameterDifference difference(const ObjectParameters& now, const ObjectParamete
         result.has_friction || differs(now, acknowledged, field, options.min_parameter_change);
   }
   if (result.has_friction) result.friction = changed_parameters(now, acknowledged, kFrictionFields);
-  if (now.limit_surface && !acknowledged.limit_surface) {
+  if (has_different_surface(now, acknowledged, options.min_parameter_change)) {
     result.friction.limit_surface = now.limit_surface;
     result.has_friction = true;
   }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/core/random.hpp"
+#include "pcavr/identification/inertial_peak.hpp"
 
 namespace pcavr {
 namespace {
@@ -64,6 +65,19 @@ TEST(LimitAboveSliding, IsNotExcitedWhereTheTwoContradictEachOther) {
   EXPECT_TRUE(limit_above_sliding({9.5, 0.2, true}, {10.0, 0.2, true}).is_excited);
   // A sliding friction that is not known bounds nothing.
   EXPECT_EQ(limit_above_sliding({9.0, 0.2, true}, {10.0, 0.2, false}).value, 9.0);
+}
+
+TEST(LimitOfPushes, APeakUnderFastLoadingFarAboveTheSlidingFrictionIsInertia) {
+  Breakaway peak;
+  peak.force = 7.0;
+  peak.loading_rate = 226.0;
+  const IdentifiedParameter sliding{2.6, 0.3, true};
+  EXPECT_TRUE(is_inertial_peak(peak, sliding));
+  peak.loading_rate = 30.0;  // a slow peak is a limit, however high
+  EXPECT_FALSE(is_inertial_peak(peak, sliding));
+  peak.loading_rate = 226.0;
+  EXPECT_FALSE(is_inertial_peak(peak, {5.5, 0.3, true}));
+  EXPECT_FALSE(is_inertial_peak(peak, {}));
 }
 
 }  // namespace

@@ -73,6 +73,22 @@ TEST(CompletePhysics, DerivesOneFrictionFromTheOther) {
   EXPECT_NEAR(complete(known).physics.friction.mass, 10.0 / (0.2 * kGravity), 1e-12);
 }
 
+TEST(CompletePhysics, TakesTheSlidingForceWhereItsSplitIsNotKnown) {
+  ObjectParameters known;
+  known.mass = {0.351, {}};
+  known.sliding_force = {{0.056, 0.96, 0.2}, {0.218, 2.34, 1.3}};
+  const CompletedPhysics completed = complete(known);
+  EXPECT_NEAR(completed.physics.friction.coulomb_force, 0.96, 1e-12);
+  EXPECT_EQ(completed.physics.friction.viscous, 0.0);
+  EXPECT_NE(
+      std::find(completed.assumed.begin(), completed.assumed.end(), "sliding_friction_coefficient"),
+      completed.assumed.end());
+  known.limiting_static_friction = {0.9, {}};  // friction of a slide is not above it
+  EXPECT_NEAR(complete(known).physics.friction.coulomb_force, 0.9, 1e-12);
+  known.sliding_friction_coefficient = {0.2, {}};
+  EXPECT_NEAR(complete(known).physics.friction.coulomb_force, 0.2 * 0.351 * kGravity, 1e-12);
+}
+
 TEST(CompletePhysics, TakesTheFrictionRadiusFromTheLowestFace) {
   const double expected = mean_radius_of_rectangle(0.175, 0.175);
   EXPECT_NEAR(complete({}).physics.friction_radius, expected, 1e-6);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcavr/friction/limit_surface_fit.hpp"
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/segmentation.hpp"
@@ -85,6 +86,7 @@ struct LearningOptions {
   double single_breakaway_std;  ///< relative, of F_M by one breakaway
   double max_fit_error;         ///< of a contact law: relative force residual
   double max_penetration_std;   ///< of a contact law: relative
+  double max_radius_std;        ///< of a friction radius: relative
   double min_peak_force;        ///< [N] of a contact that is used for the contact law
   double static_limit_ratio;    ///< static friction over F_M that contradicts it, ...
   double static_limit_time;     ///< [s] ... after this long
@@ -99,6 +101,7 @@ struct LearningOptions {
   OnsetOptions onset;
   LimitingFrictionOptions limiting_friction;
   SlidingOptions sliding;  ///< its gravity is that of both sites
+  LimitSurfaceFitOptions limit_surface;
 };
 
 /// When a correction is sent [paper C] ("teleop.switch").

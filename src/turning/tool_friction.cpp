@@ -1,16 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include "pcavr/turning/tool_friction.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
-#include <span>
-#include <vector>
 
 #include "pcavr/core/median.hpp"
-#include "pcavr/inputs/touch.hpp"
-
-#include "identify_parts.hpp"
 
 namespace pcavr {
 namespace {
@@ -47,7 +43,7 @@ class Rubbing {
   Rubbing(const BodyMotion& body, const PathView& tip, const BodySurface& surface, double radius)
       : body_(body), tip_(tip), surface_(surface), radius_(radius) {}
 
-  void add(const IdentifiedContact& contact, std::vector<double>& coefficients) const {
+  void add(const AttributedContact& contact, std::vector<double>& coefficients) const {
     const std::vector<TipAtPose> tips = tips_during(contact.episode);
     std::size_t from = 0;
     for (std::size_t to = 0; to < tips.size(); ++to) {
@@ -87,7 +83,7 @@ class Rubbing {
   }
 
   /// The work of the force's parts over the slip: so a pause has no weight.
-  [[nodiscard]] std::optional<double> during(const IdentifiedContact& contact,
+  [[nodiscard]] std::optional<double> during(const AttributedContact& contact,
                                              std::span<const TipAtPose> tips) const {
     const TipAtPose &from = tips.front(), &to = tips.back();
     const Eigen::Vector3d normal = normal_between(from, to);
@@ -120,7 +116,7 @@ class Rubbing {
   }
 
   /// In the object's frame; that of the next sample where none lies between.
-  [[nodiscard]] Eigen::Vector3d mean_force(const IdentifiedContact& contact, double begin,
+  [[nodiscard]] Eigen::Vector3d mean_force(const AttributedContact& contact, double begin,
                                            double end) const {
     const std::vector<double>& t = contact.episode.t;
     const auto first = std::min<std::ptrdiff_t>(
@@ -140,44 +136,45 @@ class Rubbing {
 };
 
 /// [rad] of a face's normal, by that of the tracked rotation; it turns the force's components.
-double normal_std(const BodyMotion& body) {
+double normal_std(std::span<const TrackedPose> tracked) {
   std::vector<double> stds;
-  stds.reserve(body.tracked.size());
-  for (const TrackedPose& pose : body.tracked) stds.push_back(pose.rotation_std);
+  stds.reserve(tracked.size());
+  for (const TrackedPose& pose : tracked) stds.push_back(pose.rotation_std);
   return median(std::move(stds));
 }
 
 }  // namespace
 
-void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
-                               const BodyMotion& body, const PathView& tip, double tool_radius,
-                               ObjectIdentification& result) {
-  const BodySurface surface(body.model);
-  const Rubbing rubbing(body, tip, surface, tool_radius);
+std::vector<double> tool_friction_samples(const AttributedContact& contact, const BodyMotion& body,
+                                          const BodySurface& surface, const PathView& tip,
+                                          double tool_radius) {
+  std::vector<double> coefficients;
+  Rubbing(body, tip, surface, tool_radius).add(contact, coefficients);
+  return coefficients;
+}
+
+std::optional<ToolFriction> tool_friction_of(std::span<const std::vector<double>> contacts,
+                                             std::span<const TrackedPose> tracked) {
   std::vector<double> coefficients;
   int count = 0;
-  for (const IdentifiedContact& contact : contacts) {
-    if (contact.object != object || !contact.left_out.empty() || contact.episode.impact) continue;
-    const std::size_t before = coefficients.size();
-    rubbing.add(contact, coefficients);
-    count += coefficients.size() > before ? 1 : 0;
+  for (const std::vector<double>& contact : contacts) {
+    coefficients.insert(coefficients.end(), contact.begin(), contact.end());
+    count += contact.empty() ? 0 : 1;
   }
-  if (coefficients.size() < kMinSamples) return;
+  if (coefficients.size() < kMinSamples) return std::nullopt;
   const auto opposing = std::count_if(coefficients.begin(), coefficients.end(),
                                       [](double coefficient) { return coefficient > 0.0; });
   if (static_cast<double>(opposing) < kMinOpposing * static_cast<double>(coefficients.size()))
-    return;
+    return std::nullopt;
   const double middle = median(coefficients);
   std::vector<double> residuals;
   residuals.reserve(coefficients.size());
   for (const double value : coefficients) residuals.push_back(std::abs(value - middle));
-  // The samples of one contact share their errors. 1.4826 and 1.2533: as in identify_turning.cpp.
+  // The samples of one contact share their errors. 1.4826 and 1.2533: as in turning.cpp.
   const double scatter =
       1.2533 * 1.4826 * median(residuals) / std::sqrt(static_cast<double>(count));
-  result.parameters.tool_friction_coefficient =
-      ParameterValue{middle, std::hypot(scatter, normal_std(body) * (1.0 + middle * middle))};
-  result.tool_friction_contacts = count;
-  result.parameters.sources.pushes["tool_friction_coefficient"] = count;
+  const double std = std::hypot(scatter, normal_std(tracked) * (1.0 + middle * middle));
+  return ToolFriction{{middle, std}, count};
 }
 
 }  // namespace pcavr

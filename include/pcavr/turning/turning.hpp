@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pcavr/friction/limit_surface_fit.hpp"
+#include "pcavr/identification/path_view.hpp"
+#include "pcavr/inputs/input_series.hpp"
+#include "pcavr/object/object_parameters.hpp"
+#include "pcavr/turning/body_motion.hpp"
+
+namespace pcavr {
+
+/// Wrench and twist of the object over successive parts of a push in which it slid, each of some
+/// millimetres; in the planar axes of `heading_of`, about the centre of mass. A push as slow as the
+/// noise of the tip's speed counts where tracking shows that it moved the object.
+[[nodiscard]] std::vector<PushSample> turning_samples(const AttributedContact& push,
+                                                      const BodyMotion& body, const PathView& tip,
+                                                      double tool_radius);
+
+/// The samples of some pushes, by the push that they are from.
+using SamplesOfPushes = std::vector<std::vector<PushSample>>;
+[[nodiscard]] std::vector<PushSample> joined(const SamplesOfPushes& pushes);
+
+/// Friction of an object that turns.
+struct TurningFriction {
+  /// Where it is fitted and the radius is known, with the shape of the body's support as its prior.
+  LimitSurfaceFit surface;
+  /// [m] Maximum friction moment over maximum friction force; empty: no push has turned the object
+  /// far enough. Its std is by leaving out pushes.
+  std::optional<ParameterValue> radius = {};
+};
+[[nodiscard]] TurningFriction identify_turning(const SamplesOfPushes& pushes,
+                                               const BodyMotion& body,
+                                               const LimitSurfaceFitOptions& options);
+
+/// That of uniform pressure on the body's support, scaled to a friction radius [m].
+[[nodiscard]] LimitSurface surface_of_support(const CadModel& model, const Pose& T_base_object,
+                                              double radius);
+
+}  // namespace pcavr

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// Online identification of what tracking shows: how the object turns, and how the tip slips.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "pcavr/turning/tool_friction.hpp"
+
+#include "teleop/object_learner.hpp"
+
+namespace pcavr {
+namespace {
+
+// Contacts whose samples are kept: a limit surface needs dozens of pushes.
+constexpr std::size_t kMaxSeenContacts = 40;
+// Up to so many contacts, one that is not over yet changes the estimate by more than a tenth.
+constexpr std::size_t kFewContacts = 10;
+// Pushes that turned the object, for a radius: the std is by leaving one out.
+constexpr std::size_t kMinTurningPushes = 3;
+
+AttributedContact attributed(const ContactRecord& record, const Segmentation& found,
+                             const ContactEpisode& episode) {
+  AttributedContact contact;
+  contact.episode = episode;
+  const auto first =
+      std::lower_bound(record.t_force.begin(), record.t_force.end(), episode.t.front());
+  const auto begin = found.force_base.begin() + (first - record.t_force.begin());
+  contact.force_base.assign(begin, begin + std::ssize(episode.t));
+  const PathView tip(record.t_tool, record.p_base_tip);
+  contact.normal_object = record.seen->surface
+                              .touch(pose_at(record.seen->body.tracked, episode.begin),
+                                     tip.at(episode.begin), record.seen->tool_radius)
+                              .normal_object;
+  return contact;
+}
+
+}  // namespace
+
+void ObjectLearner::learn_turning(const ContactRecord& record, const Segmentation& found,
+                                  bool is_over) {
+  const ContactEpisode& episode = contacts_.back();
+  const SeenMotion& seen = *record.seen;
+  if (seen_samples_.empty() || std::abs(seen_samples_.back().begin - episode.begin) >= kSameContact)
+    seen_samples_.emplace_back();
+  if (seen_samples_.size() > kMaxSeenContacts) seen_samples_.pop_front();
+  const AttributedContact contact = attributed(record, found, episode);
+  const PathView tip(record.t_tool, record.p_base_tip);
+  seen_samples_.back() = {
+      episode.begin, turning_samples(contact, seen.body, tip, seen.tool_radius),
+      tool_friction_samples(contact, seen.body, seen.surface, tip, seen.tool_radius)};
+  learn_tool_friction(seen.body.tracked);
+  if (is_over || seen_samples_.size() <= kFewContacts) learn_radius(seen.body);
+}
+
+void ObjectLearner::learn_tool_friction(std::span<const TrackedPose> tracked) {
+  std::vector<std::vector<double>> contacts;
+  for (const SeenSamples& seen : seen_samples_) contacts.push_back(seen.tool_friction);
+  if (const std::optional<ToolFriction> friction = tool_friction_of(contacts, tracked)) {
+    accept(&ObjectParameters::tool_friction_coefficient, friction->coefficient);
+  }
+}
+
+void ObjectLearner::learn_radius(const BodyMotion& body) {
+  SamplesOfPushes pushes;
+  for (const SeenSamples& seen : seen_samples_) {
+    if (!seen.turning.empty()) pushes.push_back(seen.turning);
+  }
+  if (pushes.size() < kMinTurningPushes) return;
+  const TurningFriction turning = identify_turning(pushes, body, options_.limit_surface);
+  const std::optional<ParameterValue>& radius = turning.radius;
+  if (!radius || *radius->std > options_.max_radius_std * radius->value) return;
+  if (!accept(&ObjectParameters::friction_radius, *radius)) return;
+  known_.limit_surface =
+      turning.surface.status == LimitSurfaceFitStatus::fitted
+          ? turning.surface.surface
+          : surface_of_support(body.model, body.tracked.front().T_base_object, radius->value);
+}
+
+}  // namespace pcavr
