@@ -27,7 +27,7 @@ struct Evidence {
   /// but for things that moved.
   double contradicted = 0.0;
   /// Of the texture where both see one surface; nothing if there is too little to compare. Other
-  /// than depth, it tells along a plane.
+  /// than depth, it also depends on the position along a plane.
   std::optional<double> correlation;
 
   [[nodiscard]] bool is_plausible(const CameraTrackerOptions& options) const;
