@@ -13,6 +13,7 @@
 #include "pcavr/tracking/object_tracker.hpp"
 
 #include "assess_consistency.hpp"
+#include "placement_warnings.hpp"
 #include "prefetcher.hpp"
 
 namespace pcavr {
@@ -328,6 +329,10 @@ Expected<Survey> survey_recording(const Recording& recording,
       survey.camera.frames.begin(), survey.camera.frames.end(),
       [](const FramePlacement& frame) { return frame.status == PlacementStatus::placed; });
   if (!any_placed) return not_placed_error(recording, survey, perception);
+  for (const std::string& warning :
+       placement_warnings(survey.camera, recording.groundtruth, tracker_options)) {
+    observer.on_warning(warning);
+  }
   survey.T_base_object_first = first_poses(masker.first_detections(), survey.camera);
   return survey;
 }

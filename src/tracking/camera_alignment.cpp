@@ -226,6 +226,7 @@ bool Alignment::is_valid(const CameraTrackerOptions& options) const {
   const bool has_surface = surface_in_view >= kMinSurfaceCells;
   const bool has_features = features_matched >= options.min_features;
   if (!has_surface && !has_features) return false;
+  if (!evidence.is_plausible(options)) return false;
   return !has_surface || surface_matched >= options.min_inlier_ratio * surface_in_view;
 }
 

@@ -13,6 +13,7 @@
 #include "pcavr/tracking/camera_tracker.hpp"
 
 #include "camera_surface.hpp"
+#include "camera_verification.hpp"
 
 namespace pcavr::tracking {
 
@@ -49,6 +50,7 @@ struct Alignment {
   int features_matched = 0;           ///< inliers of the final pose
   std::vector<std::size_t> inliers;   ///< landmarks consistent with the pose
   std::vector<std::size_t> outliers;  ///< the other matched landmarks
+  Evidence evidence;                  ///< of the images, by match()
 
   /// Whether the pose can be used: well conditioned, and enough inliers.
   [[nodiscard]] bool is_valid(const CameraTrackerOptions& options = {}) const;

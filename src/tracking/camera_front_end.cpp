@@ -15,6 +15,9 @@ namespace {
 // View change up to which an old keyframe is reused: less than 1, so that it is used for a while.
 constexpr double kMaxReuseChange = 0.7;
 
+// After a gap the next view may be as far again: a keyframe is made of a smaller change.
+constexpr double kMaxChangeAfterGap = 0.3;
+
 // A keyframe needs surface in at least 1 / kMinSurfaceDivisor of the image: with less, the frames
 // aligned to it would be lost.
 constexpr std::size_t kMinSurfaceDivisor = 10;
@@ -23,8 +26,8 @@ constexpr std::size_t kMinSurfaceDivisor = 10;
 constexpr double kSameStart = 0.1;
 
 // Where the recording gives poses, an alignment that begins with their motion is taken unless it
-// agrees with less than this share of what another one does: on planes and repeated patterns the
-// wrong one fits as well; beside the true one, a wrong one was never seen to agree with above 0.92.
+// agrees with less than this share of what another one does: on repeated patterns the wrong one
+// fits as well; beside the true one, a wrong one was never seen to agree with above 0.92.
 constexpr double kMinRelativeAgreement = 0.98;
 
 double mean_depth(const InverseDepth& cells) {
@@ -57,14 +60,18 @@ void remove_outliers(const Alignment& alignment, ActiveModel& model) {
   });
 }
 
-/// Share of the surface in view that fits; of the features, where there is no surface. Features say
-/// less: their outliers are relative to their scatter, which a wrong pose widens.
+/// Share of the surface in view that fits (of the features, where there is no surface), less what
+/// contradicts it. Features say less: their outliers are relative to their scatter, which a wrong
+/// pose widens.
 double agreement(const Alignment& alignment) {
   const auto share = [](auto matched, auto all) {
     return static_cast<double>(matched) / std::max(1.0, static_cast<double>(all));
   };
-  return alignment.surface_in_view > 0 ? share(alignment.surface_matched, alignment.surface_in_view)
-                                       : share(alignment.features_matched, alignment.features);
+  const double fits = alignment.surface_in_view > 0
+                          ? share(alignment.surface_matched, alignment.surface_in_view)
+                          : share(alignment.features_matched, alignment.features);
+  return fits * (1.0 - alignment.evidence.contradicted) *
+         alignment.evidence.correlation.value_or(1.0);
 }
 
 bool has_enough_surface(const FrameView& view) {
@@ -95,6 +102,7 @@ FrameRecord& CameraFrontEnd::add(const RgbdFrame& frame, const MaskImage& is_dyn
   FrameView view;
   view.inverse_depth = cell_inverse_depth(sensor_.grid, frame.depth, is_dynamic, sensor_.noise);
   view.gray = gray_on_depth_grid(frame);
+  view.texture = cell_texture(sensor_.grid, view.gray);
   view.pyramid = make_pyramid(view.gray, false);
   view.T_depth_color = Pose::exp(velocity_ * color_delay);
   FrameRecord& record = records_.emplace_back();
@@ -116,6 +124,12 @@ Pose CameraFrontEnd::predict(Stamp stamp) const {
   return last_->T_keyframe_frame * Pose::exp(velocity_ * elapsed);
 }
 
+/// Whether the newest frame comes too long after the one before for the motion to be predicted.
+bool CameraFrontEnd::follows_gap() const {
+  return records_.size() > 1 && to_seconds(records_.back().stamp - records_.end()[-2].stamp) >
+                                    options_.max_prediction_time;
+}
+
 /// The pose in the active keyframe by the motion that the given poses say; nullopt without them.
 std::optional<Pose> CameraFrontEnd::by_given_motion(Stamp stamp) const {
   const auto before = given_.at(last_->stamp);
@@ -124,23 +138,30 @@ std::optional<Pose> CameraFrontEnd::by_given_motion(Stamp stamp) const {
   return last_->T_keyframe_frame * (before->inverse() * *now);
 }
 
+/// From the predicted pose; by features, too, where that may be far off; and from the motion that
+/// the given poses say, if it is another one. The one that agrees best.
 Alignment CameraFrontEnd::align(const FrameView& view, Stamp stamp, Parallelism parallelism) const {
   const auto from = [&](const Pose& start) {
     return match(sensor_, *active_, view, start, parallelism);
   };
   const Pose predicted = predict(stamp);
-  Alignment alignment = from(predicted);
-  if (!alignment.is_valid(options_)) alignment = from(last_->T_keyframe_frame);
-  const std::optional<Pose> given = by_given_motion(stamp);
-  if (!given ||
-      view_change(predicted.inverse() * *given, mean_depth(view.inverse_depth)) < kSameStart) {
-    return alignment;
+  Alignment best = from(predicted);
+  if (!best.is_valid(options_)) best = from(last_->T_keyframe_frame);
+  const auto try_start = [&](const std::optional<Pose>& start, double min_relative_agreement) {
+    if (!start) return;
+    const Pose change = predicted.inverse() * *start;
+    if (view_change(change, mean_depth(view.inverse_depth)) < kSameStart) return;
+    Alignment other = from(*start);
+    if (!other.is_valid(options_)) return;
+    if (!best.is_valid(options_) || agreement(other) > min_relative_agreement * agreement(best)) {
+      best = std::move(other);
+    }
+  };
+  if (follows_gap() || !best.is_valid(options_)) {
+    try_start(pose_by_features(sensor_, keyframes_[active_->keyframe], view), 1.0);
   }
-  Alignment by_given = from(*given);
-  const bool is_better = by_given.is_valid(options_) &&
-                         (!alignment.is_valid(options_) ||
-                          agreement(by_given) > kMinRelativeAgreement * agreement(alignment));
-  return is_better ? by_given : alignment;
+  try_start(by_given_motion(stamp), kMinRelativeAgreement);
+  return best;
 }
 
 bool CameraFrontEnd::track(const FrameView& view, FrameRecord& record, Parallelism parallelism) {
@@ -176,15 +197,16 @@ void CameraFrontEnd::accept(const FrameView& view, const Alignment& alignment,
 void CameraFrontEnd::choose_keyframe(const FrameView& view, const Alignment& alignment,
                                      FrameRecord& record, Parallelism parallelism) {
   const double depth = mean_depth(view.inverse_depth);
+  const bool is_late = follows_gap();
   const bool is_similar =
-      view_change(alignment.T_model_frame, depth) < 1.0 &&
+      view_change(alignment.T_model_frame, depth) < (is_late ? kMaxChangeAfterGap : 1.0) &&
       alignment.overlap > options_.keyframe_overlap &&
       alignment.features_matched >= options_.keyframe_landmark_ratio * alignment.features;
   if (is_similar || !has_enough_surface(view)) return;
   const int segment = keyframes_[active_->keyframe].segment;
   const Pose T_segment_frame =
       keyframes_[active_->keyframe].T_segment_keyframe * alignment.T_model_frame;
-  // Loop closure: an old keyframe that shows the place is reused.
+  // Loop closure: an old keyframe that shows the place is linked, and reused unless after a gap.
   if (const auto old = nearest_keyframe(T_segment_frame, segment, depth)) {
     ActiveModel model = activate(sensor_, keyframes_, *old);
     const Alignment closure =
@@ -192,15 +214,17 @@ void CameraFrontEnd::choose_keyframe(const FrameView& view, const Alignment& ali
               parallelism);
     if (closure.is_valid(options_) && closure.overlap > options_.keyframe_overlap) {
       record.links.push_back({*old, closure.T_model_frame, closure.information});
-      switch_to(std::move(model), closure.T_model_frame, record.stamp);
-      return;
+      if (!is_late) {
+        switch_to(std::move(model), closure.T_model_frame, record.stamp);
+        return;
+      }
     }
   }
   make_keyframe(view, record, segment, T_segment_frame);
-  if (segment != keyframes_.front().segment) {
-    // A segment not connected to the first one tries to relocalise at each new keyframe.
-    (void)relocalise(view, record, parallelism);
-  }
+  const bool has_others = std::any_of(keyframes_.begin(), keyframes_.end(),
+                                      [&](const auto& other) { return other.segment != segment; });
+  // Unconnected segments try to relocalise at each new keyframe.
+  if (has_others) (void)relocalise(view, record, parallelism);
 }
 
 std::optional<std::size_t> CameraFrontEnd::nearest_keyframe(const Pose& T_segment_frame,

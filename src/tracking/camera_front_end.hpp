@@ -36,6 +36,7 @@ class CameraFrontEnd {
     Stamp stamp;
   };
 
+  [[nodiscard]] bool follows_gap() const;
   [[nodiscard]] Pose predict(Stamp stamp) const;
   [[nodiscard]] std::optional<Pose> by_given_motion(Stamp stamp) const;
   [[nodiscard]] Alignment align(const FrameView& view, Stamp stamp, Parallelism parallelism) const;

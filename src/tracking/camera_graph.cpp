@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera_graph.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -120,7 +122,9 @@ struct PoseGraph::Problem {
   ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> manifold;
   ceres::CauchyLoss corner_loss{kCornerLossScale};
   ceres::HuberLoss link_loss{kLinkLossScale};
-  ceres::CauchyLoss prior_loss{kPriorLossScale};
+  ceres::LossFunctionWrapper prior_loss{new ceres::CauchyLoss(kPriorLossScale),
+                                        ceres::TAKE_OWNERSHIP};
+  std::vector<ceres::ResidualBlockId> priors;
   ceres::Problem ceres{options()};
 
   static ceres::Problem::Options options() {
@@ -166,9 +170,10 @@ void PoseGraph::add_corners(const CornerFactor& corners) {
 void PoseGraph::add_prior(std::size_t node, const Pose& T_base_node, double position_std,
                           double rotation_std) {
   PCAVR_REQUIRE(position_std > 0.0 && rotation_std > 0.0, position_std, rotation_std);
-  problem_->ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorError, 6, 7>(
-                                       new PriorError{T_base_node, position_std, rotation_std}),
-                                   &problem_->prior_loss, problem_->blocks[node].data());
+  problem_->priors.push_back(
+      problem_->ceres.AddResidualBlock(new ceres::AutoDiffCostFunction<PriorError, 6, 7>(
+                                           new PriorError{T_base_node, position_std, rotation_std}),
+                                       &problem_->prior_loss, problem_->blocks[node].data()));
 }
 
 void PoseGraph::solve() {
@@ -181,6 +186,42 @@ void PoseGraph::solve() {
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_->ceres, &summary);
+}
+
+double PoseGraph::prior_scatter(std::size_t gauges) const {
+  std::vector<double> squares;
+  for (const ceres::ResidualBlockId prior : problem_->priors) {
+    Vector6d error;
+    (void)problem_->ceres.EvaluateResidualBlockAssumingParametersUnchanged(prior, false, nullptr,
+                                                                           error.data(), nullptr);
+    squares.push_back(error.squaredNorm());
+  }
+  const double freedoms = 6.0 * (static_cast<double>(squares.size()) - static_cast<double>(gauges));
+  const double all = std::accumulate(squares.begin(), squares.end(), 0.0);
+  if (freedoms < 1.0 || all < freedoms + 3.0 * std::sqrt(2.0 * freedoms)) return 1.0;
+  // Fixed point: the scatter of the errors, less those that are outliers at this scatter.
+  constexpr int kIterations = 20;                                       // converges in ten
+  constexpr double kOutlier = 6.0 * kPriorLossScale * kPriorLossScale;  // of six axes
+  double variance = 1.0;
+  for (int i = 0; i < kIterations; ++i) {
+    double weights = 0.0;
+    double sum = 0.0;
+    for (const double square : squares) {
+      const double weight = 1.0 / (1.0 + square / variance / kOutlier);
+      weights += weight;
+      sum += weight * square;
+    }
+    variance = std::max(1.0, sum / (6.0 * std::max(1.0, weights - static_cast<double>(gauges))));
+  }
+  return std::sqrt(variance);
+}
+
+void PoseGraph::scale_priors(double factor) {
+  PCAVR_REQUIRE(factor > 0.0, factor);
+  // The loss of a residual that is divided by the factor.
+  problem_->prior_loss.Reset(new ceres::ScaledLoss(new ceres::CauchyLoss(factor * kPriorLossScale),
+                                                   1.0 / (factor * factor), ceres::TAKE_OWNERSHIP),
+                             ceres::TAKE_OWNERSHIP);
 }
 
 const Pose PoseGraph::pose(std::size_t node) const {

@@ -54,6 +54,13 @@ class PoseGraph {
 
   void solve();
 
+  /// Scatter of the priors about the solution over that by their standard deviations, without
+  /// outliers; at least 1. `gauges`: rigid parts of the graph, each of which follows its
+  /// priors as a whole. 1 where all errors together are within chance (3 std).
+  [[nodiscard]] double prior_scatter(std::size_t gauges) const;
+  /// Multiplies the standard deviations of all priors.
+  void scale_priors(double factor);
+
   [[nodiscard]] const Pose pose(std::size_t node) const;
   /// Standard deviations from the covariance at the solution; nothing for an undetermined node.
   [[nodiscard]] std::vector<std::optional<NodeStd>> node_stds(

@@ -10,6 +10,9 @@ ActiveModel activate(const Sensor& sensor, const std::vector<Keyframe>& keyframe
   active.keyframe = keyframe;
   active.pyramid = make_pyramid(keyframes[keyframe].gray, true);
   const Keyframe& model = keyframes[keyframe];
+  active.inverse_depth = model.model.inverse_depth;
+  active.texture = cell_texture(sensor.grid, model.gray);
+  active.T_depth_color = model.T_depth_color;
   active.surface = make_surface(sensor.grid, model.model.inverse_depth, sensor.noise);
   active.landmarks = make_landmarks(model.corners, sensor.grid, active.surface, sensor.camera,
                                     model.T_depth_color);
@@ -42,7 +45,11 @@ Alignment match(const Sensor& sensor, const ActiveModel& model, const FrameView&
   input.noise = sensor.noise;
   input.T_depth_color = frame.T_depth_color;
   const Pose start = align_features(input, T_keyframe_frame_predicted, kInitialScale);
-  return align(input, start, parallelism);
+  Alignment alignment = align(input, start, parallelism);
+  alignment.evidence = compare_views(
+      sensor.grid, sensor.noise, {&model.inverse_depth, model.texture, model.T_depth_color},
+      {&frame.inverse_depth, frame.texture, frame.T_depth_color}, alignment.T_model_frame);
+  return alignment;
 }
 
 }  // namespace pcavr::tracking

@@ -48,6 +48,7 @@ struct FrameRecord {
 struct FrameView {
   InverseDepth inverse_depth;
   cv::Mat gray;
+  cv::Mat texture;  ///< see View
   Pyramid pyramid;
   Pose T_depth_color;
 };
@@ -55,6 +56,9 @@ struct FrameView {
 /// A keyframe with the data precomputed for alignment.
 struct ActiveModel {
   std::size_t keyframe = 0;
+  InverseDepth inverse_depth;  ///< before frames were fused into it
+  cv::Mat texture;             ///< see View
+  Pose T_depth_color;
   Surface surface;
   Pyramid pyramid;
   std::vector<Landmark> landmarks;

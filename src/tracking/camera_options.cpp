@@ -39,6 +39,15 @@ constexpr auto kCameraFields = std::to_array<OptionField<Camera>>({
     {"min_inlier_ratio", &Camera::min_inlier_ratio, 0.6, 0.1, 1.0, "",
      "minimum share of the surface in view on which a frame agrees with its keyframe",
      "lower: wrong alignments are accepted; higher: moving things in view lose the camera"},
+    // Views of one place had 0.27 or more (badly registered colour, views 1.3 s apart; in others
+    // above 0.6), alignments that had slid along a plane 0.14 at most.
+    {"min_correlation", &Camera::min_correlation, 0.2, -1.0, 1.0, "",
+     "minimum correlation of a frame's texture with that of its keyframe, less the share of the "
+     "surface that one of them looked through",
+     "lower: wrong alignments are accepted; higher: frames in changing light are lost"},
+    {"max_contradicted", &Camera::max_contradicted, 0.05, 0.0, 1.0, "",
+     "maximum share of the surface that one of two views without texture looked through",
+     "lower: moving things in view lose the camera; higher: wrong alignments are accepted"},
     {"min_features", &Camera::min_features, 12, 4, 1000, "",
      "minimum number of features that place a frame without enough depth",
      "lower: wrong alignments are accepted; higher: frames of bare walls are lost"},

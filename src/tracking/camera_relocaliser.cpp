@@ -15,8 +15,9 @@ namespace pcavr::tracking {
 namespace {
 
 constexpr int kFeatures = 400;            // many times kMinMatchInliers
+constexpr int kMinContrast = 7;           // [grey levels], above the noise of a sensor
 constexpr std::size_t kCandidates = 6;    // keyframes matched by features
-constexpr int kMinMatchInliers = 15;      // random matches give up to five
+constexpr int kMinMatchInliers = 8;       // random matches give up to six
 constexpr double kInlierDistance = 0.03;  // [m]; the alignment that follows is finer
 constexpr int kRansacIterations = 200;    // 80 % success with 20 % inliers, samples of 3
 const cv::Size kThumbnail(40, 30);
@@ -26,12 +27,33 @@ struct Features {
   std::vector<Eigen::Vector3d> points;  ///< in the depth camera [m]
 };
 
+/// Corners of little contrast as well: the strongest are chosen, and a bare table has few.
+cv::Ptr<cv::ORB> make_orb() {
+  const cv::Ptr<cv::ORB> orb = cv::ORB::create(kFeatures);
+  orb->setFastThreshold(kMinContrast);
+  return orb;
+}
+
+/// The pixels with a depth: features elsewhere would take the place of useful ones.
+cv::Mat pixels_with_depth(const CellGrid& grid, const cv::Size& size,
+                          const InverseDepth& inverse_depth) {
+  cv::Mat mask(size, CV_8U, cv::Scalar(0));
+  for (std::size_t cell = 0; cell < inverse_depth.size(); ++cell) {
+    if (inverse_depth[cell] <= 0.0F) continue;
+    const int x = static_cast<int>(cell) % grid.width() * grid.pixels;
+    const int y = static_cast<int>(cell) / grid.width() * grid.pixels;
+    mask(cv::Rect(x, y, grid.pixels, grid.pixels)).setTo(255);
+  }
+  return mask;
+}
+
 /// ORB features with a 3D point.
 Features detect_features(const Sensor& sensor, const cv::Mat& gray,
                          const InverseDepth& inverse_depth) {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;
-  cv::ORB::create(kFeatures)->detectAndCompute(gray, cv::noArray(), keypoints, descriptors);
+  make_orb()->detectAndCompute(gray, pixels_with_depth(sensor.grid, gray.size(), inverse_depth),
+                               keypoints, descriptors);
   Features features;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     const cv::Point2f pixel = keypoints[i].pt;
@@ -113,27 +135,35 @@ std::optional<Pose> estimate_pose_ransac(
   return fit_pose(inliers_of(fit_pose(best)));
 }
 
+/// The pose of the features in a keyframe; nothing if too few agree.
+std::optional<Pose> pose_in(const Sensor& sensor, const Keyframe& keyframe, const Features& frame) {
+  if (frame.points.size() < kMinMatchInliers) return std::nullopt;
+  const Features model = detect_features(sensor, keyframe.gray, keyframe.model.inverse_depth);
+  if (model.points.size() < kMinMatchInliers) return std::nullopt;
+  std::vector<cv::DMatch> matches;
+  cv::BFMatcher(cv::NORM_HAMMING, true).match(frame.descriptors, model.descriptors, matches);
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
+  for (const cv::DMatch& match : matches) {
+    pairs.emplace_back(model.points[static_cast<std::size_t>(match.trainIdx)],
+                       frame.points[static_cast<std::size_t>(match.queryIdx)]);
+  }
+  return estimate_pose_ransac(pairs);
+}
+
 }  // namespace
+
+std::optional<Pose> pose_by_features(const Sensor& sensor, const Keyframe& keyframe,
+                                     const FrameView& view) {
+  return pose_in(sensor, keyframe, detect_features(sensor, view.gray, view.inverse_depth));
+}
 
 std::vector<RelocalisationCandidate> find_relocalisation_candidates(
     const Sensor& sensor, const std::vector<Keyframe>& keyframes, const FrameView& view,
     int excluded_segment) {
   std::vector<RelocalisationCandidate> candidates;
   const Features frame = detect_features(sensor, view.gray, view.inverse_depth);
-  if (frame.points.size() < kMinMatchInliers) return candidates;
-  const cv::BFMatcher matcher(cv::NORM_HAMMING, true);
   for (const std::size_t k : similar_keyframes(keyframes, view.gray, excluded_segment)) {
-    const Features model =
-        detect_features(sensor, keyframes[k].gray, keyframes[k].model.inverse_depth);
-    if (model.points.size() < kMinMatchInliers) continue;
-    std::vector<cv::DMatch> matches;
-    matcher.match(frame.descriptors, model.descriptors, matches);
-    std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
-    for (const cv::DMatch& match : matches) {
-      pairs.emplace_back(model.points[static_cast<std::size_t>(match.trainIdx)],
-                         frame.points[static_cast<std::size_t>(match.queryIdx)]);
-    }
-    if (const auto pose = estimate_pose_ransac(pairs)) candidates.push_back({k, *pose});
+    if (const auto pose = pose_in(sensor, keyframes[k], frame)) candidates.push_back({k, *pose});
   }
   return candidates;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "camera_map.hpp"
@@ -14,9 +15,13 @@ struct RelocalisationCandidate {
   Pose T_keyframe_frame;
 };
 
-/// Relocalisation and loop closure: matches the frame to keyframes outside `excluded_segment` by
-/// ORB features [Rublee et al. 2011] and RANSAC on their 3D points, best first. To be verified by
-/// an alignment.
+/// Approximate pose of the frame in a keyframe, whatever the motion between them: by ORB features
+/// [Rublee et al. 2011] and RANSAC on their 3D points. Nothing if too few agree.
+[[nodiscard]] std::optional<Pose> pose_by_features(const Sensor& sensor, const Keyframe& keyframe,
+                                                   const FrameView& view);
+
+/// Relocalisation and loop closure: matches the frame to the most similar keyframes outside
+/// `excluded_segment` as above, best first. To be verified by an alignment.
 [[nodiscard]] std::vector<RelocalisationCandidate> find_relocalisation_candidates(
     const Sensor& sensor, const std::vector<Keyframe>& keyframes, const FrameView& view,
     int excluded_segment);

@@ -38,6 +38,8 @@ class TrackSolver {
     track_.is_fixed_camera = is_fixed();
     track_.is_fixed_camera ? build_fixed() : build_moving();
     graph_.solve();
+    // Given poses that are worse than stated make the track less certain, not less smooth.
+    if (!track_.is_fixed_camera) graph_.scale_priors(graph_.prior_scatter(T_base_segment_.size()));
     report_corners();
     track_.is_fixed_camera ? place_fixed() : place_moving();
     for (std::size_t r = 0; r < records().size(); ++r) {

@@ -70,6 +70,51 @@ TEST(CameraPositionError, OfAHandHeldCameraIsBelowAMillimetre) {
   }
 }
 
+/// Every `step`-th frame.
+Recording thinned(Recording recording, std::size_t step) {
+  std::vector<FrameFiles> kept;
+  for (std::size_t i = 0; i < recording.frames.size(); i += step) {
+    kept.push_back(recording.frames[i]);
+  }
+  recording.frames = std::move(kept);
+  return recording;
+}
+
+// Views 0.2 to 0.4 m apart; the tag is seen in the first and the last ones. From the one before, a
+// view aligns as well when it slides along the table.
+TEST(CameraPositionError, OfViewsFarApartIsBelowAMillimetreOrTheyAreNotPlaced) {
+  PCAVR_NEEDS_SHARED_DATA("tabletop");
+  const Recording recording = read_recording(shared_data("tabletop")).value();
+  const Trajectory truth = read_trajectory(shared_data("tabletop/truth/camera.txt")).value();
+  for (const std::size_t step : {12, 15, 30}) {
+    const CameraTrack result = track(thinned(recording, step));
+    const Errors errors = position_errors(truth, result);
+    EXPECT_LT(errors.position_rmse, 0.001) << step;
+    EXPECT_LT(errors.rotation_rmse, 0.1 * kDegree) << step;
+    EXPECT_GE(errors.placed, step <= 15 ? result.frames.size() : 1U) << step;
+  }
+}
+
+// Against the track by all frames: the given poses contradict the images by up to 75 mm at the end.
+TEST(CameraPositionError, OfRealViewsFarApartIsWithinThreeStandardDeviations) {
+  PCAVR_NEEDS_SHARED_DATA("real/seven_scenes");
+  const TemporaryFolder folder;
+  ASSERT_TRUE(import_recording(shared_data("real/seven_scenes"), folder.path()));
+  const Recording recording = read_recording(folder.path()).value();
+  const CameraTrack all = track(recording);
+  for (const std::size_t step : {15, 20}) {
+    const CameraTrack few = track(thinned(recording, step));
+    for (std::size_t i = 0; i < few.frames.size(); ++i) {
+      const FramePlacement& frame = few.frames[i];
+      EXPECT_EQ(frame.status, PlacementStatus::placed);
+      const Pose& expected = all.frames[i * step].T_base_camera;
+      const double error = translation_distance(expected, frame.T_base_camera);
+      EXPECT_LT(error, 3.0 * frame.position_std) << "frame " << i * step;
+      EXPECT_LT(error, 0.015) << "frame " << i * step;
+    }
+  }
+}
+
 TEST(CameraPositionError, OfAFixedCameraIsBelowAMillimetreWithMovingBoxes) {
   PCAVR_NEEDS_SHARED_DATA("push_two_boxes");
   const Recording recording = read_recording(shared_data("push_two_boxes")).value();

@@ -35,6 +35,8 @@ struct CameraTrackerOptions {
   double keyframe_landmark_ratio;
   double max_prediction_time;  ///< [s]
   double min_inlier_ratio;
+  double min_correlation;
+  double max_contradicted;
   int min_features;
   double max_position_std;            ///< [m]
   double max_rotation_std;            ///< [rad]

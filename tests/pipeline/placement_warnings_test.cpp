@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/placement_warnings.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pcavr {
+namespace {
+
+Stamp stamp_of(std::size_t frame) { return Stamp{static_cast<std::int64_t>(frame) * 100'000'000}; }
+
+/// Ten frames in a row, known to 2 mm.
+CameraTrack a_track() {
+  CameraTrack track;
+  for (std::size_t i = 0; i < 10; ++i) {
+    FramePlacement frame;
+    frame.frame = i;
+    frame.stamp = stamp_of(i);
+    frame.status = PlacementStatus::placed;
+    frame.T_base_camera = Pose::from_translation({0.1 * static_cast<double>(i), 0.0, 0.0});
+    frame.position_std = 0.002;
+    track.frames.push_back(frame);
+  }
+  return track;
+}
+
+TEST(PlacementWarnings, NameTheFramesThatAreLeftOut) {
+  CameraTrack track = a_track();
+  EXPECT_TRUE(placement_warnings(track, {}, {}).empty());
+  for (const std::size_t i : {2, 3, 4, 7}) track.frames[i].status = PlacementStatus::not_anchored;
+  track.frames[9].status = PlacementStatus::lost;
+  const std::vector<std::string> warnings = placement_warnings(track, {}, {});
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_TRUE(warnings[0].starts_with("frames 2 to 4, 7 are left out")) << warnings[0];
+  EXPECT_TRUE(warnings[1].starts_with("frame 9 is left out")) << warnings[1];
+}
+
+TEST(PlacementWarnings, NameGivenPosesThatTheImagesContradict) {
+  const CameraTrack track = a_track();
+  Trajectory given;
+  for (std::size_t i = 0; i < 10; ++i) {
+    const double error = i < 8 ? 0.01 : 0.06;
+    given.append(stamp_of(i),
+                 track.frames[i].T_base_camera * Pose::from_translation({0.0, error, 0.0}));
+  }
+  const std::vector<std::string> warnings = placement_warnings(track, given, {});
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("frames 8, 9 are up to 60 mm off"), std::string::npos) << warnings[0];
+  CameraTrackerOptions trusting;
+  trusting.trust_poses = true;
+  EXPECT_TRUE(placement_warnings(track, given, trusting).empty());
+}
+
+}  // namespace
+}  // namespace pcavr
