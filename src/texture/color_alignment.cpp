@@ -26,12 +26,16 @@ constexpr std::size_t kPointsPerChunk = 500;
 constexpr double kNoise = 8.0;  ///< std of a colour's difference between views, of 255
 /// Prior std of the registration: focal scale, offset [px of 640], roll [rad], translation [m].
 /// Between colour and depth camera of one sensor.
-constexpr std::array<double, 7> kRegistrationStd{0.08, 12.0, 12.0, 0.02, 0.03, 0.03, 0.01};
+constexpr std::array<double, 7> kRegistrationStd{0.10, 12.0, 12.0, 0.02, 0.03, 0.03, 0.01};
 /// Of a view's pose: what tracking leaves, translation [m] and rotation [rad].
 constexpr double kTranslationStd = 0.003;
 constexpr double kRotationStd = 0.002;
 /// Observations with about one common error: what geometry, poses and light leave is not noise.
 constexpr double kCorrelated = 300.0;
+/// Steps of the registration in images of one size: robust weights make them short where many
+/// points are far off. Ended where no parameter moves by more than a share of its prior std.
+constexpr int kMaxSteps = 20;
+constexpr double kMinStep = 0.01;
 /// Another registration is taken if it lowers the mean difference at least by this factor.
 constexpr double kMinImprovement = 0.97;
 /// And if it moves the points at least by this in the mean, as a share of the image's width: less
@@ -194,7 +198,8 @@ class Alignment {
 
   /// One Gauss-Newton step of the registration; the points' colours are eliminated (variable
   /// projection): the residuals are differences from the mean, and so are their derivatives.
-  void step_registration(Vector7d& x) {
+  /// Returns the largest change of a parameter, as a share of its prior std.
+  double step_registration(Vector7d& x) {
     struct Normal {
       Matrix7d H = Matrix7d::Zero();
       Vector7d g = Vector7d::Zero();
@@ -228,8 +233,11 @@ class Alignment {
       total.H(i, i) += prior;
       total.g[i] += prior * x[i];
     }
-    x -= total.H.ldlt().solve(total.g);
+    const Vector7d step = total.H.ldlt().solve(total.g);
+    x -= step;
     set_registration(registration_of(given_, x));
+    return step.cwiseQuotient(Eigen::Map<const Vector7d>(kRegistrationStd.data()))
+        .lpNorm<Eigen::Infinity>();
   }
 
   /// One step of each view's pose, towards the mean colours over the views.
@@ -347,7 +355,8 @@ ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMe
   const double before = alignment.mean_difference();
   for (const int factor : kFactors) {
     alignment.set_level(factor);
-    for (int i = 0; i < (factor > 1 ? 5 : 2); ++i) alignment.step_registration(x);
+    int steps = 0;
+    while (steps < kMaxSteps && alignment.step_registration(x) > kMinStep) ++steps;
   }
   ColorRegistration registration = registration_of(given, x);
   alignment.set_level(2);
