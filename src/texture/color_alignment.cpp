@@ -41,6 +41,9 @@ constexpr double kMinImprovement = 0.97;
 /// And if it moves the points at least by this in the mean, as a share of the image's width: less
 /// than 2.6 of 640 pixels may come from the poses' errors.
 constexpr double kMinDisplacement = 0.004;
+/// Mean distance between a point's pixels in its first and last view from which the registration
+/// can be told, as a share of the image's width: a camera that stands still says nothing about it.
+constexpr double kMinMotion = 0.02;
 
 /// A gray image, binned, in which points are looked up.
 class GrayLevel {
@@ -176,6 +179,18 @@ class Alignment {
       count += 1.0;
     }
     return count > 0.0 ? sum / count : 0.0;
+  }
+
+  /// Mean distance between a point's pixels in its first and last view [px].
+  [[nodiscard]] double mean_motion() const {
+    double sum = 0.0;
+    for (const SeenPoint& point : points_) {
+      const auto pixel_in = [&](std::uint32_t i) {
+        return views_[i].color_camera().project(views_[i].in_color_camera(point.p_base));
+      };
+      sum += (pixel_in(point.views.back()) - pixel_in(point.views.front())).norm();
+    }
+    return sum / static_cast<double>(points_.size());
   }
 
   void set_registration(const ColorRegistration& registration) {
@@ -340,15 +355,8 @@ class Alignment {
   std::vector<std::optional<GrayLevel>> levels_;
 };
 
-}  // namespace
-
-ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMesh& mesh_base,
-                               const ColorRegistration& given, bool with_poses,
-                               Parallelism parallelism) {
-  const std::vector<SeenPoint> points = sample_points(views, mesh_base, parallelism);
-  even_out_exposures(views, points);
-  if (!with_poses || views.size() < 3 || points.size() < 100) return given;
-  Alignment alignment(views, points, given, parallelism);
+/// The registration by the colours; the given one where it is not clearly better.
+ColorRegistration find_registration(Alignment& alignment, const ColorRegistration& given) {
   Vector7d x = Vector7d::Zero();
   constexpr std::array<int, 4> kFactors{8, 4, 2, 1};
   alignment.set_level(2);
@@ -358,14 +366,29 @@ ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMe
     int steps = 0;
     while (steps < kMaxSteps && alignment.step_registration(x) > kMinStep) ++steps;
   }
-  ColorRegistration registration = registration_of(given, x);
+  const ColorRegistration registration = registration_of(given, x);
   alignment.set_level(2);
   const bool is_better = alignment.mean_difference() < kMinImprovement * before;
-  if (!is_better ||
-      alignment.mean_displacement(registration) < kMinDisplacement * given.camera.width) {
-    registration = given;
-    alignment.set_registration(given);
+  if (is_better &&
+      alignment.mean_displacement(registration) >= kMinDisplacement * given.camera.width) {
+    return registration;
   }
+  alignment.set_registration(given);
+  return given;
+}
+
+}  // namespace
+
+ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMesh& mesh_base,
+                               const ColorRegistration& given, bool with_poses,
+                               Parallelism parallelism) {
+  const std::vector<SeenPoint> points = sample_points(views, mesh_base, parallelism);
+  even_out_exposures(views, points);
+  if (!with_poses || views.size() < 3 || points.size() < 100) return given;
+  Alignment alignment(views, points, given, parallelism);
+  const ColorRegistration registration = alignment.mean_motion() < kMinMotion * given.camera.width
+                                             ? given
+                                             : find_registration(alignment, given);
   for (const int factor : {2, 1}) {
     alignment.set_level(factor);
     for (int i = 0; i < 3; ++i) alignment.step_poses();
