@@ -42,7 +42,8 @@ constexpr double kMinImprovement = 0.97;
 /// than 2.6 of 640 pixels may come from the poses' errors.
 constexpr double kMinDisplacement = 0.004;
 /// Mean distance between a point's pixels in its first and last view from which the registration
-/// is identified, as a share of the image's width: a camera that stands still says nothing about it.
+/// is identified, as a share of the image's width: a camera that stands still says nothing about
+/// it.
 constexpr double kMinMotion = 0.02;
 
 /// A gray image, binned, in which points are looked up.
