@@ -26,17 +26,25 @@ constexpr std::size_t kPointsPerChunk = 500;
 constexpr double kNoise = 8.0;  ///< std of a colour's difference between views, of 255
 /// Prior std of the registration: focal scale, offset [px of 640], roll [rad], translation [m].
 /// Between colour and depth camera of one sensor.
-constexpr std::array<double, 7> kRegistrationStd{0.08, 12.0, 12.0, 0.02, 0.03, 0.03, 0.01};
+constexpr std::array<double, 7> kRegistrationStd{0.10, 12.0, 12.0, 0.02, 0.03, 0.03, 0.01};
 /// Of a view's pose: what tracking leaves, translation [m] and rotation [rad].
 constexpr double kTranslationStd = 0.003;
 constexpr double kRotationStd = 0.002;
 /// Observations with about one common error: what geometry, poses and light leave is not noise.
 constexpr double kCorrelated = 300.0;
+/// Steps of the registration in images of one size: robust weights make them short where many
+/// points are far off. Ended where no parameter moves by more than a share of its prior std.
+constexpr int kMaxSteps = 20;
+constexpr double kMinStep = 0.01;
 /// Another registration is taken if it lowers the mean difference at least by this factor.
 constexpr double kMinImprovement = 0.97;
 /// And if it moves the points at least by this in the mean, as a share of the image's width: less
 /// than 2.6 of 640 pixels may come from the poses' errors.
 constexpr double kMinDisplacement = 0.004;
+/// Mean distance between a point's pixels in its first and last view from which the registration
+/// is identified, as a share of the image's width: a camera that stands still says nothing about
+/// it.
+constexpr double kMinMotion = 0.02;
 
 /// A gray image, binned, in which points are looked up.
 class GrayLevel {
@@ -174,6 +182,18 @@ class Alignment {
     return count > 0.0 ? sum / count : 0.0;
   }
 
+  /// Mean distance between a point's pixels in its first and last view [px].
+  [[nodiscard]] double mean_motion() const {
+    double sum = 0.0;
+    for (const SeenPoint& point : points_) {
+      const auto pixel_in = [&](std::uint32_t i) {
+        return views_[i].color_camera().project(views_[i].in_color_camera(point.p_base));
+      };
+      sum += (pixel_in(point.views.back()) - pixel_in(point.views.front())).norm();
+    }
+    return sum / static_cast<double>(points_.size());
+  }
+
   void set_registration(const ColorRegistration& registration) {
     for (PaintedView& view : views_) view.set_registration(registration);
   }
@@ -194,7 +214,8 @@ class Alignment {
 
   /// One Gauss-Newton step of the registration; the points' colours are eliminated (variable
   /// projection): the residuals are differences from the mean, and so are their derivatives.
-  void step_registration(Vector7d& x) {
+  /// Returns the largest change of a parameter, as a share of its prior std.
+  double step_registration(Vector7d& x) {
     struct Normal {
       Matrix7d H = Matrix7d::Zero();
       Vector7d g = Vector7d::Zero();
@@ -228,8 +249,11 @@ class Alignment {
       total.H(i, i) += prior;
       total.g[i] += prior * x[i];
     }
-    x -= total.H.ldlt().solve(total.g);
+    const Vector7d step = total.H.ldlt().solve(total.g);
+    x -= step;
     set_registration(registration_of(given_, x));
+    return step.cwiseQuotient(Eigen::Map<const Vector7d>(kRegistrationStd.data()))
+        .lpNorm<Eigen::Infinity>();
   }
 
   /// One step of each view's pose, towards the mean colours over the views.
@@ -332,6 +356,28 @@ class Alignment {
   std::vector<std::optional<GrayLevel>> levels_;
 };
 
+/// The registration by the colours; the given one where it is not clearly better.
+ColorRegistration find_registration(Alignment& alignment, const ColorRegistration& given) {
+  Vector7d x = Vector7d::Zero();
+  constexpr std::array<int, 4> kFactors{8, 4, 2, 1};
+  alignment.set_level(2);
+  const double before = alignment.mean_difference();
+  for (const int factor : kFactors) {
+    alignment.set_level(factor);
+    int steps = 0;
+    while (steps < kMaxSteps && alignment.step_registration(x) > kMinStep) ++steps;
+  }
+  const ColorRegistration registration = registration_of(given, x);
+  alignment.set_level(2);
+  const bool is_better = alignment.mean_difference() < kMinImprovement * before;
+  if (is_better &&
+      alignment.mean_displacement(registration) >= kMinDisplacement * given.camera.width) {
+    return registration;
+  }
+  alignment.set_registration(given);
+  return given;
+}
+
 }  // namespace
 
 ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMesh& mesh_base,
@@ -341,22 +387,9 @@ ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMe
   even_out_exposures(views, points);
   if (!with_poses || views.size() < 3 || points.size() < 100) return given;
   Alignment alignment(views, points, given, parallelism);
-  Vector7d x = Vector7d::Zero();
-  constexpr std::array<int, 4> kFactors{8, 4, 2, 1};
-  alignment.set_level(2);
-  const double before = alignment.mean_difference();
-  for (const int factor : kFactors) {
-    alignment.set_level(factor);
-    for (int i = 0; i < (factor > 1 ? 5 : 2); ++i) alignment.step_registration(x);
-  }
-  ColorRegistration registration = registration_of(given, x);
-  alignment.set_level(2);
-  const bool is_better = alignment.mean_difference() < kMinImprovement * before;
-  if (!is_better ||
-      alignment.mean_displacement(registration) < kMinDisplacement * given.camera.width) {
-    registration = given;
-    alignment.set_registration(given);
-  }
+  const ColorRegistration registration = alignment.mean_motion() < kMinMotion * given.camera.width
+                                             ? given
+                                             : find_registration(alignment, given);
   for (const int factor : {2, 1}) {
     alignment.set_level(factor);
     for (int i = 0; i < 3; ++i) alignment.step_poses();

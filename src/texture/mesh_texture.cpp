@@ -238,6 +238,10 @@ MeshTexture paint_texture(std::vector<TriangleMesh>& levels_base,
       prepare(views, texture.registration, depth_noise, options, parallelism);
   texture.registration = align_colors(painted, levels_base.front(), texture.registration,
                                       options.register_color, parallelism);
+  const SurfaceQuery surface(levels_base.front());
+  parallel_for(parallelism, painted.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) painted[i].set_surface(surface);
+  });
   ChartSet set = make_charts(levels_base, parallelism);
   const AtlasLayout layout = lay_out(set, levels_base, painted, options);
   if (layout.height == 0) return texture;

@@ -110,6 +110,25 @@ Eigen::Vector3d PaintedView::in_color_camera(const Eigen::Vector3f& p_base) cons
   return (R_color_base_ * p_base + t_color_base_).cast<double>();
 }
 
+void PaintedView::set_surface(const SurfaceQuery& surface_base) {
+  const CameraModel& camera = registration_.camera;
+  const Pose T_color_base =
+      registration_.T_color_depth * T_corrected_camera_ * view_->T_base_camera.inverse();
+  surface_ = render_depth(surface_base, on_grid(camera, camera.width / 2, camera.height / 2),
+                          T_color_base.inverse(), Parallelism{1});
+  nearest_surface_ = minimum_around(surface_, kEdgeRadius);
+}
+
+float PaintedView::share_seen(const Eigen::Vector2f& pixel, float depth, float tolerance) const {
+  if (surface_.empty()) return 1.0F;
+  const int x = static_cast<int>(pixel.x()) / 2;
+  const int y = static_cast<int>(pixel.y()) / 2;
+  if (!surface_.contains(x, y)) return 1.0F;
+  const auto hides = [&](float nearer) { return nearer > 0.0F && nearer < depth - tolerance; };
+  if (hides(surface_(x, y))) return 0.0F;
+  return hides(nearest_surface_(x, y)) ? kDoubtful : 1.0F;
+}
+
 bool PaintedView::may_see(const Eigen::Vector3f& center_base, float radius) const {
   const Eigen::Vector3f p = R_color_base_ * center_base + t_color_base_;
   if (p.z() < kNear - radius) return false;
@@ -168,6 +187,8 @@ std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
       std::min(std::min(pixel.x(), static_cast<float>(camera.width - 1) - pixel.x()),
                std::min(pixel.y(), static_cast<float>(camera.height - 1) - pixel.y()));
   if (!(border > 1.0F)) return std::nullopt;
+  weight *= share_seen(pixel, in_color.z(), 2.0F * tilted);
+  if (!(weight > 0.0F)) return std::nullopt;
   weight *= std::min(1.0F, border / kBorder);
   return Sighting{pixel, weight};
 }

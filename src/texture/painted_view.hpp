@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/model/cad_model.hpp"
 #include "pcavr/texture/mesh_texture.hpp"
 
 namespace pcavr {
@@ -28,6 +29,10 @@ class PaintedView {
   /// Corrects the pose of the colour camera: T_view_corrected is applied after T_camera_base.
   void set_correction(const Pose& T_corrected_camera);
   [[nodiscard]] const Pose& correction() const { return T_corrected_camera_; }
+
+  /// Renders what of the surface the colour camera sees: from beside the depth camera, other parts
+  /// are hidden. To be called again when the registration or the correction changes.
+  void set_surface(const SurfaceQuery& surface_base);
 
   /// False where no point of a ball can be in view.
   [[nodiscard]] bool may_see(const Eigen::Vector3f& center_base, float radius) const;
@@ -55,6 +60,9 @@ class PaintedView {
 
  private:
   void update_color_pose();
+  /// How much of its weight a sighting keeps for what lies in front of the point in the colour
+  /// image; 0 where that hides it. `tolerance` in m.
+  [[nodiscard]] float share_seen(const Eigen::Vector2f& pixel, float depth, float tolerance) const;
 
   const TextureView* view_;
   ColorRegistration registration_;
@@ -63,6 +71,8 @@ class PaintedView {
   DepthNoise noise_;
   float mask_distance_;
   DepthImage nearest_;                ///< smallest depth around each pixel [m]
+  DepthImage surface_;                ///< in the colour camera, half as fine [m]
+  DepthImage nearest_surface_;        ///< the smallest around each pixel [m]
   Image<std::uint8_t> from_dynamic_;  ///< distance from dynamic pixels [px of depth], to 255
   Eigen::Matrix3f R_camera_base_;
   Eigen::Vector3f t_camera_base_;

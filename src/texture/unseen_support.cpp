@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/geometry/pixel.hpp"
@@ -23,6 +24,10 @@ constexpr double kBelow = 0.001;
 /// Squares by which what something dynamic hid is continued to the scan beside it: depth at edges
 /// is not fused, so that the scan may end before the mask begins.
 constexpr int kGap = 3;
+/// Of a triangle's normal and the plane's: steeper ones are the foot of something on the plane.
+constexpr float kMinCosine = 0.9F;
+/// Squares beside what is not the plane whose colours are not continued: fused ones are mixed.
+constexpr int kMixed = 3;
 /// Squares per side of an area; larger areas get larger squares.
 constexpr int kMaxSide = 1000;
 
@@ -73,6 +78,29 @@ MaskImage grown_into(const MaskImage& mask, const MaskImage& other) {
   return grown;
 }
 
+/// The mask without the pixels that touch others, or the image's border.
+MaskImage shrunk(const MaskImage& mask) {
+  MaskImage result = mask;
+  const auto is_set = [&](int x, int y) { return mask.contains(x, y) && mask(x, y) != 0; };
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      const bool is_inner =
+          is_set(x - 1, y) && is_set(x + 1, y) && is_set(x, y - 1) && is_set(x, y + 1);
+      if (!is_inner) result(x, y) = 0;
+    }
+  }
+  return result;
+}
+
+/// The pixels whose colours are continued: not those beside another surface, if others are left.
+MaskImage unmixed(const MaskImage& is_plane) {
+  MaskImage inner = is_plane;
+  for (int i = 0; i < kMixed; ++i) inner = shrunk(inner);
+  const std::span<const std::uint8_t> pixels = inner.pixels();
+  const bool is_left = std::any_of(pixels.begin(), pixels.end(), [](auto v) { return v != 0; });
+  return is_left ? inner : is_plane;
+}
+
 /// One area as a grid of points.
 class AreaGrid {
  public:
@@ -88,7 +116,7 @@ class AreaGrid {
   void append_unseen(const SurfaceQuery& surface, const TriangleMesh& mesh,
                      const std::vector<DepthView>& views, TriangleMesh& result) const {
     ColorImage colors(columns_, rows_);
-    MaskImage is_scanned(columns_, rows_);
+    MaskImage is_plane(columns_, rows_);
     MaskImage is_on_scan(columns_, rows_);
     MaskImage is_gap(columns_, rows_);
     MaskImage is_unseen(columns_, rows_);
@@ -97,9 +125,9 @@ class AreaGrid {
       for (int x = 0; x < columns_; ++x) {
         const Eigen::Vector3d p = point(x, y);
         const auto near = surface.closest(p.cast<float>(), static_cast<float>(1.5 * cell_));
-        if (near) {
+        if (near && is_along_plane(mesh, near->triangle)) {
           colors(x, y) = mesh.colors[mesh.triangles[near->triangle][0]];
-          is_scanned(x, y) = 1;
+          is_plane(x, y) = 1;
         }
         is_on_scan(x, y) = near && static_cast<double>(near->distance) < 0.5 * cell_ ? 1 : 0;
         if (is_on_scan(x, y) != 0 || !is_inside(area_.outline_base, p)) continue;
@@ -110,7 +138,7 @@ class AreaGrid {
       }
     }
     if (!has_unseen) return;
-    fill_gaps(colors, is_scanned);
+    fill_gaps(colors, unmixed(is_plane));
     for (int i = 0; i < kGap; ++i) is_unseen = grown_into(is_unseen, is_gap);
     // A point counts as on the scan up to half a square beyond the scan's edge.
     is_unseen = grown_into(is_unseen, is_on_scan);
@@ -122,6 +150,14 @@ class AreaGrid {
     const Eigen::Vector2d at = first_ + cell_ * Eigen::Vector2d(x, y);
     const Eigen::Vector3d& n = area_.plane_base.normal;
     return {at.x(), at.y(), (area_.plane_base.offset - n.head<2>().dot(at)) / n.z()};
+  }
+
+  [[nodiscard]] bool is_along_plane(const TriangleMesh& mesh, std::uint32_t triangle) const {
+    const auto& [a, b, c] = mesh.triangles[triangle];
+    const Eigen::Vector3f normal = (mesh.vertices[b] - mesh.vertices[a])
+                                       .cross(mesh.vertices[c] - mesh.vertices[a])
+                                       .normalized();
+    return std::abs(normal.dot(area_.plane_base.normal.cast<float>())) > kMinCosine;
   }
 
   [[nodiscard]] static Evidence evidence_of_all(const Eigen::Vector3d& p,

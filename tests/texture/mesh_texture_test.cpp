@@ -162,6 +162,30 @@ TEST(MeshTexture, AnOffsetOfColourFromDepthIsFound) {
   EXPECT_LT((found - truth).norm(), 0.15 * (before - truth).norm());
 }
 
+TEST(MeshTexture, AColourCameraOfAnotherFocalLengthIsFound) {
+  // As of a Kinect: 525 px beside 585 px, and axes that are not parallel.
+  CameraModel color_camera = wall_camera();
+  color_camera.fx *= 0.9;
+  color_camera.fy *= 0.9;
+  color_camera.cx += 4.0;
+  color_camera.cy -= 6.0;
+  const Pose T_color_depth = Pose::from_translation({-0.025, 0.0, 0.0});
+  std::vector<TextureView> views;
+  for (const Pose& pose : wall_views()) {
+    views.push_back(take_view(pose, blobs, color_camera, T_color_depth));
+  }
+  std::vector<TriangleMesh> levels = wall_levels();
+  const ColorRegistration found = paint(levels, views).registration;
+  ASSERT_TRUE(found.is_estimated);
+  for (const double x : {-0.15, 0.15}) {
+    for (const double y : {-0.1, 0.1}) {
+      const Eigen::Vector3d p(x, y, 0.6);
+      const Eigen::Vector2d truth = color_camera.project(T_color_depth * p);
+      EXPECT_LT((found.camera.project(found.T_color_depth * p) - truth).norm(), 1.0);
+    }
+  }
+}
+
 TEST(MeshTexture, IsTheSameForAnyNumberOfThreads) {
   std::vector<TriangleMesh> levels = wall_levels();
   std::vector<TriangleMesh> same_levels = wall_levels();

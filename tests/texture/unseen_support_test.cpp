@@ -66,6 +66,31 @@ TEST(UnseenSupport, FillsWhatOnlyDynamicPixelsHid) {
   }
 }
 
+// A green wall stands on the table beside the hole; the colours at its foot are mixed.
+TEST(UnseenSupport, DoesNotContinueTheColourOfWhatStandsOnThePlane) {
+  const float foot = static_cast<float>(kHole) + 0.004F;
+  const Rgb8 green{20, 200, 30};
+  TriangleMesh table = a_table_with_holes();
+  for (std::size_t i = 0; i < table.vertices.size(); ++i) {
+    const Eigen::Vector3f& p = table.vertices[i];
+    if (std::abs(p.x() + foot) < 0.006F && std::abs(p.y()) < 0.02F) table.colors[i] = green;
+  }
+  const auto first = static_cast<std::uint32_t>(table.vertices.size());
+  for (const float y : {-0.02F, 0.02F}) {
+    for (const float z : {0.0F, 0.1F}) {
+      table.vertices.emplace_back(-foot, y, z);
+      table.normals.emplace_back(1.0F, 0.0F, 0.0F);
+      table.colors.push_back(green);
+    }
+  }
+  table.triangles.push_back({first, first + 1, first + 2});
+  table.triangles.push_back({first + 1, first + 3, first + 2});
+  const TriangleMesh found =
+      find_unseen_support({the_area()}, table, the_views(false), test::wall_camera(), 0.005);
+  ASSERT_FALSE(found.triangles.empty());
+  for (const Rgb8& color : found.colors) EXPECT_LT(color.g, 120);
+}
+
 // The scan ends between two squares, on one side some millimetres beside what a body hid.
 TEST(UnseenSupport, LeavesNoSeamBesideTheScan) {
   TriangleMesh table = a_table_with_holes();
