@@ -4,7 +4,7 @@ import { create } from '../ui/dom';
 import { saveText } from '../ui/plot_files';
 import { csvOfTable } from './csv';
 import type { TableData } from './report_data';
-import { unbroken } from './typeset';
+import { printed } from './typeset';
 
 const maxNumber = 24; // characters: longer cells are text
 const headlineRows = 5; // that are not folded
@@ -54,7 +54,7 @@ function plainTable(data: TableData): HTMLElement {
   const isNumber = numberColumns(data);
   const cell = (kind: 'th' | 'td', textContent: string, column: number) =>
     create(kind, {
-      textContent: unbroken(textContent),
+      textContent: printed(textContent),
       className: isNumber[column] ? 'number' : '',
     });
   const row = (kind: 'th' | 'td', cells: string[]) =>
