@@ -20,7 +20,8 @@ std::string headset_instructions(const StartupInfo& info) {
     text += "  network    restart with " + info.host_option +
             " 0.0.0.0 --tls, then type the code shown\n";
   } else if (!info.has_network) {
-    text += "  network    this machine has no address: connect it to the headset's network, restart\n";
+    text +=
+        "  network    this machine has no address: connect it to the headset's network, restart\n";
   } else {
     text += "  network    open " + info.addresses.front() +
             " there, accept the certificate, type the code\n";
