@@ -60,10 +60,9 @@ ReportTable comparison_table(const ObjectIdentification& object) {
 }
 
 ReportTable faces_table(const ObjectIdentification& object) {
-  ReportTable table{
-      .title = "Faces, from pushes before breakaway",
-      .columns = {"normal in the object's axes", "pushes", "stiffness k (N/m^n)",
-                  "damping λ (N s/m^(n+1))", "exponent n"}};
+  ReportTable table{.title = "Faces, from pushes before breakaway",
+                    .columns = {"normal in the object's axes", "pushes", "stiffness k (N/m^n)",
+                                "damping λ (N s/m^(n+1))", "exponent n"}};
   for (const FaceContact& face : object.faces) {
     const ContactFit& fit = face.contact.best();
     const Eigen::Vector3d& n = face.normal_object;
@@ -181,8 +180,8 @@ std::string verdict_of(const Identification& found) {
   std::string text;
   for (const ObjectIdentification& object : found.objects) {
     const std::vector<ParameterFinding>& rows = object.findings;
-    const auto identified = std::ranges::count_if(
-        rows, [](const ParameterFinding& row) { return row.is_excited; });
+    const auto identified =
+        std::ranges::count_if(rows, [](const ParameterFinding& row) { return row.is_excited; });
     text += fmt::format("{}{}: {} of {} parameters identified", text.empty() ? "" : " ",
                         object.name, identified, rows.size());
     text += listed("given", rows, [](const auto& row) { return !row.is_excited && is_known(row); });
@@ -196,9 +195,8 @@ const std::vector<std::string>& main_parameters(IdentificationGoal goal) {
   static const std::vector<std::string> friction = {
       "limiting_static_friction", "sliding_friction_coefficient", "viscous_friction", "mass",
       "contact.stiffness"};
-  static const std::vector<std::string> contact = {"contact.stiffness", "contact.damping",
-                                                   "contact.exponent", "restitution",
-                                                   "contact.mass"};
+  static const std::vector<std::string> contact = {
+      "contact.stiffness", "contact.damping", "contact.exponent", "restitution", "contact.mass"};
   return goal == IdentificationGoal::friction ? friction : contact;
 }
 
@@ -217,8 +215,8 @@ ReportTable headline_table(const Identification& found) {
       is_any_known = true;
       const UncertainText text = text_of(*one);
       row[1] = one->unit;
-      row.back() = text.value + (one->std ? " ± " + text.std : "") +
-                   (one->is_excited ? "" : ", given");
+      row.back() =
+          text.value + (one->std ? " ± " + text.std : "") + (one->is_excited ? "" : ", given");
     }
     if (is_any_known) table.rows.push_back(std::move(row));
   }

@@ -34,7 +34,8 @@ std::string parameter_title(std::string_view key) {
                                   [&](const auto& title) { return title.first == key; });
   if (known != kTitles.end()) return known->second;
   std::string words(key);
-  std::replace_if(words.begin(), words.end(), [](char c) { return c == '_' || c == '.'; }, ' ');
+  std::replace_if(
+      words.begin(), words.end(), [](char c) { return c == '_' || c == '.'; }, ' ');
   return words;
 }
 
