@@ -18,9 +18,9 @@ namespace pcavr {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kToolInterval = 0.002;        // [s] as of recorded plants: phases need it
-constexpr double kBodyInterval = 1.0 / 30.0;   // [s] as a camera
-constexpr std::size_t kSlots = 4096;           // of the queue: 8 s
+constexpr double kToolInterval = 0.002;         // [s] as of recorded plants: phases need it
+constexpr double kBodyInterval = 1.0 / 30.0;    // [s] as a camera
+constexpr std::size_t kSlots = 4096;            // of the queue: 8 s
 constexpr std::chrono::milliseconds kWait{50};  // between two looks at the queue
 // The tool's z points down: a half turn about x.
 const Eigen::Quaterniond kDownwards(0.0, 1.0, 0.0, 0.0);
@@ -58,7 +58,10 @@ Expected<void> copy_mesh(const fs::path& from, const fs::path& to) {
 
 struct SessionRecorder::Content {
   Content(const SceneManifest& recorded, std::size_t bodies, double tool_radius)
-      : scene(recorded), radius(tool_radius), slots(kSlots), poses(kSlots * bodies),
+      : scene(recorded),
+        radius(tool_radius),
+        slots(kSlots),
+        poses(kSlots * bodies),
         tracked(bodies) {}
 
   /// Takes over what is in the queue.

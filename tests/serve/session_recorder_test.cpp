@@ -62,12 +62,12 @@ TEST_F(SessionRecorderTest, APushIsARecordingOfToolForceAndBody) {
   EXPECT_NEAR(static_cast<double>(recording.tool.size()), 775.0, 2.0);
   EXPECT_NEAR(recording.tool.poses().back().pose.translation().x(), end.world.p_base_hip.x(), 1e-3);
   // The tip pushes the box along x.
-  const auto& strongest = *std::max_element(
-      recording.wrench.begin(), recording.wrench.end(),
-      [](const auto& a, const auto& b) { return a.force.x() < b.force.x(); });
+  const auto& strongest =
+      *std::max_element(recording.wrench.begin(), recording.wrench.end(),
+                        [](const auto& a, const auto& b) { return a.force.x() < b.force.x(); });
   EXPECT_GT(strongest.force.x(), 0.5);
-  const auto tracked = read_file(folder_.path() / "tracked/objects" / cycle_.names()[0] /
-                                 "tracked.txt");
+  const auto tracked =
+      read_file(folder_.path() / "tracked/objects" / cycle_.names()[0] / "tracked.txt");
   ASSERT_TRUE(tracked.has_value());
   EXPECT_NEAR(static_cast<double>(std::count(tracked->begin(), tracked->end(), '\n')), 47.0, 2.0);
 }

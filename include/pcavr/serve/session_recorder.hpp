@@ -19,7 +19,8 @@ namespace pcavr {
 /// seconds from the start. In memory (some 80 kB a second) until finish().
 class SessionRecorder {
  public:
-  /// Of the bodies `names`, objects of the scene, in the world's order; the scene's tool radius [m].
+  /// Of the bodies `names`, objects of the scene, in the world's order; the scene's tool radius
+  /// [m].
   SessionRecorder(const SceneManifest& scene, const std::vector<std::string>& names,
                   double tool_radius);
   /// Stops without writing.
@@ -32,7 +33,7 @@ class SessionRecorder {
   void add(double t, const HapticWorldState& state) noexcept;
 
   struct Summary {
-    double duration = 0.0;     ///< [s], simulated
+    double duration = 0.0;    ///< [s], simulated
     std::size_t dropped = 0;  ///< samples
   };
   /// Writes the recording into an existing folder. After the last add(); once.

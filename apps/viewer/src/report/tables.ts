@@ -28,7 +28,7 @@ export function table(data: TableData, section: string): HTMLElement {
   const save = create('button', { type: 'button', textContent: 'Save CSV' });
   save.addEventListener('click', () => saveText(name, 'csv', 'text/csv', csvOfTable(data)));
   const parts: HTMLElement[] = [plainTable(data)];
-  if (data.note) parts.push(create('p', { className: 'below', textContent: data.note }));
+  if (data.note) parts.push(create('p', { className: 'below', textContent: printed(data.note) }));
   const actions = create('span', { className: 'actions' }, save);
   if (data.folded || data.rows.length > maxShownRows) {
     const title = `${data.title || 'All values'} (${data.rows.length} rows)`;
