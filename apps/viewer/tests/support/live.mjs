@@ -86,8 +86,6 @@ function decodeState(body) {
       force: floats(at + 28, 3),
       phase: body[at + 40],
       isOutside: (body[at + 41] & 1) !== 0,
-      isBlocked: (body[at + 41] & 2) !== 0,
-      isSaturated: (body[at + 41] & 4) !== 0,
       speed: body.readFloatLE(at + 44),
     });
   }
