@@ -163,6 +163,7 @@ Expected<void> print_startup_message(const LiveServer& server, const PageWorld& 
       .code = server.pairing_code(),
       .is_terminal = isatty(STDOUT_FILENO) == 1,
       .is_local = server.pairing_code().empty(),
+      .has_network = !is_wildcard(arguments.server.host) || !machine_addresses().empty(),
       .is_at_localhost = server.pairing_code().empty() || is_wildcard(arguments.server.host),
       .is_tls = arguments.server.tls.has_value(),
       .host_option = arguments.is_operator_site ? "--page-host" : "--host",

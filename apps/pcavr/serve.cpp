@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "pcavr/arm/identified_arm.hpp"
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
@@ -17,10 +19,12 @@
 #include "pcavr/serve/scene_content.hpp"
 #include "pcavr/serve/scene_world.hpp"
 #include "pcavr/serve/server.hpp"
+#include "pcavr/serve/session_recorder.hpp"
 
 #include "commands.hpp"
 #include "damping_option.hpp"
 #include "number_option.hpp"
+#include "output_option.hpp"
 #include "page_server.hpp"
 
 namespace pcavr::app {
@@ -36,6 +40,7 @@ struct ServeArguments {
   std::string identified;   ///< report of identify robot
   bool is_torque_driven = false;
   double time_scale = 0.0;  ///< 0: not given
+  OutputOption record;      ///< folder of the recording; empty: none
   PageArguments page;
 };
 
@@ -172,6 +177,42 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
                                      std::move(*arm));
 }
 
+/// A recording of the session, where one is wanted: its folder is claimed before the start.
+struct SessionRecording {
+  OutputFolder folder;
+  SessionRecorder recorder;
+};
+
+Expected<std::unique_ptr<SessionRecording>> make_recording(const SceneManifest& scene,
+                                                           const ServeArguments& arguments,
+                                                           const std::vector<std::string>& names) {
+  if (arguments.record.folder.empty()) return std::unique_ptr<SessionRecording>();
+  Expected<OutputFolder> folder =
+      create_output(arguments.record, OutputKind::recording, {arguments.scene});
+  if (!folder) return folder.error();
+  return std::unique_ptr<SessionRecording>(
+      new SessionRecording{std::move(*folder), {scene, names, arguments.page.server.tool_radius}});
+}
+
+/// Writes the recording, and adds what was written to the result.
+Expected<void> finish(SessionRecording& recording, const ServeArguments& arguments,
+                      CommandResult& result) {
+  const Expected<SessionRecorder::Summary> summary =
+      recording.recorder.finish(recording.folder.path());
+  if (!summary) return summary.error();
+  const Expected<void> done = recording.folder.commit();
+  if (!done) return done;
+  const std::string& folder = arguments.record.folder;
+  result.summary += fmt::format("recorded {:.1f} s to {}", summary->duration, folder);
+  if (summary->dropped > 0) result.summary += fmt::format(", {} samples lost", summary->dropped);
+  result.summary +=
+      fmt::format("\nnext: pcavr replay {} --scene {} -o RUN\n", folder, arguments.scene);
+  result.json["recording"] = folder;
+  result.json["recorded_s"] = summary->duration;
+  result.json["samples_dropped"] = summary->dropped;
+  return {};
+}
+
 Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArguments& arguments,
                             std::size_t triangles, const Observer& observer) {
   const Expected<std::vector<std::string>> notes = world.start();
@@ -215,7 +256,15 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
   if (!content) return content.error();
   Expected<LiveServer> server = LiveServer::open(options, **world, *content);
   if (!server) return server.error();
-  return run(*server, **world, arguments, scene->triangles, observer);
+  Expected<std::unique_ptr<SessionRecording>> recording =
+      make_recording(inputs->scene, arguments, (*world)->names());
+  if (!recording) return recording.error();
+  if (*recording) (*world)->record((*recording)->recorder);
+  Expected<CommandResult> result = run(*server, **world, arguments, scene->triangles, observer);
+  if (!result || !*recording) return result;
+  const Expected<void> written = finish(**recording, arguments, *result);
+  if (!written) return written.error();
+  return result;
 }
 
 void add_network_options(CLI::App& command, ServerOptions& network, PageArguments& arguments) {
@@ -277,6 +326,11 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
       "friction instead of the description's");
   add_number(*command, "--time-scale", arguments->time_scale, kTimeScale,
              "Simulated over real time, 0.1 to 1; default: 1");
+  command
+      ->add_option("--record", arguments->record.folder,
+                   "Folder for a recording of the session, written at its end: tool, force and "
+                   "bodies, for replay, evaluate and --replay")
+      ->excludes("--replay");
   command->callback([arguments, &configuration, &action, &app] {
     arguments->page.as_json = app.get_option("--json")->count() > 0;
     action = [arguments, &configuration](const Observer& observer) {

@@ -19,6 +19,9 @@ std::string headset_instructions(const StartupInfo& info) {
   if (info.is_local) {
     text += "  network    restart with " + info.host_option +
             " 0.0.0.0 --tls, then type the code shown\n";
+  } else if (!info.has_network) {
+    text +=
+        "  network    this machine has no address: connect it to the headset's network, restart\n";
   } else {
     text += "  network    open " + info.addresses.front() +
             " there, accept the certificate, type the code\n";
@@ -47,7 +50,7 @@ std::string startup_message(const StartupInfo& info) {
     text += "code       " + hyphenated(info.code) +
             "   pairing code, entered once per browser, not on this machine\n";
   }
-  if (!info.code.empty() && info.is_terminal) {
+  if (!info.code.empty() && info.is_terminal && info.has_network) {
     text += "scan       opens the page with the code entered\n" +
             qr_code_for_terminal(info.addresses.front() + "#code=" + info.code);
   }

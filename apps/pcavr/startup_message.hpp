@@ -23,6 +23,7 @@ struct StartupInfo {
   bool is_terminal = false;      ///< a QR code is readable
   std::string fingerprint = {};  ///< of the certificate; empty without TLS
   bool is_local = true;          ///< reachable from this machine only
+  bool has_network = true;       ///< this machine has an address that others reach
   bool is_at_localhost = true;   ///< listens on localhost, which adb reverse forwards to
   bool is_tls = false;
   std::string host_option = "--host";

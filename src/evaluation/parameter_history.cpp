@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pcavr/report/number_text.hpp"
+#include "pcavr/report/parameter_title.hpp"
 
 namespace pcavr {
 namespace {
@@ -52,7 +53,7 @@ bool has_changed(const std::vector<ParameterSample>& samples) {
 /// Steps: a value lasts until the next row.
 Plot history_plot(const std::string& name, const std::vector<ParameterSample>& samples, Stamp end,
                   Stamp origin) {
-  Plot plot{.title = name + ": running and transmitted [paper C, figure 9]",
+  Plot plot{.title = parameter_title(name) + ": running and transmitted [paper C, figure 9]",
             .x_label = "time (s)",
             .y_label = unit_of(name),
             .y_from_zero = true};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pcavr/report/number_text.hpp"
+#include "pcavr/report/parameter_title.hpp"
 
 #include "run_report.hpp"
 
@@ -54,7 +55,7 @@ ReportSection parameter_section(const Findings& findings) {
     const bool uses_default = is_default(findings, error);
     has_default = has_default || uses_default;
     const char* source = uses_default ? " *" : error.is_given ? " (given)" : "";
-    std::vector<std::string> row = {error.name + source, error.object, error.unit,
+    std::vector<std::string> row = {parameter_title(error.name) + source, error.object, error.unit,
                                     error.estimate ? readable(error.estimate->value) : "unknown",
                                     error.estimate ? number_text(error.estimate->std) : "-"};
     if (findings.has_true_parameters) {
@@ -67,9 +68,9 @@ ReportSection parameter_section(const Findings& findings) {
     add_values(error, section);
   }
   table.note =
-      "Contact: F = stiffness d^n + damping d^n d' (n = 1: damping d'), with penetration d and "
+      "Contact: F = k dⁿ + λ dⁿ ḋ (n = 1: λ ḋ), with penetration d and "
       "exponent n; stiffness and damping of different exponents have different units and are not "
-      "compared. contact.force: the elastic force at the penetration where the true contact's "
+      "compared. Elastic force: that at the penetration where the true contact's "
       "force equals the limiting friction. Given: stated, not identified; it has no error.";
   if (has_default) table.note += " *: default value at the start of the run.";
   section.tables.push_back(std::move(table));

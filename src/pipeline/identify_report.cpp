@@ -1,195 +1,24 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
 #include "pcavr/contact/damping.hpp"
 #include "pcavr/contact/impact.hpp"
 #include "pcavr/core/json_text.hpp"
 #include "pcavr/core/output.hpp"
-#include "pcavr/report/number_text.hpp"
 #include "pcavr/report/report_page.hpp"
 
+#include "identify_page.hpp"
 #include "identify_plots.hpp"
 
 namespace pcavr {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kMilliseconds = 1e3;
-
-/// A number of any magnitude: stiffnesses of nonlinear laws may be very large.
-std::string figure(double value) {
-  if (std::abs(value) < 1e5) return readable(value);
-  return fmt::format("{:.3g}", value);
-}
-
-ReportTable findings_table(const ObjectIdentification& object) {
-  ReportTable table{.title = "",
-                    .columns = {"parameter", "value", "± std", "unit", "identified",
-                                "source, or the motion that would identify it"}};
-  for (const ParameterFinding& row : object.findings) {
-    const bool is_known = row.is_excited || row.value != 0.0;
-    table.rows.push_back({row.name, is_known ? figure(row.value) : "-",
-                          row.std ? figure(*row.std) : "-", row.unit, row.is_excited ? "yes" : "no",
-                          row.remark});
-  }
-  return table;
-}
-
-ReportTable comparison_table(const ObjectIdentification& object) {
-  ReportTable table{
-      .title = "Estimators on the presses",
-      .columns = {"method", "until the first press's peak is predicted within 10 % (ms)",
-                  "steady error (%)", "mean force error, tip stationary (%)"}};
-  for (const EstimatorTrace& trace : object.comparison) {
-    table.rows.push_back(
-        {name_of(trace.method),
-         trace.settling ? fixed(*trace.settling * kMilliseconds, 0) : "never",
-         readable(trace.steady_error * kPercent),
-         trace.mean_force_error ? readable(*trace.mean_force_error * kPercent) : "-"});
-  }
-  return table;
-}
-
-std::string text_with_std(const IdentifiedParameter& parameter) {
-  return figure(parameter.value) + " ± " + figure(parameter.std);
-}
-
-ReportTable faces_table(const ObjectIdentification& object) {
-  ReportTable table{
-      .title = "Faces, from pushes before breakaway",
-      .columns = {"normal in the object's axes", "pushes", "stiffness", "damping", "exponent"}};
-  for (const FaceContact& face : object.faces) {
-    const ContactFit& fit = face.contact.best();
-    const Eigen::Vector3d& n = face.normal_object;
-    const bool has_damping = fit.damping.is_excited && fit.damping.value > 0.0;
-    table.rows.push_back({fixed(n.x(), 2) + " " + fixed(n.y(), 2) + " " + fixed(n.z(), 2),
-                          std::to_string(face.pushes),
-                          fit.is_valid ? text_with_std(fit.stiffness) : "-",
-                          !fit.is_valid ? "-"
-                          : has_damping ? text_with_std(fit.damping)
-                                        : "not identified",
-                          fit.is_valid ? fixed(fit.exponent.value, 2) + ", given" : "-"});
-  }
-  return table;
-}
-
-/// Pushes whose line a press checks.
-ReportTable press_lines_table(const Identification& found, std::size_t object) {
-  ReportTable table{
-      .title = "Pushes beside the press's law [paper C, figure 5]",
-      .columns = {"breakaway at (s)", "force at its peak (N)", "stiffness, push over press",
-                  "force where it leaves the press's line (N)"}};
-  for (const IdentifiedContact& contact : found.contacts) {
-    if (contact.object != object || !contact.press_line) continue;
-    const PressLine& line = *contact.press_line;
-    if (!line.ratio.is_excited) continue;
-    table.rows.push_back({fixed(contact.episode.breakaway.t, 2),
-                          readable(contact.episode.breakaway.force), text_with_std(line.ratio),
-                          line.t_mutation ? readable(line.force) : "does not leave it"});
-  }
-  return table;
-}
-
-ReportTable impacts_table(const ObjectIdentification& object) {
-  ReportTable table{.title = "Impacts",
-                    .columns = {"time (s)", "duration (ms)", "approach (mm/s)", "restitution",
-                                "published law with the smallest error",
-                                "damping over stiffness, exact (s/m)", "tool's mass (kg)"}};
-  for (const MeasuredImpact& impact : object.impacts) {
-    const double approach = impact.approach_speed.value * 1e3;
-    table.rows.push_back(
-        {fixed(impact.t, 2), fixed(impact.duration * kMilliseconds, 0), fixed(approach, 0),
-         text_with_std(impact.restitution), std::string(name_of(impact.law)),
-         text_with_std(impact.damping_over_stiffness), text_with_std(impact.mass)});
-  }
-  return table;
-}
-
-PageSection object_section(const Identification& found, std::size_t index) {
-  const ObjectIdentification& object = found.objects[index];
-  PageSection section{.title = object.name};
-  for (const std::string& text : object.notes) section.blocks.emplace_back(PageText{text, true});
-  std::vector<ReportTable> tables{findings_table(object)};
-  for (ReportTable& table :
-       std::array{comparison_table(object), faces_table(object), press_lines_table(found, index),
-                  impacts_table(object), critical_band_table(found, index)}) {
-    if (!table.rows.empty()) tables.push_back(std::move(table));
-  }
-  section.blocks.emplace_back(std::move(tables));
-  PlotGroup group{"Plots", contact_plots(object)};
-  if (!object.impacts.empty()) group.plots.push_back(damping_laws_plot(object));
-  if (found.goal == IdentificationGoal::friction) {
-    if (const auto lines = force_lines(found, index)) {
-      group.plots.push_back(force_lines_plot(*lines));
-    }
-    for (const auto& plots :
-         {push_plots(found, index), sliding_plots(object), surface_plots(object)}) {
-      group.plots.insert(group.plots.end(), plots.begin(), plots.end());
-    }
-  }
-  if (!group.plots.empty()) section.blocks.emplace_back(std::move(group));
-  return section;
-}
-
-std::string offset_text(const TimeOffset& offset) {
-  if (!offset.is_known) return "not known: this recording does not identify it";
-  return fixed(offset.offset * kMilliseconds, 2) + " ± " + fixed(offset.std * kMilliseconds, 2) +
-         " ms";
-}
-
-/// How much was identified, by object.
-std::string verdict_of(const Identification& found) {
-  std::string text;
-  for (const ObjectIdentification& object : found.objects) {
-    const auto identified =
-        std::count_if(object.findings.begin(), object.findings.end(),
-                      [](const ParameterFinding& row) { return row.is_excited; });
-    text += fmt::format("{}{}: {} of {} parameters identified", text.empty() ? "" : "; ",
-                        object.name, identified, object.findings.size());
-  }
-  return text.empty() ? text : text + ".";
-}
-
-ReportPage identification_page(const Identification& found, const std::string& recording) {
-  ReportPage page{.title = "Identification: " + recording,
-                  .heading = found.goal == IdentificationGoal::contact
-                                 ? "Identification of contact"
-                                 : "Identification of contact and friction"};
-  page.inputs = {{{"recording "}, {recording, true}},
-                 {{"force after tool: "},
-                  {offset_text(found.inputs.tool_to_force), true},
-                  {found.inputs.is_force_offset_applied ? ", removed" : ""}},
-                 {{"tracking after tool: "}, {offset_text(found.inputs.tool_to_camera), true}},
-                 {{"force noise "},
-                  {readable(found.inputs.force_noise) + " N", true},
-                  {", bias up to "},
-                  {readable(found.inputs.max_drift) + " N", true},
-                  {", "},
-                  {std::to_string(found.inputs.force_spikes), true},
-                  {" spikes removed"}}};
-  page.verdict = verdict_of(found);
-  page.notes = found.notes;
-  for (std::size_t i = 0; i < found.objects.size(); ++i) {
-    page.sections.push_back(object_section(found, i));
-  }
-  page.footer =
-      "F = stiffness dⁿ + damping dⁿ ḋ (n = 1: damping ḋ). Std: standard deviation of the value. "
-      "Friction and mass: of their posterior, with the scatter between pushes; contact law: for "
-      "independent noise, without errors of the model. The same figures in SI units are in "
-      "report.json. pcavr " +
-      std::string(PCAVR_VERSION);
-  return page;
-}
 
 /// Paper B's figure 6 with this object's restitution, and its impacts.
 void add_impacts(Json& json, const std::string& key, const ObjectIdentification& object) {

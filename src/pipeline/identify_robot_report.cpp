@@ -15,6 +15,8 @@
 #include "pcavr/report/report_page.hpp"
 #include "pcavr/robot_identification/residual_spectrum.hpp"
 
+#include "identify_robot_headline.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -261,19 +263,20 @@ ReportPage robot_page(const RobotIdentification& found, const std::string& log,
       {{"bodies: "},
        {found.fit.is_physical ? "physically possible" : "not physically possible", true}}};
   page.notes = found.notes;
-  page.headline = error_table(found.fit);
+  page.verdict = robot_verdict(found);
+  page.headline = robot_headline(found);
   PageSection all{.title = "All joints"};
-  std::vector<ReportTable> tables;
+  std::vector<ReportTable> tables{error_table(found.fit)};
   if (found.replay.is_finite) tables.push_back(replay_table(found));
   if (found.trial) tables.push_back(trial_table(found.fit, *found.trial));
   if (found.payload) tables.push_back(payload_table(found.fit, *found.payload));
   if (found.contacts) tables.push_back(contact_table(found.fit, *found.contacts));
   tables.push_back(base_table(found.fit));
   all.blocks.emplace_back(std::move(tables));
+  page.sections.push_back(std::move(all));
   for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
     page.sections.push_back(joint_section(found, j));
   }
-  page.sections.push_back(std::move(all));
   page.footer =
       "Std: standard deviation, for noise with the correlation of the residuals. The same "
       "figures in SI units are in report.json. pcavr " +

@@ -12,6 +12,18 @@
 namespace pcavr {
 namespace {
 
+/// Where a body is as the recording begins. The scene states where it was as its own recording
+/// began: another recording, without images to find it, states it itself.
+Pose T_base_object_at_start(const Recording& recording, const SceneManifest& scene,
+                            const SceneObjectEntry& object) {
+  if (scene.is_scanned() && recording.frames.empty()) {
+    for (const ObjectEntry& stated : recording.manifest.objects) {
+      if (stated.name == object.name && stated.T_base_object) return *stated.T_base_object;
+    }
+  }
+  return object.T_base_object_start;
+}
+
 /// The scene's bodies, movable or not, at their initial poses, with the recording's tags.
 Expected<std::vector<MovableBody>> bodies_of(const Recording& recording, const SceneManifest& scene,
                                              bool is_movable) {
@@ -24,7 +36,7 @@ Expected<std::vector<MovableBody>> bodies_of(const Recording& recording, const S
                       .mesh = object.mesh,
                       .mass = object.mass,
                       .is_movable = is_movable,
-                      .T_base_object = object.T_base_object_start};
+                      .T_base_object = T_base_object_at_start(recording, scene, object)};
     bodies.push_back(
         {std::move(entry), std::move(*model), object_placements(recording.manifest, object.name)});
   }

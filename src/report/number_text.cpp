@@ -8,6 +8,30 @@
 #include <cmath>
 
 namespace pcavr {
+namespace {
+
+constexpr int kMaxDecimals = 6;
+
+/// Of the first significant digit: 0 of 1 to 10, -1 of 0.1 to 1.
+int power_of_ten(double value) { return static_cast<int>(std::floor(std::log10(std::abs(value)))); }
+
+/// The decimals of two significant digits.
+int decimals_of(double std) { return std::clamp(1 - power_of_ten(std), 0, kMaxDecimals); }
+
+/// As multiples of a power of ten, that of the value.
+UncertainText scaled(double value, const std::optional<double>& std) {
+  const int power = power_of_ten(value);
+  const double unit = std::pow(10.0, power);
+  const int decimals = std ? decimals_of(*std / unit) : 2;
+  const std::string digits = std::to_string(std::abs(power));
+  const std::string factor =
+      std::string(power < 0 ? "e-" : "e+") + (digits.size() < 2 ? "0" : "") + digits;
+  UncertainText text{.value = fixed(value / unit, decimals) + factor};
+  if (std) text.std = fixed(*std / unit, decimals) + factor;
+  return text;
+}
+
+}  // namespace
 
 std::string fixed(double value, int decimals) {
   std::array<char, 400> buffer{};  // the largest double has 309 digits before the point
@@ -27,6 +51,18 @@ std::string readable(double value) {
   if (std::abs(value) < 0.5e-4) return "0";
   const int digits_before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
   return fixed(value, std::clamp(3 - digits_before_point, 0, 4));
+}
+
+UncertainText uncertain(double value, const std::optional<double>& std) {
+  constexpr double kSmall = 1e-3, kLarge = 1e5;
+  const bool has_std = std && std::isfinite(*std) && *std > 0.0;
+  if (!std::isfinite(value)) return {};
+  const double size = std::abs(value);
+  if (size >= kLarge || (size > 0.0 && size < kSmall))
+    return scaled(value, has_std ? std : std::nullopt);
+  if (!has_std) return {.value = readable(value)};
+  const int decimals = decimals_of(*std);
+  return {fixed(value, decimals), fixed(*std, decimals)};
 }
 
 }  // namespace pcavr

@@ -218,6 +218,7 @@ void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) 
   if (arm_) *snapshot.arm = arm_->follower.state();
   if (arm_ && arm_->driven) snapshot.arm->q = arm_->driven->q();
   if (page_device_ != nullptr) snapshot.page = page_device_->status();
+  if (recorder_ != nullptr) recorder_->add(snapshot.t, world_.state());
   buffer_.publish();
 }
 

@@ -11,6 +11,7 @@
 #include "pcavr/link/motion_limiter.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/scene_arm.hpp"
+#include "pcavr/serve/session_recorder.hpp"
 
 #include "cycle_histogram.hpp"
 #include "pulse_generator.hpp"
@@ -25,6 +26,9 @@ class LiveCycle {
             std::unique_ptr<LiveArm> arm = nullptr);
   /// The tool then moves within these limits, and brakes when its clutch opens. Before step().
   void limit_motion(const MotionLimits& limits) { limits_ = limits; }
+
+  /// publish() adds each cycle's state to it. Before step().
+  void record(SessionRecorder& recorder) noexcept { recorder_ = &recorder; }
 
   /// One thread; never allocates, locks, waits or throws. `t` [s]: the device's clock.
   void step(double t) noexcept;
@@ -84,6 +88,7 @@ class LiveCycle {
   PulseGenerator pulses_;
   CycleHistogram histogram_;
   TripleBuffer<WorldSnapshot> buffer_;
+  SessionRecorder* recorder_ = nullptr;
   std::vector<Eigen::Vector3d> positions_;  ///< of the bodies, one cycle ago
   std::vector<double> speeds_;
   std::atomic<bool> is_on_hold_{false};

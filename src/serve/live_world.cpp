@@ -106,6 +106,8 @@ LiveWorld::~LiveWorld() { stop(); }
 
 double LiveWorld::clock() noexcept { return in_seconds(now_in_nanoseconds()); }
 
+void LiveWorld::record(SessionRecorder& recorder) noexcept { content_->cycle.record(recorder); }
+
 Expected<std::vector<std::string>> LiveWorld::start() {
   PCAVR_REQUIRE(!content_->thread.joinable());
   std::vector<std::string> notes;

@@ -490,15 +490,37 @@ TEST(IdentificationReport, HasPlotsForPeopleAndAFlatFile) {
   ASSERT_TRUE(write_identification_report(*found, "a <recording>", folder.path()).has_value());
   const std::string data = report_data(folder.path());
   EXPECT_EQ(data.find("nan"), std::string::npos);
-  for (const char* text :
-       {"Identification of contact and friction", "a \\u003crecording>", "Stiffness over time",
-        "All pushes: force and phases", "Breakaway of each push", "Mass over time",
-        "limiting_static_friction"}) {
+  for (const char* text : {"Identification of contact and friction", "a \\u003crecording>",
+                           "Stiffness over time", "All pushes: force and phases",
+                           "Breakaway of each push", "Mass over time", "Limiting friction F_M"}) {
     EXPECT_NE(data.find(text), std::string::npos) << text;
+  }
+  for (const char* key : {"limiting_static_friction", "contact.stiffness", "loading_rate"}) {
+    EXPECT_EQ(data.find(key), std::string::npos) << key;  // names of the parameter file
   }
   const auto json = read_file(folder.path() / "report.json");
   ASSERT_TRUE(json.has_value());
   EXPECT_NE(json->find("\"object.box_1.limiting_static_friction_std\""), std::string::npos);
+}
+
+TEST(IdentificationReport, BeginsWithAVerdictAndFiveFigures) {
+  const TemporaryFolder folder;
+  const auto found = identify(probe().input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value());
+  ASSERT_TRUE(write_identification_report(*found, "probe", folder.path()).has_value());
+  const auto page = nlohmann::json::parse(report_data(folder.path()));
+  const std::string verdict = page["verdict"];
+  EXPECT_TRUE(verdict.starts_with("box_1: ")) << verdict;
+  EXPECT_NE(verdict.find(" parameters identified"), std::string::npos) << verdict;
+  const auto& headline = page["headline"];
+  EXPECT_EQ(headline["columns"][2], "box_1");
+  ASSERT_EQ(headline["rows"].size(), 5U);
+  EXPECT_EQ(headline["rows"][0][0], "Limiting friction F_M");
+  EXPECT_EQ(headline["rows"][0][1], "N");
+  const std::string value = headline["rows"][0][2];
+  EXPECT_NE(value.find(" ± "), std::string::npos) << value;
+  // Enough sections for contents.
+  EXPECT_GE(page["sections"].size(), 3U);
 }
 
 TEST(IdentificationInputOf, AnObjectWithoutAPoseIsAnErrorThatNamesIt) {

@@ -14,6 +14,7 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/replay.hpp"
 
+#include "pipeline/scene_bodies.hpp"
 #include "pipeline/small_replay.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -144,6 +145,22 @@ TEST_F(ReplayFiles, ReadTheCadBodyOnce) {
   // With images, so that objects are tracked; these show no tag, so that tracking may fail.
   static_cast<void>(replay_recording(recording_, scene_, options));
   EXPECT_EQ(opens.count(), once * static_cast<int>(scene_.objects.size()));
+}
+
+TEST_F(ReplayFiles, ASessionInTheSceneBeginsWhereItsRecordingSays) {
+  scene_.quality.frames_used = 1;  // scanned
+  const SceneObjectEntry& box = scene_.objects.front();
+  const Pose stated(Eigen::Quaterniond::Identity(),
+                    box.T_base_object_start.translation() + Eigen::Vector3d(0.1, 0.0, 0.0));
+  recording_.manifest.objects = {{.name = box.name, .mesh = box.mesh, .T_base_object = stated}};
+  const auto start_x = [&] {
+    return read_movable_bodies(recording_, scene_)->front().entry.T_base_object->translation().x();
+  };
+  // With images the body is found where it was.
+  ASSERT_FALSE(recording_.frames.empty());
+  EXPECT_EQ(start_x(), box.T_base_object_start.translation().x());
+  recording_.frames.clear();
+  EXPECT_EQ(start_x(), stated.translation().x());
 }
 
 }  // namespace

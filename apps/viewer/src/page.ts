@@ -322,9 +322,9 @@ export class Page {
   private drawn(): void {
     if (this.hasFirstFrame && Number.isNaN(this.hook.firstFrameTime))
       this.hook.firstFrameTime = performance.now();
-    this.labels.update(!this.app.renderer.xr.isPresenting);
-    this.measured.update(this.picking.points);
     this.toolPanel?.update();
+    this.labels.update(!this.app.renderer.xr.isPresenting); // beside the tool's ring
+    this.measured.update(this.picking.points);
     this.linkPanel?.drawn();
   }
 }

@@ -79,6 +79,66 @@ test('the first view has all bodies, the table and the tool at every size', limi
   }
 });
 
+/// Looks so that a body's label would be at the tool's ring.
+function lookPastTheTool(page) {
+  return page.evaluate(() => {
+    const { app } = window.__pcavr;
+    const [body] = app.view.bodies;
+    const top = body.solid.getWorldPosition(app.camera.position.clone());
+    top.y += 0.06;
+    const tool = app.view.tool.proxy.getWorldPosition(top.clone());
+    app.camera.position.copy(tool).addScaledVector(tool.clone().sub(top).normalize(), 0.6);
+    app.camera.lookAt(tool);
+    app.invalidate();
+  });
+}
+
+/// What is written or drawn over the scene, on the page.
+function areasOnScene(page) {
+  return page.evaluate(() =>
+    [...document.querySelectorAll('#labels > span, #handle, #call-to-action, #hud')]
+      .filter((element) => !element.hidden)
+      .map((element) => {
+        const { left, right, top, bottom } = element.getBoundingClientRect();
+        return { name: element.textContent.trim() || element.id, left, right, top, bottom };
+      }),
+  );
+}
+
+function assertApart(areas, what) {
+  assert.ok(areas.length >= 5, `${areas.length} areas`);
+  for (const a of areas)
+    for (const b of areas.slice(areas.indexOf(a) + 1)) {
+      const isApart =
+        a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+      const isPair = a.name === 'handle' && b.name === 'Drag the ring to push';
+      assert.ok(isApart || isPair, `${what}: ${a.name}, ${b.name}`);
+    }
+}
+
+test('labels, ring and call to action do not overlap at any size', limit, async () => {
+  for (const [width, height] of sizes) {
+    const { page } = await openAt(width, height);
+    assertApart(await areasOnScene(page), `${width} x ${height}`);
+    await lookPastTheTool(page);
+    await page.waitForTimeout(200);
+    assertApart(await areasOnScene(page), `${width} x ${height}, past the tool`);
+    await screenshot(page, `labels-${width}x${height}`);
+    await page.close();
+  }
+});
+
+test('beside a scroll bar of 15 pixels the panel has room for its layers', limit, async () => {
+  const { page } = await openAt(1280, 800);
+  const wide = await page.evaluate(() => {
+    const panel = document.querySelector('#panel');
+    const layers = document.querySelector('#layers');
+    panel.style.width = `${panel.offsetWidth - 15}px`;
+    return [panel.scrollWidth - panel.clientWidth, layers.scrollWidth - layers.clientWidth];
+  });
+  assert.deepEqual(wide, [0, 0]);
+});
+
 test(
   'a window that changes its shape keeps all in view until the user turns it',
   limit,

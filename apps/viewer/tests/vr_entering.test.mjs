@@ -64,6 +64,44 @@ test('on entering, a head pitched 20 degrees down has all bodies in both eyes', 
   assert.deepEqual(seen.errors, []);
 });
 
+/// For each eye and label: whether it is in the picture, and how far its lower edge is above the
+/// body's centre [pictures].
+function labelsInEyes(page) {
+  return page.evaluate(() => {
+    const { app, vr } = window.__pcavr;
+    const { mesh, texts } = vr.labels;
+    const places = mesh.geometry.attributes.position;
+    return app.renderer.xr.getCamera().cameras.flatMap((eye) => {
+      const onPicture = (point) =>
+        point.applyMatrix4(eye.matrixWorldInverse).applyMatrix4(eye.projectionMatrix);
+      return texts.map((text, i) => {
+        const body = app.view.bodies.find(({ object }) => text.startsWith(`${object.name} · `));
+        const corners = [0, 1, 2, 3].map((corner) => {
+          const point = body.solid.position.clone().fromBufferAttribute(places, 4 * i + corner);
+          return onPicture(mesh.localToWorld(point));
+        });
+        const centre = onPicture(body.solid.getWorldPosition(corners[0].clone()));
+        const isIn = corners.every(({ x, y }) => Math.abs(x) < 1 && Math.abs(y) < 1);
+        const isCentred = corners[0].x < centre.x && corners[1].x > centre.x;
+        return { text, isIn, isCentred, above: (corners[0].y - centre.y) / 2 };
+      });
+    });
+  });
+}
+
+test('each body has its name and phase above it in both eyes', limit, async () => {
+  const { page } = await enterVr(stage);
+  await lookDown(page);
+  const labels = await labelsInEyes(page);
+  assert.deepEqual(
+    labels.map(({ text }) => text),
+    ['box_1 · free', 'box_2 · free', 'box_1 · free', 'box_2 · free'],
+  );
+  for (const { text, isIn, isCentred, above } of labels)
+    assert.ok(isIn && isCentred && above > 0 && above < 0.2, `${text} is ${above} above the body`);
+  await page.close();
+});
+
 test('a card names each control until it was used', limit, async () => {
   const { page } = await enterVr(stage);
   await lookDown(page);

@@ -23,6 +23,7 @@
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
+class SessionRecorder;
 
 /// Vibration of controllers without force feedback.
 struct VibrationOptions {
@@ -84,6 +85,9 @@ class LiveWorld final : public PageWorld {
 
   /// The time base of all stamps here: CLOCK_MONOTONIC [s].
   [[nodiscard]] static double clock() noexcept;
+
+  /// Each cycle is added to the recorder, which must outlive the thread. Before start().
+  void record(SessionRecorder& recorder) noexcept;
 
   /// Starts the thread with real-time priority (SCHED_FIFO) and locked memory (mlockall), if
   /// permitted; if not, runs without and returns a note. Call once.

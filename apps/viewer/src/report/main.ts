@@ -4,9 +4,11 @@ import { byId, create } from '../ui/dom';
 import { laneFigure, plotFigure } from './figure';
 import { type Block, readReport, type ReportData } from './report_data';
 import { headline, table } from './tables';
+import { printed } from './typeset';
 
 const openSections = 3; // the others are folded
 
+/// What was found first, then what it rests on.
 function header(report: ReportData): HTMLElement[] {
   const lines = report.inputs.map((spans) =>
     create(
@@ -16,10 +18,11 @@ function header(report: ReportData): HTMLElement[] {
     ),
   );
   const verdict = report.verdict
-    ? [create('p', { className: 'verdict', textContent: report.verdict })]
+    ? [create('p', { className: 'verdict', textContent: printed(report.verdict) })]
     : [];
   const heading = create('h1', { textContent: report.heading });
-  return [heading, ...lines, ...verdict, ...report.notes.map(note)];
+  const figures = headline(report.headline);
+  return [heading, ...verdict, ...figures, ...report.notes.map(note), ...lines];
 }
 
 function note(text: string): HTMLElement {
@@ -84,7 +87,6 @@ function show(report: ReportData): void {
   const sections = report.sections.map(section);
   byId('report', HTMLElement).append(
     ...header(report),
-    ...headline(report.headline),
     ...contents(sections),
     create('p', { className: 'below screen-only', textContent: hint }),
     ...sections,

@@ -4,7 +4,7 @@ import { create } from '../ui/dom';
 import { saveText } from '../ui/plot_files';
 import { csvOfTable } from './csv';
 import type { TableData } from './report_data';
-import { unbroken } from './typeset';
+import { printed } from './typeset';
 
 const maxNumber = 24; // characters: longer cells are text
 const headlineRows = 5; // that are not folded
@@ -28,7 +28,7 @@ export function table(data: TableData, section: string): HTMLElement {
   const save = create('button', { type: 'button', textContent: 'Save CSV' });
   save.addEventListener('click', () => saveText(name, 'csv', 'text/csv', csvOfTable(data)));
   const parts: HTMLElement[] = [plainTable(data)];
-  if (data.note) parts.push(create('p', { className: 'below', textContent: data.note }));
+  if (data.note) parts.push(create('p', { className: 'below', textContent: printed(data.note) }));
   const actions = create('span', { className: 'actions' }, save);
   if (data.folded || data.rows.length > maxShownRows) {
     const title = `${data.title || 'All values'} (${data.rows.length} rows)`;
@@ -54,7 +54,7 @@ function plainTable(data: TableData): HTMLElement {
   const isNumber = numberColumns(data);
   const cell = (kind: 'th' | 'td', textContent: string, column: number) =>
     create(kind, {
-      textContent: unbroken(textContent),
+      textContent: printed(textContent),
       className: isNumber[column] ? 'number' : '',
     });
   const row = (kind: 'th' | 'td', cells: string[]) =>

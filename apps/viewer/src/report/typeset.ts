@@ -11,7 +11,8 @@ const raised: Record<string, string> = {
 
 const noBreak = '\u00a0';
 
-/// Units and uncertainties as print has them: "N/m^(n+1)" as "N/mⁿ⁺¹", " +- " as " ± ". Other text
+/// Units, uncertainties and the limiting friction's symbol as print has them: "N/m^(n+1)" as
+/// "N/mⁿ⁺¹", " +- " as " ± ". Other text
 /// stays: only a power of m is a unit here.
 export function typeset(text: string): string {
   return text
@@ -19,12 +20,18 @@ export function typeset(text: string): string {
       const power = inside ?? plain ?? '';
       return 'm' + [...power].map((character) => raised[character]).join('');
     })
+    .replace(/\bF_M\b/g, 'Fₘ')
     .replace(/ \+- ?/g, ' ± ');
 }
 
-/// Shown text whose lines do not end inside "N s" or between a number and its unit.
-export function unbroken(text: string): string {
+/// Shown text: "2.77e+05" as "2.77·10⁵", and no line ends inside "N s" or between a number and its
+/// unit.
+export function printed(text: string): string {
   return text
+    .replace(/(\d)e([+-]\d+)\b/g, (_, digit: string, power: string) => {
+      const exponent = [...String(Number(power))].map((character) => raised[character]).join('');
+      return `${digit}·10${exponent}`;
+    })
     .replace(/\bN s\b/g, `N${noBreak}s`)
     .replace(/(\d) (?=(?:%|mm|ms|m|s|deg|kg|N)(?!\w))/g, `$1${noBreak}`);
 }

@@ -5,11 +5,12 @@ import type { Body } from '../scene/bodies';
 import type { SceneView } from '../scene/view';
 import { byId, create, setText } from './dom';
 import { length, newtons } from './format';
+import { clearOf, type Area } from './label_layout';
 import { phaseLabel, setPhaseColor } from './objects_panel';
 
 const maxLabels = 24; // more would hide the scene
 const edgeGap = { x: 64, y: 24 }; // [CSS pixels] of the robot's label from the stage's edge
-const ringArea = { side: 130, above: 86, below: 36 }; // [CSS pixels] around the ring's centre
+const inFront = ['handle', 'call-to-action', 'hud']; // of the labels, which move aside
 const minForceShown = 0.05; // [N]
 
 /// Projects a world point to the canvas [CSS pixels]; null outside of the near and far planes.
@@ -38,6 +39,8 @@ export class Labels {
     title: 'The robot stands here: the origin of all coordinates.',
   });
   private readonly heights = new Map<Body, number>();
+  private readonly sizes = new Map<HTMLElement, { width: number; height: number }>();
+  private taken: Area[] = [];
 
   constructor(
     private readonly view: SceneView,
@@ -58,8 +61,11 @@ export class Labels {
     const isShown = isFlat && layers.isShown('labels') && layers.isShown('bodies');
     this.container.hidden = !isShown;
     this.force.hidden = true;
-    if (isShown) this.placeRobot(width, height);
-    if (isShown) for (const [body, label] of this.labels) this.place(body, label, width, height);
+    if (isShown) {
+      this.taken = this.areasInFront();
+      for (const [body, label] of this.labels) this.place(body, label, width, height);
+      this.placeRobot(width, height);
+    }
     if (isFlat) this.placeForce(width, height);
   }
 
@@ -69,9 +75,36 @@ export class Labels {
     const at = project(top, this.view.camera, width, height);
     label.hidden = at === null;
     if (!at) return;
-    setText(label, `${body.object.name} · ${phaseLabel(body)}`);
+    this.setLabel(label, `${body.object.name} · ${phaseLabel(body)}`);
     setPhaseColor(label, body);
-    label.style.transform = `translate(${at.x.toFixed(0)}px, ${at.y.toFixed(0)}px) translate(-50%, -100%)`;
+    this.putAside(label, at.x, at.y, 1);
+  }
+
+  private areasInFront(): Area[] {
+    const stage = this.stage.getBoundingClientRect();
+    return inFront
+      .map((id) => byId(id, HTMLElement))
+      .filter((element) => !element.hidden)
+      .map((element) => {
+        const { left, top, width, height } = element.getBoundingClientRect();
+        return { left: left - stage.left, top: top - stage.top, width, height };
+      });
+  }
+
+  private setLabel(label: HTMLElement, text: string): void {
+    if (label.textContent === text && this.sizes.get(label)?.width) return;
+    setText(label, text);
+    this.sizes.set(label, { width: label.offsetWidth, height: label.offsetHeight });
+  }
+
+  /// Puts a label, centred at x, with `above` of its height above y, beside what is there.
+  private putAside(label: HTMLElement, x: number, y: number, above: number): void {
+    const { width, height } = this.sizes.get(label) ?? { width: 0, height: 0 };
+    const wanted = { left: x - width / 2, top: y - above * height, width, height };
+    const { clientWidth, clientHeight } = this.stage;
+    const area = clearOf(wanted, this.taken, { width: clientWidth, height: clientHeight });
+    this.taken.push(area);
+    label.style.transform = `translate(${area.left.toFixed(0)}px, ${area.top.toFixed(0)}px)`;
   }
 
   /// At the robot's base; where that is outside of the picture, at the edge towards it.
@@ -81,10 +114,9 @@ export class Labels {
     const at = project(origin, camera, width, height);
     const isInside = at && at.x > 0 && at.x < width && at.y > 0 && at.y < height;
     this.robot.classList.toggle('outside', !isInside);
-    setText(this.robot, isInside ? 'robot' : 'robot is this way');
+    this.setLabel(this.robot, isInside ? 'robot' : 'robot is this way');
     if (isInside) {
-      const y = this.clearOfTool(at, width, height);
-      this.robot.style.transform = `translate(${at.x.toFixed(0)}px, ${y.toFixed(0)}px) translate(-50%, -50%)`;
+      this.putAside(this.robot, at.x, at.y, 0.5);
       return;
     }
     // The direction on the picture, also of a point behind the camera.
@@ -92,20 +124,9 @@ export class Labels {
     const [halfWidth, halfHeight] = [width / 2 - edgeGap.x, height / 2 - edgeGap.y];
     const scale = Math.min(halfWidth / Math.abs(x), halfHeight / Math.abs(y));
     const [left, top] = [width / 2 + scale * x, height / 2 - scale * y];
-    this.robot.style.transform = `translate(${left.toFixed(0)}px, ${top.toFixed(0)}px) translate(-50%, -50%)`;
+    this.putAside(this.robot, left, top, 0.5);
     const degrees = (Math.atan2(-y, x) * 180) / Math.PI;
     this.robot.style.setProperty('--towards', `${degrees.toFixed(0)}deg`);
-  }
-
-  /// The height of a label at `at` that is not behind the tool's ring and what is said above it.
-  private clearOfTool(at: { x: number; y: number }, width: number, height: number): number {
-    const { tool, camera } = this.view;
-    const ring =
-      tool.group.visible &&
-      project(tool.proxy.getWorldPosition(new Vector3()), camera, width, height);
-    if (!ring || Math.abs(at.x - ring.x) > ringArea.side) return at.y;
-    const isClear = at.y < ring.y - ringArea.above || at.y > ring.y + ringArea.below;
-    return isClear ? at.y : Math.max(ring.y - ringArea.above, edgeGap.y);
   }
 
   /// [m] from a body's origin to its top; 0 until its mesh is loaded.

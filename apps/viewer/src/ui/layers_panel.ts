@@ -53,6 +53,7 @@ export function fillDetail(model: SceneModel, onChoice: (level: number) => void)
     ),
   );
   select.disabled = model.mesh.length < 2;
+  byId('detail-line', HTMLElement).hidden = model.mesh.length === 0;
   select.addEventListener('change', () => onChoice(Number(select.value)));
   return (level: number) => (select.value = String(level));
 }

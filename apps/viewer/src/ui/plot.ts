@@ -154,7 +154,9 @@ export class TimePlot {
       save('SVG', 'Saves the plot as a drawing.', () => this.saveDrawing()),
       save('CSV', 'Saves the plotted numbers as a table.', () => this.saveTable()),
     );
-    const notes = note ? [create('span', { className: 'note', textContent: note })] : [];
+    const notes = note
+      ? [create('span', { className: 'note', textContent: note, title: note })]
+      : [];
     return create('h3', {}, create('span', { textContent: title }), ...keys, ...notes, actions);
   }
 

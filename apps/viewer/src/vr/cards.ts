@@ -10,7 +10,7 @@ const width = 512;
 const rowHeight = 62;
 const maxRows = 3;
 const metres = 0.17; // the card's width
-const below = 0.1; // [m] of the hand: the panel is above it
+const below = 0.14; // [m] of the hand: the panel is above it
 const stickUse = 0.7; // deflection
 
 /// What a control does, and whether it is used now.

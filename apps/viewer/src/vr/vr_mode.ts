@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { Box3, Mesh, Sphere, Vector3 } from 'three';
+import type { Vector3 } from 'three';
 import type { App } from '../app';
 import { Command, Device, type LiveState, type Quaternion, type Vector } from '../protocol';
-import type { Body } from '../scene/bodies';
+import { BodyLabels } from './body_labels';
+import { BodySizes } from './body_sizes';
 import { Cards } from './cards';
-import type { Ball } from './clear_view';
 import { Clutch } from './clutch';
 import { type Hand, HandReader, type Side, toQuaternion, toVector } from './hands';
 import { HandsView } from './hands_view';
@@ -41,7 +41,8 @@ export class VrMode {
   private readonly stopButton = new StopButton(panelHeight);
   private readonly cards = new Cards();
   private readonly sign = new Sign();
-  private readonly sizes = new Map<Body, Sphere>(); // bounding spheres in the bodies' frames
+  private readonly sizes = new BodySizes(this.person);
+  private readonly labels = new BodyLabels();
   private readonly pulses = new Pulses();
   private readonly locomotion: Locomotion;
   private readonly floor = makeFloorGrid();
@@ -60,6 +61,7 @@ export class VrMode {
   ) {
     this.locomotion = new Locomotion(this.person, () => this.levels());
     this.person.rig.add(this.hands.group, this.panel.mesh, this.cards.group, this.sign.mesh);
+    this.person.rig.add(this.labels.mesh);
     this.panel.mesh.add(this.stopButton.mesh);
     app.renderer.xr.setReferenceSpaceType('local-floor');
     document.addEventListener('visibilitychange', () => {
@@ -278,34 +280,6 @@ export class VrMode {
       this.app.session.command(isSlowest ? Command.faster : Command.slower);
   }
 
-  /// The movable bodies in the headset's space.
-  private bodyBalls(): Ball[] {
-    return this.app.view.bodies
-      .filter((body) => body.object.movable)
-      .map((body) => {
-        const { center, radius } = this.sizeOf(body);
-        const inBase = center.clone().applyQuaternion(body.solid.quaternion);
-        return {
-          center: this.person.toHeadset(inBase.add(body.solid.position)),
-          radius: radius * this.person.scale,
-        };
-      });
-  }
-
-  private sizeOf(body: Body): Sphere {
-    const known = this.sizes.get(body);
-    if (known) return known;
-    const box = new Box3();
-    for (const child of body.solid.children) {
-      if (!(child instanceof Mesh)) continue;
-      child.geometry.computeBoundingBox();
-      box.union(child.geometry.boundingBox!.clone().applyMatrix4(child.matrix));
-    }
-    const sphere = box.getBoundingSphere(new Sphere());
-    if (!box.isEmpty()) this.sizes.set(body, sphere);
-    return box.isEmpty() ? new Sphere(new Vector3(), 0) : sphere;
-  }
-
   private toggleHold(state: LiveState | null): void {
     this.disengage('on hold');
     this.app.session.command(state?.isOnHold ? Command.resume : Command.hold);
@@ -382,10 +356,14 @@ export class VrMode {
     );
     const panelHand = free ?? tool;
     this.panel.mesh.visible = panelHand !== undefined;
-    const balls = this.bodyBalls();
+    const { view } = this.app;
+    const bodies = view.bodies.filter((body) => body.object.movable);
+    const balls = bodies.map((body) => this.sizes.ball(body));
     const outward = panelHand?.side === 'right' ? 1 : -1;
     if (panelHand) this.panel.placeAbove(panelHand.position, head, balls, outward);
     this.cards.update(hands, this.toolSide, head, balls);
+    this.labels.mesh.visible = view.layers.isShown('labels') && view.layers.isShown('bodies');
+    this.labels.update(bodies, this.sizes, head);
     this.panel.show(this.panelText(state), now);
   }
 

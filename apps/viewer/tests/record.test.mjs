@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+
+// A live session that is recorded, and what reads the recording.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, test } from 'node:test';
+import { openBrowser, openPage, screenshot } from './support/browser.mjs';
+import { loaded } from './support/drawn.mjs';
+import { Live, until } from './support/live.mjs';
+import { makeScene, serve } from './support/pcavr.mjs';
+
+const limit = { timeout: 180_000 };
+const made = makeScene();
+after(() => made.remove());
+const path = (name) => join(made.folder, name);
+const run = (...args) =>
+  JSON.parse(
+    execFileSync(process.env.PCAVR_COMMAND, ['--json', ...args], {
+      stdio: ['ignore', 'pipe', 'pipe'],
+    }),
+  );
+
+/// Moves the tool's tip in steps of 4 ms.
+async function move(live, from, to, seconds) {
+  const steps = Math.round(seconds / 0.004);
+  for (let i = 1; i <= steps; ++i) {
+    live.tool(
+      from.map((value, k) => value + ((to[k] - value) * i) / steps),
+      true,
+    );
+    await new Promise((resolve) => setTimeout(resolve, 4));
+  }
+}
+
+/// Pushes the first box by its side towards +y, and returns how far it moved [m].
+async function pushABox(url) {
+  const live = new Live(url);
+  await until(() => live.state, 'a state');
+  const [x, y, z] = live.state.objects[0].position;
+  const high = live.state.hip;
+  const beside = [x, y - 0.2, z];
+  live.command(4); // take
+  await move(live, high, [beside[0], beside[1], high[2]], 1);
+  await move(live, [beside[0], beside[1], high[2]], beside, 1);
+  await move(live, beside, [x, y, z], 4);
+  await move(live, [x, y, z], beside, 1);
+  const moved = live.state.objects[0].position[1] - y;
+  live.close();
+  return moved;
+}
+
+test('a recorded live session is read by replay, evaluate and the page', limit, async () => {
+  const server = await serve(
+    ...[made.scene, '--parameters', made.parameters, '--record', path('session')],
+  );
+  const moved = await pushABox(server.url);
+  assert.ok(moved > 0.02, `the box moved by ${moved} m`);
+  assert.equal(await server.stop(), 0);
+
+  const replayed = run('replay', path('session'), '--scene', made.scene, '-o', path('run'));
+  assert.ok(replayed, 'a result');
+  run('evaluate', path('run'), '-o', path('report'));
+  const report = JSON.parse(readFileSync(path('report/report.json'), 'utf8'));
+  assert.ok(JSON.stringify(report).includes('predicted'), 'predicted poses are judged');
+
+  const shown = await serve(made.scene, '--replay', path('session'));
+  const browser = await openBrowser();
+  try {
+    const { page, seen } = await openPage(browser.context, shown.url);
+    await loaded(page);
+    const [duration, poses] = await page.evaluate(() => {
+      const { replay } = window.__pcavr;
+      replay.seek(replay.timeline.duration);
+      return [replay.timeline.duration, window.__pcavr.bodies];
+    });
+    assert.ok(duration > 6, `${duration} s`);
+    assert.ok(poses.length > 0);
+    await page.waitForTimeout(300);
+    await screenshot(page, 'recorded-session');
+    assert.deepEqual(seen.errors, []);
+  } finally {
+    await browser.close();
+    await shown.stop();
+  }
+});
