@@ -46,8 +46,8 @@ std::string per_cent(double share) { return readable(share * kPerCent); }
 std::string robot_verdict(const RobotIdentification& found) {
   const TorqueErrors errors = torque_errors(found.fit);
   return fmt::format(
-      "The fitted torques are {} % off on the held-out part at the median joint, {} % at the worst, "
-      "{}. The bodies found are {}physically possible.",
+      "The fitted torques are {} % off on the held-out part at the median joint, {} % at the "
+      "worst, {}. The bodies found are {}physically possible.",
       per_cent(errors.median), per_cent(errors.largest), errors.worst,
       found.fit.is_physical ? "" : "not ");
 }

@@ -22,7 +22,8 @@ class ChunkedReader : public BagReader {
  public:
   Expected<std::optional<BagMessage>> next() final {
     while (!is_end_) {
-      const Expected<std::optional<Record>> record = is_in_chunk_ ? next_of_chunk() : next_of_file();
+      const Expected<std::optional<Record>> record =
+          is_in_chunk_ ? next_of_chunk() : next_of_file();
       if (!record) return fail(record.error());
       if (!*record) continue;
       Expected<std::optional<BagMessage>> message = handle(**record);

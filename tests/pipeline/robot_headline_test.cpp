@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/identify_robot_headline.hpp"
-
 #include <gtest/gtest.h>
+
+#include "pipeline/identify_robot_headline.hpp"
 
 namespace pcavr {
 namespace {
