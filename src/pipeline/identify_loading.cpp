@@ -17,13 +17,13 @@
 namespace pcavr {
 namespace {
 
-// Shares of the force of sliding between which the tip's way is measured: below, noise decides, and
-// above, the object creeps.
+// Shares of the force of sliding between which the tip's displacement is measured: below, noise
+// decides, and above, the object creeps.
 constexpr double kFrom = 0.2, kTo = 0.8;
 constexpr double kExponent = 1.5;  // of a spherical tip on a flat face [Hertz]
 constexpr std::size_t kMinPushes = 3;
-// Ways below so many stds of the tip's noise are not seen.
-constexpr double kMinWayStds = 2.0;
+// A displacement below so many stds of the tip's noise is not seen.
+constexpr double kMinDisplacementStds = 2.0;
 
 /// The contact that a push is loaded through.
 struct Loading {
@@ -47,10 +47,10 @@ std::optional<Loading> loading_of(const ContactEpisode& push) {
   const auto to = static_cast<std::size_t>(loaded - push.force.begin());
   std::size_t from = to;
   while (from > 0 && push.force[from] > kFrom * level) --from;
-  const double seen = kMinWayStds * push.tip_noise.value_or(0.0);
-  const double way = std::max(push.tool[to] - push.tool[from], seen);
-  if (!(way > 0.0)) return std::nullopt;
-  return Loading{level, way / (depth_share(kTo) - depth_share(kFrom))};
+  const double seen = kMinDisplacementStds * push.tip_noise.value_or(0.0);
+  const double displacement = std::max(push.tool[to] - push.tool[from], seen);
+  if (!(displacement > 0.0)) return std::nullopt;
+  return Loading{level, displacement / (depth_share(kTo) - depth_share(kFrom))};
 }
 
 }  // namespace
@@ -79,9 +79,9 @@ void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::si
   parameters.contact_exponent = ParameterValue{kExponent, {}};
   parameters.contact_damping.reset();
   result.notes.push_back(
-      fmt::format("contact law assumed, not identified: by the tip's way while pushes are loaded, "
-                  "{:.2f} mm, in "
-                  "which the object may give way, too; press along z to identify it",
+      fmt::format("contact law assumed, not identified: by the tip's displacement while pushes are "
+                  "loaded, {:.2f} mm, in which the object may creep, too; press along z to "
+                  "identify it",
                   1e3 * penetration));
 }
 
