@@ -179,6 +179,9 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
 
 /// A recording of the session, where one is wanted: its folder is claimed before the start.
 struct SessionRecording {
+  SessionRecording(OutputFolder created, const SceneManifest& scene,
+                   const std::vector<std::string>& names, double tool_radius)
+      : folder(std::move(created)), recorder(scene, names, tool_radius) {}
   OutputFolder folder;
   SessionRecorder recorder;
 };
@@ -190,8 +193,8 @@ Expected<std::unique_ptr<SessionRecording>> make_recording(const SceneManifest& 
   Expected<OutputFolder> folder =
       create_output(arguments.record, OutputKind::recording, {arguments.scene});
   if (!folder) return folder.error();
-  return std::unique_ptr<SessionRecording>(
-      new SessionRecording{std::move(*folder), {scene, names, arguments.page.server.tool_radius}});
+  return std::make_unique<SessionRecording>(std::move(*folder), scene, names,
+                                            arguments.page.server.tool_radius);
 }
 
 /// Writes the recording, and adds what was written to the result.

@@ -141,6 +141,7 @@ std::vector<PressSamples> samples_of(std::span<const ForceMotion> presses,
                                      const std::vector<std::size_t>& touched,
                                      const ContactFitOptions& options) {
   std::vector<PressSamples> samples;
+  samples.reserve(touched.size());
   for (const std::size_t i : touched) samples.push_back(press_samples(presses[i], options));
   return samples;
 }

@@ -104,19 +104,30 @@ Eigen::VectorXd misfit(const Trial& trial) {
   return logs;
 }
 
-/// Log of the relative error in the rows that are left out, summed over joints, mean of the folds.
-double left_out_misfit(const Trial& trial) {
-  double sum = 0.0;
+/// Log of the relative error in the rows that are left out, summed over joints, by fold.
+Eigen::VectorXd left_out_misfit(const Trial& trial) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(kFolds);
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     std::vector<bool> is_fitted(kFolds, true);
     is_fitted[fold] = false;
     const FitSolution solution =
         solve(trial.system, is_fitted, trial.selection, trial.variance, trial.prior);
     for (std::size_t j = 0; j < trial.selection.size(); ++j) {
-      sum += log_error(trial.system.blocks[fold][j], solution.of_joint(j));
+      sums[static_cast<Eigen::Index>(fold)] +=
+          log_error(trial.system.blocks[fold][j], solution.of_joint(j));
     }
   }
-  return sum / static_cast<double>(kFolds);
+  return sums;
+}
+
+/// Mean over the folds of what a change gains; 0 where the folds disagree: those of a log of few
+/// seconds differ so much that a wrong change gains in their mean, too.
+double agreed_gain(const Eigen::VectorXd& gains) {
+  constexpr double kMinStds = 2.0;  // of the mean
+  const double mean = gains.mean();
+  const auto count = static_cast<double>(gains.size());
+  const double std = std::sqrt((gains.array() - mean).square().sum() / (count - 1.0) / count);
+  return mean > kMinStds * std ? mean : 0.0;
 }
 
 /// Every torque as it is `lag` [s] later.
@@ -303,7 +314,7 @@ LogFindings check_hypotheses(JointSignals& signals, const RobotModel& model) {
   add_signs(model, hypotheses);
   const Trial trial = trial_of(few, model);
   const Eigen::VectorXd logs = misfit(trial);
-  const double as_written = left_out_misfit(trial);
+  const Eigen::VectorXd as_written = left_out_misfit(trial);
   double best = 0.0;
   const Hypothesis* found = nullptr;
   for (const Hypothesis& hypothesis : hypotheses) {
@@ -315,8 +326,10 @@ LogFindings check_hypotheses(JointSignals& signals, const RobotModel& model) {
     if (!is_tried) continue;
     JointSignals changed = few;
     hypothesis.change(changed);
-    const double gain = as_written - left_out_misfit(trial_of(changed, model));
+    const Trial other = trial_of(changed, model);
+    const double gain = agreed_gain(as_written - left_out_misfit(other));
     if (gain <= std::max(best, std::log(hypothesis.decisive))) continue;
+    if (misfit(other).sum() >= logs.sum()) continue;
     best = gain;
     found = &hypothesis;
   }

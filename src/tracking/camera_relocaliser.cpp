@@ -143,6 +143,7 @@ std::optional<Pose> pose_in(const Sensor& sensor, const Keyframe& keyframe, cons
   std::vector<cv::DMatch> matches;
   cv::BFMatcher(cv::NORM_HAMMING, true).match(frame.descriptors, model.descriptors, matches);
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
+  pairs.reserve(matches.size());
   for (const cv::DMatch& match : matches) {
     pairs.emplace_back(model.points[static_cast<std::size_t>(match.trainIdx)],
                        frame.points[static_cast<std::size_t>(match.queryIdx)]);

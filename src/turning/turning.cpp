@@ -158,6 +158,7 @@ std::optional<ParameterValue> ellipsoid_radius(const std::vector<PushSample>& sa
   if (radii.size() < 3) return std::nullopt;
   const double middle = median(radii);
   std::vector<double> residuals;
+  residuals.reserve(radii.size());
   for (const double radius : radii) residuals.push_back(std::abs(radius - middle));
   // 1.4826: std from the median absolute residual; 1.2533: std of a median over that of a mean.
   const double std_of_radius = 1.4826 * median(residuals);
