@@ -264,6 +264,7 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
   if (!recording) return recording.error();
   if (*recording) (*world)->record((*recording)->recorder);
   Expected<CommandResult> result = run(*server, **world, arguments, scene->triangles, observer);
+  (*world)->stop();  // after an error, too: its thread refers to the recorder
   if (!result || !*recording) return result;
   const Expected<void> written = finish(**recording, arguments, *result);
   if (!written) return written.error();

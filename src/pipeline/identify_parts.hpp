@@ -32,9 +32,9 @@ void withhold_contact_off_centre(ObjectIdentification& result);
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const PathView& tip, const IdentificationOptions& options,
                          ObjectIdentification& result);
-/// Where no contact law was found, nor withheld: the stiffness that the tip's way implies while
-/// pushes are loaded, under the exponent of a spherical tip. The object gives way meanwhile, so
-/// that it is too soft, by up to a half; what would be assumed instead knows nothing of the object.
+/// Where no contact law was found, nor withheld: the stiffness by the tip's displacement while
+/// pushes are loaded, under the exponent of a spherical tip. The object creeps meanwhile, so that
+/// it is too soft, by up to a half; what would be assumed instead knows nothing of the object.
 void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::size_t object,
                                ObjectIdentification& result);
 /// Whether `assume_contact_by_loading` gave the contact law, in this or an earlier identification.

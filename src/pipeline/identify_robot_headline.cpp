@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
 
+#include "pcavr/core/median.hpp"
 #include "pcavr/report/number_text.hpp"
+
+#include "identify_plots.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kPerCent = 100.0;
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// Held-out torque errors over the torques.
@@ -33,13 +36,11 @@ TorqueErrors torque_errors(const RobotFit& fit) {
       errors.worst = joint.name;
     }
   }
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  if (middle != all.end()) errors.median = *middle;
+  errors.median = median(std::move(all));
   return errors;
 }
 
-std::string per_cent(double share) { return readable(share * kPerCent); }
+std::string per_cent(double share) { return readable(share * kPercent); }
 
 }  // namespace
 

@@ -244,8 +244,7 @@ ReportTable replay_table(const RobotIdentification& found) {
   }
   table.note = fmt::format(
       "Simulated over {:.3g} s of the held-out part from its first state. Torque error for 3 deg: "
-      "a "
-      "constant one of this joint's torque alone that moves some joint by 3 deg rms.",
+      "a constant one of this joint's torque alone that moves some joint by 3 deg rms.",
       found.replay.t.back() - found.replay.t.front());
   return table;
 }

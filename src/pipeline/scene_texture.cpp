@@ -66,8 +66,9 @@ void paint_scene(const Recording& recording, const ViewSelection& selection,
   const CameraModel& camera = *recording.manifest.camera;
   const auto pixels =
       static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-  // Colour, depth, its neighbourhood's minimum, the surface half as fine, mask, distance from it.
-  const std::size_t bytes_per_pixel = sizeof(Rgb8) + 2 * sizeof(float) + sizeof(float) / 4 + 2;
+  // Colour; depth and the minimum around each pixel; the same of the surface, half as fine; mask
+  // and distance from it.
+  const std::size_t bytes_per_pixel = sizeof(Rgb8) + 2 * sizeof(float) + 2 * sizeof(float) / 4 + 2;
   const std::vector<TextureView> views =
       decode_views(recording, selection.chosen(pixels * bytes_per_pixel), options.parallelism);
   if (options.texture.fill_support) {

@@ -58,15 +58,15 @@ class Completion {
 };
 
 /// [N] Coulomb friction where no coefficient is known: what pushes have shown of the whole friction
-/// at the surest speed, else by the limiting friction.
+/// at the speed of the smallest std, else by the limiting friction.
 double default_coulomb(const ObjectParameters& known, double weight,
                        const PhysicsDefaults& defaults) {
   const auto& limit = known.limiting_static_friction;
   if (!known.sliding_force.empty()) {
-    const auto surest = std::min_element(
+    const auto most_certain = std::min_element(
         known.sliding_force.begin(), known.sliding_force.end(),
         [](const SlidingForce& a, const SlidingForce& b) { return a.std < b.std; });
-    return limit ? std::min(surest->force, limit->value) : surest->force;
+    return limit ? std::min(most_certain->force, limit->value) : most_certain->force;
   }
   return limit ? limit->value / defaults.static_to_kinetic_ratio
                : defaults.sliding_coefficient * weight;

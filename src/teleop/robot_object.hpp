@@ -85,7 +85,7 @@ class RobotObject {
   };
   static constexpr double kMaxSeenTime = 4.0;  ///< [s] a trial of more would hold up the site
   [[nodiscard]] const std::deque<SeenContact>& seen_contacts() const { return seen_contacts_; }
-  /// How the object went in [begin, end] [s] by tracking; empty where no pose is known. Until the
+  /// The object's tracked motion in [begin, end] [s]; empty where no pose is known. Valid until the
   /// next pose is processed.
   [[nodiscard]] std::optional<SeenMotion> seen_motion(double begin, double end) const;
   /// The physics that the operator's site has with these parameters.

@@ -12,8 +12,7 @@ const raised: Record<string, string> = {
 const noBreak = '\u00a0';
 
 /// Units, uncertainties and the limiting friction's symbol as print has them: "N/m^(n+1)" as
-/// "N/mⁿ⁺¹", " +- " as " ± ". Other text
-/// stays: only a power of m is a unit here.
+/// "N/mⁿ⁺¹", " +- " as " ± ". Other text stays: only a power of m is a unit here.
 export function typeset(text: string): string {
   return text
     .replace(/\bm\^(?:\(([n\d.+-]+)\)|([n\d][\d.]*))/g, (_, inside?: string, plain?: string) => {

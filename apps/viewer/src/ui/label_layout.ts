@@ -20,8 +20,8 @@ export function overlap(a: Area, b: Area): boolean {
   );
 }
 
-/// `wanted`, moved the least way beside the taken areas, on the stage; where nothing is free, `wanted`
-/// itself.
+/// `wanted`, moved as little as possible beside the taken areas, on the stage; where nothing is free,
+/// `wanted` itself.
 export function clearOf(
   wanted: Area,
   taken: readonly Area[],
@@ -33,7 +33,7 @@ export function clearOf(
     xs.push(left - wanted.width - gap, left + width + gap);
     ys.push(top - wanted.height - gap, top + height + gap);
   }
-  const way = ({ left, top }: Area) => Math.hypot(left - wanted.left, top - wanted.top);
+  const distance = ({ left, top }: Area) => Math.hypot(left - wanted.left, top - wanted.top);
   const isFree = (area: Area) =>
     area.left >= 0 &&
     area.top >= 0 &&
@@ -44,7 +44,7 @@ export function clearOf(
   for (const left of xs) {
     for (const top of ys) {
       const area = { ...wanted, left, top };
-      if ((!best || way(area) < way(best)) && isFree(area)) best = area;
+      if ((!best || distance(area) < distance(best)) && isFree(area)) best = area;
     }
   }
   return best ?? wanted;
