@@ -63,10 +63,10 @@ double default_coulomb(const ObjectParameters& known, double weight,
                        const PhysicsDefaults& defaults) {
   const auto& limit = known.limiting_static_friction;
   if (!known.sliding_force.empty()) {
-    const auto most_certain = std::min_element(
+    const auto best = std::min_element(
         known.sliding_force.begin(), known.sliding_force.end(),
         [](const SlidingForce& a, const SlidingForce& b) { return a.std < b.std; });
-    return limit ? std::min(most_certain->force, limit->value) : most_certain->force;
+    return limit ? std::min(best->force, limit->value) : best->force;
   }
   return limit ? limit->value / defaults.static_to_kinetic_ratio
                : defaults.sliding_coefficient * weight;
