@@ -136,6 +136,23 @@ Expected<void> check_lag(const RobotFitOptions& options, const std::string& file
   return {};
 }
 
+/// Names the joints of which twice the usual lag would not show.
+void note_unseen_lags(const RobotFitOptions& options, RobotIdentification& found) {
+  std::string joints;
+  for (const JointFit& joint : found.fit.joints) {
+    const double visible = joint.visible_lag(options.usual_torque_lag);
+    const bool is_named = joint.seems_out_of_step(options.usual_torque_lag);
+    if (is_named || visible <= 2.0 * options.usual_torque_lag) continue;
+    joints +=
+        fmt::format("{}{} below {:.2g} ms", joints.empty() ? "" : ", ", joint.name, visible * 1e3);
+  }
+  if (joints.empty()) return;
+  found.notes.push_back(
+      "torques of one joint that are out of step with the others would not show in "
+      "this motion: " +
+      joints);
+}
+
 /// Names joints whose torques are out of step with the others': a warning where it is not friction
 /// that looks so, else a note. Nothing is removed.
 void check_joint_lags(const RobotFitOptions& options, const std::string& file,
@@ -160,6 +177,7 @@ void check_joint_lags(const RobotFitOptions& options, const std::string& file,
                               .place = "joint " + joint.name,
                               .hint = "check that they are from the same cycle of the controller"});
   }
+  note_unseen_lags(options, found);
 }
 
 /// Puts the fit of all rows in place of the one that was judged on the held-out ones, whose errors
@@ -282,6 +300,13 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
                          found.signals.t[first], default_tip(found.model), options.contact);
     found.replay =
         replay_motion(found.log, found.signals, found.fit, found.model, first, kReplayDuration);
+    if (!found.replay.is_finite) {
+      found.notes.push_back(
+          fmt::format("the held-out torques move the simulated arm as recorded, within 3 deg, for "
+                      "{:.2g} s, then "
+                      "without bound: no further figure of the replay is stated",
+                      found.replay.kept.minCoeff()));
+    }
   }
   fit_all_rows(options, found);
   return found;

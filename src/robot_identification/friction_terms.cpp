@@ -9,6 +9,8 @@
 namespace pcavr {
 namespace {
 
+constexpr double kCertain = 3.0;  ///< std of a lag
+
 struct TermText {
   const char* name;
   const char* unit;
@@ -53,8 +55,12 @@ double JointFit::value_of(FrictionTerm term) const {
 }
 
 bool JointFit::seems_out_of_step(double usual) const {
-  constexpr double kCertain = 3.0;  // std
   return std::abs(torque_lag.value) > std::max(usual, kCertain * torque_lag.std);
+}
+
+double JointFit::visible_lag(double usual) const {
+  constexpr double kOf98Percent = 2.0;  // std, on one side
+  return std::max(usual, kCertain * torque_lag.std) + kOf98Percent * torque_lag.std;
 }
 
 bool JointFit::is_out_of_step(double usual) const {

@@ -14,7 +14,8 @@ namespace pcavr {
 namespace {
 
 constexpr double kMaxStep =
-    0.5e-3;  ///< [s] the error of the first-order steps is some millidegrees
+    0.5e-3;                         ///< [s] the error of the first-order steps is some millidegrees
+constexpr double kResolved = 1e-6;  ///< [N m] no sensor of a joint's torque resolves less
 constexpr double kKept = 3.0 * std::numbers::pi / 180.0;  ///< [rad] an error that is accepted
 
 Eigen::VectorXd torque_at(const JointLog& log, double t) {
@@ -99,7 +100,7 @@ Eigen::VectorXd tolerable_torque(const JointSignals& signals, const RobotFit& fi
     squares += x.cwiseAbs2();
   }
   const Eigen::RowVectorXd rms = (squares / double(rows)).cwiseSqrt().colwise().maxCoeff();
-  return kKept * rms.cwiseInverse().transpose();
+  return (kKept * rms.cwiseInverse().transpose()).cwiseMax(kResolved);
 }
 
 }  // namespace

@@ -282,6 +282,17 @@ TEST(FitRobot, FindsTheJointWhoseTorquesAreLate) {
   EXPECT_NEAR(late.joints[kLate].torque_lag.value + late.torque_lag, 0.02, 0.004);
   EXPECT_GT(late.joints[kLate].torque_lag.value, 5.0 * late.joints[kLate].torque_lag.std);
   EXPECT_TRUE(late.joints[kLate].is_out_of_step(0.012));
+  EXPECT_LT(late.joints[kLate].visible_lag(0.012), 0.02);
+}
+
+TEST(FitRobot, StatesWhichLagDoesNotShowInASlowMotion) {
+  const JointLog log =
+      simulated_log(pa10(), {.duration = 12.0, .torque_noise = 3.0, .amplitude_share = 0.1});
+  const RobotFit fit = fit_robot(joint_signals(log, {}), pa10(), {});
+  for (const JointFit& joint : fit.joints) {
+    EXPECT_FALSE(joint.seems_out_of_step(joint.visible_lag(0.012))) << joint.name;
+  }
+  EXPECT_GT(fit.joints[6].visible_lag(0.012), 0.024);
 }
 
 // The Panda's friction after reversals looks like a lag of its joints 5 and 7, 28 and 32 ms.

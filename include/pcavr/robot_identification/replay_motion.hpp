@@ -22,7 +22,8 @@ struct MotionReplay {
   Eigen::VectorXd after_1s;   ///< [rad] absolute error 1 s after the start
   Eigen::VectorXd kept;       ///< [s] by joint: within 3 degrees from the start on
   /// [N m] by joint: the constant error of its torque alone that moves some joint by 3 degrees rms
-  /// over the stretch, linearised about the recorded motion. What a replay of this length asks for.
+  /// over the stretch, linearised about the recorded motion. What a replay of this length asks for;
+  /// at least 1e-6, which no sensor resolves.
   Eigen::VectorXd tolerable_torque;
   bool is_finite = false;  ///< false: the simulation diverged
 };
