@@ -59,7 +59,8 @@ std::string startup_message(const StartupInfo& info) {
           " collision triangles; objects:";
   for (const std::string& object : info.objects) text += ' ' + object;
   if (info.objects.empty()) text += " none";
-  text += "\ntool       moved by " + info.device + "\n";
+  text += info.mode == "replay" ? "\ntool       moves as recorded\n"
+                                : "\ntool       moved by " + info.device + "\n";
   return text + headset_instructions(info) + "press Ctrl-C to stop\n";
 }
 

@@ -36,5 +36,12 @@ TEST(StartupMessage, WithoutANetworkAHeadsetIsNotSentToItsOwnLocalhost) {
   EXPECT_EQ(text.find("\nscan "), std::string::npos);  // the code would have localhost in it
 }
 
+TEST(StartupMessage, NoDeviceMovesTheToolOfARecording) {
+  StartupInfo info = on_all_interfaces();
+  EXPECT_NE(startup_message(info).find("moved by page"), std::string::npos);
+  info.mode = "replay";
+  EXPECT_EQ(startup_message(info).find("moved by"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace pcavr::app
