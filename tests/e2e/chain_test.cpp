@@ -20,7 +20,8 @@ class Chain : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    run_json({"simulate", "tabletop", "-o", path_of("recording"), "--seed", "11"});
+    run_json({"simulate", "tabletop", "-o", path_of("recording"), "--seed", "11",
+              "--frames-per-second", "10"});
     run_json({"build", path_of("recording"), "-o", path_of("scene"), "--voxel", "0.01"});
   }
   static void TearDownTestSuite() {
@@ -84,7 +85,8 @@ TEST_F(Chain, ComparesTheObjectsOfASceneWithoutImages) {
 
 TEST_F(Chain, ForceReplacesAnOutput) {
   run_json({"simulate", "push", "-o", path_of("old"), "--no-images"});
-  run_json({"simulate", "tabletop", "-o", path_of("old"), "--seed", "11", "--force"});
+  run_json({"simulate", "tabletop", "-o", path_of("old"), "--seed", "11", "--frames-per-second",
+            "10", "--force"});
   EXPECT_TRUE(contents(path_of("old")) == contents(path_of("recording")))
       << "same seed, different bytes";
 }
