@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { test } from 'node:test';
 import { screenshot } from './support/browser.mjs';
-import { loaded } from './support/drawn.mjs';
+import { loaded, onScreen } from './support/drawn.mjs';
 import { distance } from './support/live.mjs';
 import { limit, setStage } from './support/stage.mjs';
 
@@ -78,6 +78,10 @@ test('the arm is drawn with its tip where the server has brought it', limit, asy
     assert.ok(distance(tipOf(arm), target) <= tolerance, `${tipOf(arm)} for ${target}`);
   }
   assert.match(await page.locator('#arm-line').textContent(), /^(arm: .* mm from .*)?$/);
+  const foot = await onScreen(page, [0.15, 0.0, 0.0]);
+  const label = await page.locator('#labels .robot').boundingBox();
+  const away = Math.hypot(label.x + label.width / 2 - foot.x, label.y + label.height / 2 - foot.y);
+  assert.ok(away < label.width, `the robot's label is ${away} px from where the arm stands`);
   await screenshot(page, 'arm_light');
   await page.emulateMedia({ colorScheme: 'dark' });
   await page.waitForTimeout(300);

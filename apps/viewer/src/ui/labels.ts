@@ -36,7 +36,7 @@ export class Labels {
   private readonly labels = new Map<Body, HTMLSpanElement>();
   private readonly robot = create('span', {
     className: 'robot',
-    title: 'The robot stands here: the origin of all coordinates.',
+    title: 'The robot stands here.',
   });
   private readonly heights = new Map<Body, number>();
   private readonly sizes = new Map<HTMLElement, { width: number; height: number }>();
@@ -107,10 +107,11 @@ export class Labels {
     label.style.transform = `translate(${area.left.toFixed(0)}px, ${area.top.toFixed(0)}px)`;
   }
 
-  /// At the robot's base; where that is outside of the picture, at the edge towards it.
+  /// Where the arm stands, without one at the base frame's origin; where that is outside of the
+  /// picture, at the edge towards it.
   private placeRobot(width: number, height: number): void {
-    const { camera, base } = this.view;
-    const origin = base.getWorldPosition(new Vector3());
+    const { camera, base, arm } = this.view;
+    const origin = (arm?.group ?? base).getWorldPosition(new Vector3());
     const at = project(origin, camera, width, height);
     const isInside = at && at.x > 0 && at.x < width && at.y > 0 && at.y < height;
     this.robot.classList.toggle('outside', !isInside);
