@@ -23,6 +23,9 @@
 namespace pcavr::app {
 namespace {
 
+constexpr InputRange kLoadMass{"mass of the load", 1e-3, 1e4, "kg",
+                               "from a finger's load to that of the largest arms"};
+
 struct RobotArguments {
   std::string log;
   std::string robot;
@@ -30,6 +33,7 @@ struct RobotArguments {
   OutputOption report;
   std::string plan;
   std::vector<double> gains;
+  double load_mass = 0.0;  ///< [kg] 0: not given
   std::string method = "regression";
   bool is_body_known = false;
   bool skip_bad = false;
@@ -108,6 +112,14 @@ void describe_contacts(const RobotIdentification& found, CommandResult& result) 
       contacts.touches.size(), contacts.detectable_force);
 }
 
+void describe_gains(const RobotIdentification& found, CommandResult& result) {
+  for (const JointGain& gain : found.gains) {
+    result.json["gains"].push_back({{"joint", gain.joint}, {"gain", gain.gain}, {"std", gain.std}});
+    result.summary +=
+        fmt::format("gain of {}: {:.4g} +- {:.2g} N m/A\n", gain.joint, gain.gain, gain.std);
+  }
+}
+
 void describe_payload(const RobotIdentification& found, CommandResult& result) {
   if (!found.payload) return;
   const Payload& payload = *found.payload;
@@ -177,6 +189,7 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
   describe_replay(found, result);
   describe_trial(found, result);
   describe_contacts(found, result);
+  describe_gains(found, result);
   describe_payload(found, result);
   result.json["notes"] = found.notes;
   result.summary += how_to_open(arguments.report.folder) + '\n';
@@ -187,6 +200,20 @@ std::vector<std::filesystem::path> inputs_of(const RobotArguments& arguments) {
   std::vector<std::filesystem::path> inputs{arguments.log, arguments.robot};
   if (!arguments.unloaded.empty()) inputs.emplace_back(arguments.unloaded);
   return inputs;
+}
+
+/// By --gains, or by a load of known mass; sets those of `options`.
+Expected<std::vector<JointGain>> gains_of(const RobotArguments& arguments, const JointLog& fitted,
+                                          const std::optional<JointLog>& loaded,
+                                          const RobotModel& model,
+                                          RobotIdentificationOptions& options) {
+  options.gains = arguments.gains;
+  if (arguments.load_mass == 0.0) return std::vector<JointGain>{};
+  Expected<std::vector<JointGain>> found = find_drive_gains(
+      {fitted, arguments.unloaded}, {*loaded, arguments.log}, model, arguments.load_mass, options);
+  if (!found) return found.error();
+  for (const JointGain& gain : *found) options.gains.push_back(gain.gain);
+  return found;
 }
 
 Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration& configuration,
@@ -216,18 +243,24 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
   const std::string& fitted = arguments.unloaded.empty() ? arguments.log : arguments.unloaded;
   const Expected<JointLog> log = read_joint_log(fitted, arguments.skip_bad);
   if (!log) return log.error();
+  std::optional<JointLog> loaded;
+  if (!arguments.unloaded.empty()) {
+    Expected<JointLog> read = read_joint_log(arguments.log, arguments.skip_bad);
+    if (!read) return read.error();
+    loaded = *std::move(read);
+  }
   RobotIdentificationOptions options = configuration.robot_identification;
-  options.gains = arguments.gains;
+  Expected<std::vector<JointGain>> gains = gains_of(arguments, *log, loaded, *model, options);
+  if (!gains) return gains.error();
   options.fit.known_body |= arguments.is_body_known;
   options.is_trial_wanted = arguments.method == "grid";
   Expected<RobotIdentification> found = identify_robot(*log, *model, options, fitted);
   if (!found) return found.error();
   for (const Error& warning : found->warnings) observer.on_warning(warning.to_string());
-  if (!arguments.unloaded.empty()) {
-    Expected<JointLog> loaded = read_joint_log(arguments.log, arguments.skip_bad);
-    if (!loaded) return loaded.error();
+  found->gains = *std::move(gains);
+  if (loaded) {
     const Expected<void> added =
-        add_payload(std::move(*loaded), options, arguments.log, *model, *found);
+        add_payload(*std::move(loaded), options, arguments.log, *model, *found);
     if (!added) return added.error();
   }
   found->configuration = configuration.changed();
@@ -275,6 +308,10 @@ void add_identify_robot(CLI::App& app, Configuration& configuration, Action& act
       ->add_option("--gains", arguments->gains,
                    "Torque of a current [N m/A] for each joint, in the order of the columns")
       ->delimiter(',');
+  add_number(*command, "--load-mass", arguments->load_mass, kLoadMass,
+             "Mass that LOG carries and --unloaded does not [kg]: finds the gains of currents")
+      ->needs("--unloaded")
+      ->excludes("--gains");
   command
       ->add_option(
           "--method", arguments->method,

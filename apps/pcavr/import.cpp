@@ -32,6 +32,7 @@ struct ImportArguments {
   std::string camera;
   double depth_scale = 0.0;
   double period = 0.0;  ///< [s] 0: not given
+  bool skip_bad = false;
   ImportOptions options;
   CloudArguments clouds;
   BagArguments bag;
@@ -66,6 +67,7 @@ Expected<CommandResult> import_joints(const ImportArguments& arguments) {
   if (!folder) return folder.error();
   JointLogImportOptions options;
   if (arguments.period > 0.0) options.period = arguments.period;
+  options.skip_bad = arguments.skip_bad;
   const Expected<ImportedJointLog> imported = import_joint_log(arguments.source, options);
   if (!imported) return imported.error();
   Expected<void> written = write_file(folder->path() / "recording.yaml", format_manifest({}));
@@ -79,15 +81,16 @@ Expected<CommandResult> import_joints(const ImportArguments& arguments) {
   return CommandResult{
       .summary = fmt::format(
           "{} rows of {} joints, {:.6g} s, {} rows not after the one before "
-          "left out\n{}next: pcavr identify robot {} --robot URDF -o REPORT\n",
-          log.t.size(), log.joints.size(), log.t.back(), imported->left_out,
+          "left out, {} bad rows skipped\n{}next: pcavr identify robot {} --robot URDF -o REPORT\n",
+          log.t.size(), log.joints.size(), log.t.back(), imported->left_out, imported->bad,
           options.period ? fmt::format("stamps: a row each {:.6g} s, as given\n", *options.period)
                          : "",
           name),
       .json = {{"recording", name},
                {"rows", log.t.size()},
                {"joints", log.joints.size()},
-               {"left_out", imported->left_out}}};
+               {"left_out", imported->left_out},
+               {"bad", imported->bad}}};
 }
 
 Expected<CommandResult> import_sequence(const ImportArguments& arguments,
@@ -207,6 +210,8 @@ void add_import(CLI::App& app, Action& action) {
       ->capture_default_str();
   add_number(*command, "--period", arguments->period, kRowPeriod,
              "Time between rows of a joint log without stamps [s]");
+  command->add_flag("--skip-bad", arguments->skip_bad,
+                    "Skip rows of a joint log that can't be read, and count them");
   add_whole<std::size_t>(*command, "--stride", arguments->options.stride, 1, kMaxFrames,
                          "Import every n-th frame")
       ->capture_default_str();

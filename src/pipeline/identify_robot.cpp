@@ -12,55 +12,19 @@
 #include "pcavr/robot/link_meshes.hpp"
 #include "pcavr/robot_identification/log_checks.hpp"
 
+#include "pipeline/robot_log.hpp"
+
 namespace pcavr {
 namespace {
 
 constexpr std::size_t kMinLogRows = 200;  ///< fewer can't determine some eighty unknowns
-constexpr Eigen::Index kMinFittedRows = 100;
-constexpr double kReplayDuration = 5.0;  ///< [s]
+constexpr double kReplayDuration = 5.0;   ///< [s]
 
 std::string text_of(const Error& finding) {
   std::string text = finding.place.empty() ? "" : finding.place + ": ";
   text += finding.message;
   if (finding.line > 0) text += fmt::format(" (line {})", finding.line);
   return text;
-}
-
-/// The first error with the log's name; the number of further ones in its message.
-Error first_of(const std::vector<Error>& errors, const std::string& file) {
-  Error error = errors.front();
-  error.file = file;
-  if (errors.size() > 1) error.message += fmt::format(" (and {} more faults)", errors.size() - 1);
-  return error;
-}
-
-Expected<void> apply_gains(const std::vector<double>& gains, JointLog& log,
-                           const std::string& file) {
-  if (log.torque.rows() > 0) {
-    if (gains.empty()) return {};
-    return Error{.message = "has torques; gains are for currents",
-                 .file = file,
-                 .line = 1,
-                 .hint = "omit --gains, or name the columns current_NAME"};
-  }
-  if (log.current.rows() == 0) {
-    return Error{.message = "has neither torques nor currents",
-                 .file = file,
-                 .line = 1,
-                 .hint = "add columns tau_NAME or current_NAME"};
-  }
-  if (gains.size() != log.joints.size()) {
-    return Error{.message = fmt::format("has currents of {} joints, and {} gains are given",
-                                        log.joints.size(), gains.size()),
-                 .file = file,
-                 .line = 1,
-                 .hint = "give --gains with N m/A for each joint, in the order of the columns"};
-  }
-  log.torque = log.current;
-  for (std::size_t j = 0; j < gains.size(); ++j) {
-    log.torque.col(static_cast<Eigen::Index>(j)) *= gains[j];
-  }
-  return {};
 }
 
 std::vector<std::string> signal_notes(const JointSignals& signals, const SampleClock& clock) {
@@ -310,37 +274,6 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   }
   fit_all_rows(options, found);
   return found;
-}
-
-Expected<void> add_payload(JointLog loaded, const RobotIdentificationOptions& options,
-                           const std::string& file, const RobotModel& model,
-                           RobotIdentification& found) {
-  if (Expected<void> applied = apply_gains(options.gains, loaded, file); !applied) return applied;
-  const Expected<MatchedRobot> matched = match_joints(loaded, model);
-  if (!matched) return first_of({matched.error()}, file);
-  if (matched->model.dof != found.model.dof) {
-    return Error{.message = "has other joints than the log of the unloaded arm",
-                 .file = file,
-                 .line = 1,
-                 .hint = "record the same joints in both runs"};
-  }
-  loaded = reordered(loaded, matched->columns);
-  const LogFindings rows = check_rows(loaded, found.model, options.signals.max_gap);
-  if (!rows.errors.empty()) return first_of(rows.errors, file);
-  (void)correct_sample_clock(loaded);
-  JointSignals signals = joint_signals(loaded, options.signals);
-  if (signals.position.rows() < kMinFittedRows) {
-    return Error{
-        .message = fmt::format("only {} rows are left for the fit", signals.position.rows()),
-        .file = file,
-        .hint = "record a longer motion without gaps"};
-  }
-  if (found.signals.is_sign_changed) {
-    signals.torque *= -1.0;
-    signals.torque_rate *= -1.0;
-  }
-  found.payload = identify_payload(signals, found.model, found.fit);
-  return {};
 }
 
 }  // namespace pcavr

@@ -49,6 +49,15 @@ ReportTable error_table(const RobotFit& fit) {
   return table;
 }
 
+ReportTable gains_table(const std::vector<JointGain>& gains) {
+  ReportTable table{.title = "Gains of the drives, by the load's mass",
+                    .columns = {"joint", "gain (N m/A)", "± std"}};
+  for (const JointGain& gain : gains) {
+    table.rows.push_back({gain.joint, short_number(gain.gain), short_number(gain.std)});
+  }
+  return table;
+}
+
 ReportTable payload_table(const RobotFit& fit, const Payload& payload) {
   ReportTable table{.title = "Load", .columns = {"quantity", "value", "± std", "unit"}};
   table.rows.push_back({"mass", short_number(payload.mass), short_number(payload.mass_std), "kg"});
@@ -268,6 +277,7 @@ ReportPage robot_page(const RobotIdentification& found, const std::string& log,
   std::vector<ReportTable> tables{error_table(found.fit)};
   if (found.replay.is_finite) tables.push_back(replay_table(found));
   if (found.trial) tables.push_back(trial_table(found.fit, *found.trial));
+  if (!found.gains.empty()) tables.push_back(gains_table(found.gains));
   if (found.payload) tables.push_back(payload_table(found.fit, *found.payload));
   if (found.contacts) tables.push_back(contact_table(found.fit, *found.contacts));
   tables.push_back(base_table(found.fit));
@@ -387,6 +397,10 @@ std::string format_json(const RobotIdentification& found, const std::string& log
       json["joint." + found.fit.joints[j].name + ".contact_threshold"] =
           found.contacts->thresholds[static_cast<Eigen::Index>(j)];
     }
+  }
+  for (const JointGain& gain : found.gains) {
+    json["joint." + gain.joint + ".gain"] = gain.gain;
+    json["joint." + gain.joint + ".gain_std"] = gain.std;
   }
   if (found.payload) {
     json["payload.mass"] = found.payload->mass;

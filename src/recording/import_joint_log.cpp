@@ -54,6 +54,7 @@ struct StampedRows {
   std::vector<int> lines;
   std::vector<std::vector<double>> rows;
   std::size_t left_out = 0;
+  std::size_t bad = 0;  // skipped
 
   /// Leaves out a row that is not after the one before.
   void add(Stamp stamp, int line, std::vector<double> numbers) {
@@ -81,6 +82,7 @@ Eigen::MatrixXd matrix_of(const StampedRows& rows, std::size_t first, std::size_
 ImportedJointLog log_with_stamps(std::vector<std::string> joints, const StampedRows& rows) {
   ImportedJointLog imported;
   imported.left_out = rows.left_out;
+  imported.bad = rows.bad;
   imported.log.joints = std::move(joints);
   imported.log.stamps = rows.stamps;
   imported.log.lines = rows.lines;
@@ -90,7 +92,28 @@ ImportedJointLog log_with_stamps(std::vector<std::string> joints, const StampedR
   return imported;
 }
 
-Expected<ImportedJointLog> import_without_header(const fs::path& file, const std::string& text) {
+/// The stamp [s] and the joints' numbers of a row without header.
+Expected<std::vector<double>> numbers_of(const fs::path& file, int line,
+                                         const std::vector<std::string_view>& fields,
+                                         std::size_t columns) {
+  if (fields.size() != columns || joints_of(columns) == 0) {
+    return Error{.message = fmt::format("has {} columns", fields.size()),
+                 .file = file.string(),
+                 .line = line,
+                 .hint = "each row has a stamp and five or three numbers for each joint"};
+  }
+  std::vector<double> numbers;
+  for (const std::string_view field : fields) {
+    const InputRange& range = numbers.empty() ? ranges::kStamp : ranges::kJoint;
+    const std::optional<double> number = number_in_range(field, range);
+    if (!number) return not_a_number(file, line, field);
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+Expected<ImportedJointLog> import_without_header(const fs::path& file, const std::string& text,
+                                                 bool skip_bad) {
   LineReader lines(text);
   StampedRows rows;
   std::size_t columns = 0;
@@ -98,21 +121,19 @@ Expected<ImportedJointLog> import_without_header(const fs::path& file, const std
     if (trimmed(*line).empty()) continue;
     const std::vector<std::string_view> fields = split_at(',', *line);
     if (columns == 0) columns = fields.size();
-    if (fields.size() != columns || joints_of(columns) == 0) {
-      return Error{.message = fmt::format("has {} columns", fields.size()),
-                   .file = file.string(),
-                   .line = lines.line(),
-                   .hint = "each row has a stamp and five or three numbers for each joint"};
+    Expected<std::vector<double>> numbers = numbers_of(file, lines.line(), fields, columns);
+    if (!numbers) {
+      if (!skip_bad) {
+        Error bad = numbers.error();
+        bad.hint += ", or skip bad rows by --skip-bad";
+        return bad;
+      }
+      ++rows.bad;
+      continue;
     }
-    const std::optional<double> t = number_in_range(fields[0], ranges::kStamp);
-    if (!t) return not_a_number(file, lines.line(), fields[0]);
-    std::vector<double> numbers;
-    for (std::size_t i = 1; i < fields.size(); ++i) {
-      const std::optional<double> number = number_in_range(fields[i], ranges::kJoint);
-      if (!number) return not_a_number(file, lines.line(), fields[i]);
-      numbers.push_back(*number);
-    }
-    rows.add(Stamp::from_seconds(*t), lines.line(), std::move(numbers));
+    const Stamp stamp = Stamp::from_seconds(numbers->front());
+    numbers->erase(numbers->begin());
+    rows.add(stamp, lines.line(), *std::move(numbers));
   }
   const std::size_t joints = joints_of(columns);
   ImportedJointLog imported = log_with_stamps(numbered(joints), rows);
@@ -216,9 +237,9 @@ Expected<ImportedJointLog> import_without_stamps(const fs::path& file, const std
     ++row;
   }
   Expected<Series<JointLog>> log =
-      parse_joint_log({.file = file.string(), .text = stamped, .skip_bad = false});
+      parse_joint_log({.file = file.string(), .text = stamped, .skip_bad = options.skip_bad});
   if (!log) return log.error();
-  return ImportedJointLog{std::move(log->content), 0};
+  return ImportedJointLog{.log = std::move(log->content), .bad = log->report.skipped()};
 }
 
 /// The first line of a file that may be a log; empty where it can't be read.
@@ -257,8 +278,9 @@ Expected<ImportedJointLog> import_joint_log(const fs::path& source,
   if (!text) return text.error();
   const std::string line = text->substr(0, text->find('\n'));
   const bool is_numbers = parse_number(split_at(',', line)[0]).has_value();
-  Expected<ImportedJointLog> imported = is_numbers ? import_without_header(source, *text)
-                                                   : import_without_stamps(source, *text, options);
+  Expected<ImportedJointLog> imported = is_numbers
+                                            ? import_without_header(source, *text, options.skip_bad)
+                                            : import_without_stamps(source, *text, options);
   if (imported && imported->log.t.empty()) {
     return Error{.message = "has no rows", .file = source.string()};
   }

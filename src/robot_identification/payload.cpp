@@ -4,19 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
 #include "pcavr/robot/robot_dynamics.hpp"
 
+#include "robot_identification/load_prior.hpp"
+
 namespace pcavr {
 namespace {
 
-constexpr Eigen::Index kLoad = 10;         ///< inertial parameters of the load
-constexpr Eigen::Index kChanges = 3;       ///< of a joint's friction: offset, Coulomb, viscous
-constexpr double kChangeOfFriction = 0.1;  ///< std, relative, of warm and cold gears
-constexpr double kMassStd = 10.0;          ///< [kg] prior: weaker than any data
-constexpr double kInertiaStd = 0.3;        ///< [kg m^2] prior: of 3 kg at 0.3 m
+constexpr Eigen::Index kChanges = 3;  ///< of a joint's friction: offset, Coulomb, viscous
+constexpr double kMassStd = 10.0;     ///< [kg] prior: weaker than any data
 
 /// Torques that the unloaded arm does not explain, and how they depend on the unknowns.
 struct LoadRows {
@@ -63,7 +63,7 @@ class PayloadFit {
 
   [[nodiscard]] Eigen::MatrixXd prior() const {
     Eigen::VectorXd std = Eigen::VectorXd::Constant(unknowns_, kMassStd);
-    std.segment<6>(4).setConstant(kInertiaStd);
+    std.segment<6>(4).setConstant(kLoadInertiaStd);
     for (Eigen::Index j = 0; j < dof_; ++j) {
       const JointFit& joint = fit_.joints[static_cast<std::size_t>(j)];
       const double coulomb = std::abs(joint.value_of(FrictionTerm::coulomb)) + joint.noise_std;
@@ -130,11 +130,44 @@ class PayloadFit {
   Eigen::Index unknowns_;
 };
 
+/// The fit of the unloaded arm without one stretch of its rows.
+RobotFit without_stretch(const RobotFit& whole, const LeftOutFit& left_out) {
+  RobotFit fit = whole;
+  fit.inertial_parameters = left_out.inertial_parameters;
+  for (std::size_t j = 0; j < fit.joints.size(); ++j) {
+    fit.joints[j].friction = left_out.joints[j].friction;
+    fit.joints[j].stribeck_speed = left_out.joints[j].stribeck_speed;
+  }
+  return fit;
+}
+
+double with_variance(double std, double variance) { return std::sqrt(std * std + variance); }
+
 }  // namespace
 
 Payload identify_payload(const JointSignals& loaded, const RobotModel& model,
                          const RobotFit& unloaded) {
-  return PayloadFit(loaded, model, unloaded).run();
+  Payload payload = PayloadFit(loaded, model, unloaded).run();
+  // The unloaded fit's share, by the jackknife [Tukey 1958]: what the load is without each stretch.
+  std::vector<Eigen::Vector4d> found;
+  for (const LeftOutFit& left_out : unloaded.left_out) {
+    const RobotFit fit = without_stretch(unloaded, left_out);
+    const Payload without = PayloadFit(loaded, model, fit).run();
+    found.emplace_back(without.mass, without.centre_of_mass.x(), without.centre_of_mass.y(),
+                       without.centre_of_mass.z());
+  }
+  if (found.size() < 2) return payload;
+  const auto count = static_cast<double>(found.size());
+  Eigen::Vector4d mean = Eigen::Vector4d::Zero(), squares = mean;
+  for (const Eigen::Vector4d& values : found) mean += values / count;
+  for (const Eigen::Vector4d& values : found) squares += (values - mean).cwiseAbs2();
+  const Eigen::Vector4d variance = squares * (count - 1.0) / count;
+  payload.mass_std = with_variance(payload.mass_std, variance[0]);
+  for (int axis = 0; axis < 3; ++axis) {
+    double& std = payload.centre_of_mass_std[axis];
+    std = with_variance(std, variance[1 + axis]);
+  }
+  return payload;
 }
 
 }  // namespace pcavr

@@ -31,6 +31,29 @@ std::vector<bool> without_fold(const BlockSystem& system, std::size_t fold) {
 
 }  // namespace
 
+FitPrior rigid_prior(const RobotModel& model, const RobotFitOptions& options) {
+  FitPrior prior;
+  prior.mean = inertial_parameters(model);
+  prior.std.resize(prior.mean.size());
+  const double reach = options.prior_offset_std;
+  for (std::size_t j = 0; j < model.dof; ++j) {
+    auto mean = prior.mean.segment<10>(at(10 * j));
+    if (mean[0] <= 0.0) {
+      mean.setZero();
+      mean[0] = kUnknownMass;
+      mean[4] = mean[7] = mean[9] = kUnknownMass * reach * reach;
+    }
+    const double mass_std = options.prior_mass_std;
+    const double moment_std = (mean[0] + mass_std) * reach;
+    auto std = prior.std.segment<10>(at(10 * j));
+    std.setConstant(moment_std * reach + 0.3 * (mean[4] + mean[7] + mean[9]));
+    std.segment<3>(1).setConstant(moment_std);
+    std[0] = mass_std;
+  }
+  if (options.known_body) prior.std.setConstant(1e-9);
+  return prior;
+}
+
 RobotFitter::RobotFitter(const JointSignals& signals, const RobotModel& model,
                          const RobotFitOptions& options)
     : signals_(signals),
@@ -40,7 +63,7 @@ RobotFitter::RobotFitter(const JointSignals& signals, const RobotModel& model,
       rows_(signals.position.rows()) {
   train_ = static_cast<Eigen::Index>(options.train_share * static_cast<double>(rows_));
   smoothing_.assign(joints_.size(), kPlainSmoothing);
-  prior_ = rigid_prior();
+  prior_ = rigid_prior(model, options);
 }
 
 RobotFit RobotFitter::run() {
@@ -53,29 +76,6 @@ RobotFit RobotFitter::run() {
   fit_friction_terms();
   finish(fit);
   return fit;
-}
-
-FitPrior RobotFitter::rigid_prior() const {
-  FitPrior prior;
-  prior.mean = inertial_parameters(model_);
-  prior.std.resize(prior.mean.size());
-  const double reach = options_.prior_offset_std;
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    auto mean = prior.mean.segment<10>(at(10 * j));
-    if (mean[0] <= 0.0) {
-      mean.setZero();
-      mean[0] = kUnknownMass;
-      mean[4] = mean[7] = mean[9] = kUnknownMass * reach * reach;
-    }
-    const double mass_std = options_.prior_mass_std;
-    const double moment_std = (mean[0] + mass_std) * reach;
-    auto std = prior.std.segment<10>(at(10 * j));
-    std.setConstant(moment_std * reach + 0.3 * (mean[4] + mean[7] + mean[9]));
-    std.segment<3>(1).setConstant(moment_std);
-    std[0] = mass_std;
-  }
-  if (options_.known_body) prior.std.setConstant(1e-9);
-  return prior;
 }
 
 FitPrior RobotFitter::scaled_prior(double scale) const {

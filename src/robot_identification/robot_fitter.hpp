@@ -22,6 +22,9 @@ inline constexpr std::size_t kBlocks = 30;  ///< of the training part: cross-val
 /// its first zero.
 [[nodiscard]] double correlated_rows(const Eigen::VectorXd& residual);
 
+/// About the described bodies, or about bodies of 3 kg where the description has no masses.
+[[nodiscard]] FitPrior rigid_prior(const RobotModel& model, const RobotFitOptions& options);
+
 /// Everything that the steps of one fit share.
 class RobotFitter {
  public:
@@ -30,7 +33,6 @@ class RobotFitter {
   [[nodiscard]] RobotFit run();
 
  private:
-  [[nodiscard]] FitPrior rigid_prior() const;
   void set_libraries(const std::vector<LibraryColumn>& library);
   [[nodiscard]] BlockSystem train_system() const;
   void set_library_std(const BlockSystem& system);

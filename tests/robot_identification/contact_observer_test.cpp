@@ -194,6 +194,7 @@ TEST_F(IdentifiedArmTest, RecoversALoadWithin3Percent) {
   const Payload found = identify_payload(joint_signals(run, {}), *model, *fit);
   EXPECT_NEAR(found.mass, load.mass, 0.03 * load.mass);
   EXPECT_LT((found.centre_of_mass - load.centre_of_mass).norm(), 0.005);
+  EXPECT_LT(std::abs(found.mass - load.mass), 3.0 * found.mass_std);
   RecordProperty("mass", std::to_string(found.mass) + " +- " + std::to_string(found.mass_std));
 }
 

@@ -34,6 +34,13 @@ struct RobotIdentificationOptions {
   std::vector<double> gains = {};
 };
 
+/// What turns a drive's current into its joint's torque.
+struct JointGain {
+  std::string joint;
+  double gain = 0.0;  ///< [N m/A]
+  double std = 0.0;   ///< [N m/A]
+};
+
 struct RobotIdentification {
   RobotModel model;  ///< with the log's joints alone
   JointLog log;      ///< as fitted: in the chain's order, torques from currents, unwrapped
@@ -45,6 +52,7 @@ struct RobotIdentification {
   /// Of the held-out rows, with thresholds from the fitted ones; empty where the bodies aren't
   /// possible.
   std::optional<ObservedContacts> contacts = {};
+  std::vector<JointGain> gains = {};           ///< where they were identified
   std::optional<Payload> payload = {};         ///< by add_payload
   std::vector<JointIntervals> intervals = {};  ///< friction by joint and position
   std::optional<FrictionTrial> trial = {};     ///< where it is wanted
@@ -58,6 +66,19 @@ struct RobotIdentification {
 /// `joints.csv` of a recording, or a file of its format.
 [[nodiscard]] Expected<JointLog> read_joint_log(const std::filesystem::path& file_or_folder,
                                                 bool skip_bad);
+
+/// A log, and the file that names it in errors.
+struct NamedLog {
+  const JointLog& log;
+  const std::string& file;
+};
+
+/// The gains of the drives by two logs of currents, of which one has a load of known mass [kg], in
+/// the order of the logs' columns. Fails where a log has torques or faults in its rows, where their
+/// columns differ, or where a gain is not determined.
+[[nodiscard]] Expected<std::vector<JointGain>> find_drive_gains(
+    const NamedLog& unloaded, const NamedLog& loaded, const RobotModel& model, double load_mass,
+    const RobotIdentificationOptions& options);
 
 /// Checks the log, fits the robot and replays the held-out motion. Fails where the log shows a
 /// fault that must not be fitted; `file` names it in errors. Deterministic.

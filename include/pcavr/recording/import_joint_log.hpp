@@ -13,11 +13,13 @@ namespace pcavr {
 
 struct JointLogImportOptions {
   std::optional<double> period = {};  ///< [s] between rows, for logs without stamps; > 0
+  bool skip_bad = false;              ///< leave out rows of a CSV file that can't be read
 };
 
 struct ImportedJointLog {
   JointLog log;
   std::size_t left_out = 0;  ///< rows whose stamp is not after the one before
+  std::size_t bad = 0;       ///< rows that can't be read
 };
 
 /// Whether `source` looks like one of the layouts below.

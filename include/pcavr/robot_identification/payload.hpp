@@ -10,8 +10,8 @@
 
 namespace pcavr {
 
-/// What an arm carries in one run and not in another. Standard deviations are those of the loaded
-/// run's noise alone: the errors of the unloaded fit come on top (some three times as much).
+/// What an arm carries in one run and not in another. Standard deviations are of the loaded run's
+/// noise and of the unloaded fit, not of gains that turned currents into torques.
 struct Payload {
   double mass = 0.0;      ///< [kg]
   double mass_std = 0.0;  ///< [kg]

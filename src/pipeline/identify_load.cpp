@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// What two runs of an arm show, of which one carries a load.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "pcavr/robot_identification/drive_gains.hpp"
+
+#include "pipeline/robot_log.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kMaxGainStd = 0.3;  ///< relative: above, a drive's gain is not determined
+
+/// Its torques are the currents [A].
+Expected<SoundLog> currents_of(const NamedLog& named, const RobotModel& model,
+                               const RobotIdentificationOptions& options) {
+  JointLog log = named.log;
+  const std::vector<double> ones(log.joints.size(), 1.0);
+  if (Expected<void> applied = apply_gains(ones, log, named.file); !applied) {
+    return applied.error();
+  }
+  return sound_log(log, model, options, named.file);
+}
+
+}  // namespace
+
+Expected<void> add_payload(JointLog loaded, const RobotIdentificationOptions& options,
+                           const std::string& file, const RobotModel& model,
+                           RobotIdentification& found) {
+  if (Expected<void> applied = apply_gains(options.gains, loaded, file); !applied) return applied;
+  Expected<SoundLog> sound = sound_log(loaded, model, options, file);
+  if (!sound) return sound.error();
+  if (sound->model.dof != found.model.dof) {
+    return Error{.message = "has other joints than the log of the unloaded arm",
+                 .file = file,
+                 .line = 1,
+                 .hint = "record the same joints in both runs"};
+  }
+  if (found.signals.is_sign_changed) {
+    sound->signals.torque *= -1.0;
+    sound->signals.torque_rate *= -1.0;
+  }
+  found.payload = identify_payload(sound->signals, found.model, found.fit);
+  return {};
+}
+
+Expected<std::vector<JointGain>> find_drive_gains(const NamedLog& unloaded, const NamedLog& loaded,
+                                                  const RobotModel& model, double load_mass,
+                                                  const RobotIdentificationOptions& options) {
+  if (unloaded.log.joints != loaded.log.joints) {
+    return Error{.message = "has other joints, or another order of them, than " + unloaded.file,
+                 .file = loaded.file,
+                 .line = 1,
+                 .hint = "record the same columns in both runs"};
+  }
+  const Expected<SoundLog> without = currents_of(unloaded, model, options);
+  if (!without) return without.error();
+  const Expected<SoundLog> with = currents_of(loaded, model, options);
+  if (!with) return with.error();
+  const DriveGains found = identify_drive_gains(without->signals, with->signals, without->model,
+                                                load_mass, options.fit);
+  std::vector<JointGain> gains(without->columns.size());
+  for (std::size_t j = 0; j < gains.size(); ++j) {
+    const auto joint = static_cast<Eigen::Index>(j);
+    JointGain& gain = gains[without->columns[j]];
+    gain = {without->model.joints[j].name, found.gain[joint], found.std[joint]};
+    if (std::isfinite(gain.gain) && gain.std < kMaxGainStd * std::abs(gain.gain)) continue;
+    return Error{.message = fmt::format("joint {}: its gain is {:.3g} +- {:.2g} N m/A, not determined",
+                                        gain.joint, gain.gain, gain.std),
+                 .file = loaded.file,
+                 .hint = "move it faster, or give --gains"};
+  }
+  return gains;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/robot_log.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "pcavr/robot_identification/log_checks.hpp"
+
+namespace pcavr {
+
+Error first_of(const std::vector<Error>& errors, const std::string& file) {
+  Error error = errors.front();
+  error.file = file;
+  if (errors.size() > 1) error.message += fmt::format(" (and {} more faults)", errors.size() - 1);
+  return error;
+}
+
+Expected<void> apply_gains(const std::vector<double>& gains, JointLog& log,
+                           const std::string& file) {
+  if (log.torque.rows() > 0) {
+    if (gains.empty()) return {};
+    return Error{.message = "has torques; gains are for currents",
+                 .file = file,
+                 .line = 1,
+                 .hint = "omit --gains, or name the columns current_NAME"};
+  }
+  if (log.current.rows() == 0) {
+    return Error{.message = "has neither torques nor currents",
+                 .file = file,
+                 .line = 1,
+                 .hint = "add columns tau_NAME or current_NAME"};
+  }
+  if (gains.size() != log.joints.size()) {
+    return Error{.message = fmt::format("has currents of {} joints, and {} gains are given",
+                                        log.joints.size(), gains.size()),
+                 .file = file,
+                 .line = 1,
+                 .hint = "give --gains with N m/A for each joint, in the order of the columns"};
+  }
+  log.torque = log.current;
+  for (std::size_t j = 0; j < gains.size(); ++j) {
+    log.torque.col(static_cast<Eigen::Index>(j)) *= gains[j];
+  }
+  return {};
+}
+
+Expected<SoundLog> sound_log(const JointLog& log, const RobotModel& model,
+                             const RobotIdentificationOptions& options, const std::string& file) {
+  Expected<MatchedRobot> matched = match_joints(log, model);
+  if (!matched) return first_of({matched.error()}, file);
+  JointLog ordered = reordered(log, matched->columns);
+  const LogFindings rows = check_rows(ordered, matched->model, options.signals.max_gap);
+  if (!rows.errors.empty()) return first_of(rows.errors, file);
+  (void)correct_sample_clock(ordered);
+  SoundLog sound{std::move(matched->model), std::move(matched->columns),
+                 joint_signals(ordered, options.signals)};
+  if (sound.signals.position.rows() >= kMinFittedRows) return sound;
+  return Error{
+      .message = fmt::format("only {} rows are left for the fit", sound.signals.position.rows()),
+      .file = file,
+      .hint = "record a longer motion without gaps"};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "pcavr/pipeline/identify_robot.hpp"
+
+namespace pcavr {
+
+inline constexpr Eigen::Index kMinFittedRows = 100;
+
+/// The first error with the log's name; the number of further ones in its message.
+[[nodiscard]] Error first_of(const std::vector<Error>& errors, const std::string& file);
+
+/// Torques from currents; the log is left as it is where it has torques and there are no gains.
+[[nodiscard]] Expected<void> apply_gains(const std::vector<double>& gains, JointLog& log,
+                                         const std::string& file);
+
+/// A log whose rows have no faults.
+struct SoundLog {
+  RobotModel model;                  ///< with the log's joints alone
+  std::vector<std::size_t> columns;  ///< of the log, by the model's joints
+  JointSignals signals;
+};
+
+/// Matches a log with torques to the model, and checks its rows.
+[[nodiscard]] Expected<SoundLog> sound_log(const JointLog& log, const RobotModel& model,
+                                           const RobotIdentificationOptions& options,
+                                           const std::string& file);
+
+}  // namespace pcavr
