@@ -18,7 +18,7 @@ namespace {
 /// Stds beyond which a weighed mass contradicts the one that accelerations show.
 constexpr double kMassContradiction = 5.0;
 
-constexpr double kRateHalfWidth = 0.020;  // [s] of the tool's speed at the breakaway
+constexpr double kRateHalfWidth = 0.020;  // [s] of tool's speed and force at the breakaway
 constexpr double kMinRateFactor = 2.0;    // of the mean rate: it was loaded in steps
 /// Std of F_M, as a share, where it was loaded within no time; half of it within `kRateDuration`.
 constexpr double kRateShare = 0.10;
@@ -238,6 +238,24 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
   }
 }
 
+/// Whether the force at the breakaway, too, is through the centre of mass of a tracked object: a
+/// tip that holds on to a face may push it obliquely, and the object turns before it slides.
+bool breaks_away_centred(const IdentifiedContact& push, const BodyMotion& body, const PathView& tip,
+                         double tool_radius) {
+  const Breakaway& breakaway = push.episode.breakaway;
+  if (!breakaway.is_found || body.tracked.empty()) return true;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < push.episode.t.size(); ++i) {
+    if (std::abs(push.episode.t[i] - breakaway.t) <= kRateHalfWidth) force += push.force_base[i];
+  }
+  const Pose T_base_object = pose_at(body.tracked, breakaway.t);
+  const Eigen::Vector3d arm = tip.at(breakaway.t) -
+                              tool_radius * (T_base_object.rotation() * push.normal_object) -
+                              T_base_object * body.model.centre_of_mass_object;
+  const double moment = arm.x() * force.y() - arm.y() * force.x();
+  return std::abs(moment) <= kMaxCentredLever * force.head<2>().norm();
+}
+
 }  // namespace
 
 double limit_rate_std(double limit, double loading_time) {
@@ -252,7 +270,10 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
                           const IdentificationOptions& options, ObjectIdentification& result) {
   std::vector<IdentifiedContact*> pushes = contacts_of(contacts, object, false);
   const std::vector<IdentifiedContact*> all = pushes;
-  const auto off_centre = std::stable_partition(pushes.begin(), pushes.end(), is_centred);
+  const auto off_centre =
+      std::stable_partition(pushes.begin(), pushes.end(), [&](const IdentifiedContact* push) {
+        return is_centred(push) && breaks_away_centred(*push, body, tip, tool_radius);
+      });
   const auto off_centre_count = static_cast<std::size_t>(pushes.end() - off_centre);
   pushes.erase(off_centre, pushes.end());
   if (off_centre_count > 0) {
@@ -279,10 +300,12 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
                                      compliance_std(result, pressed, largest_force(all))};
   FrictionPriors priors = options.friction_priors;
   priors.gravity = options.sliding.gravity;
-  std::optional<double> radius;
-  if (const auto& known = result.parameters.friction_radius) radius = known->value;
+  KnownSupport support;
+  if (const auto& radius = result.parameters.friction_radius)
+    support.friction_radius = radius->value;
+  if (known_mass) support.weight = *known_mass * priors.gravity;
   result.slide_samples = friction_samples(body.tracked.empty() ? pushes : all, compliance, body,
-                                          tip, tool_radius, radius);
+                                          tip, tool_radius, support);
   take_sliding(infer(result.slide_samples, known_mass, priors), given_mass, result);
   find_limits(pushes, contact_law, options, result);
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {

@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
 
 #include "pcavr/core/median.hpp"
-#include "pcavr/geometry/convex_hull.hpp"
 #include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/turning/support.hpp"
 
 namespace pcavr {
 namespace {
@@ -32,9 +31,7 @@ constexpr double kMinPastSpeed = 0.3;
 // The tracked motion is smoothed over a time in which the object moves so far, within limits.
 constexpr double kTrackedTravel = 0.004;                                  // [m]
 constexpr double kMinTrackedSmoothing = 0.1, kMaxTrackedSmoothing = 1.0;  // [s] half width
-constexpr double kSupportHeight = 2e-3;    // [m] vertices so close to the lowest are on the support
-constexpr int kSupportCells = 12;          // across the support
-constexpr double kMaxRotationShare = 0.6;  // beyond, friction is mostly that of turning
+constexpr double kMaxRotationShare = 0.6;   // beyond, friction is mostly that of turning
 constexpr double kMaxStraightShare = 0.01;  // beyond, the object turns
 constexpr double kFaceAgreement = 0.9;      // cosine between the force and the face that it pushes
 constexpr double kMinPower = 0.3;           // of |F| |v|: less is no push through this face
@@ -42,53 +39,6 @@ constexpr double kMinPower = 0.3;           // of |F| |v|: less is no push throu
 /// Of the tip's speed along the normal, by tracking: less is an object that rests while what holds
 /// the tip gives way, or the tip leaves it. The speed by tracking has a noise of 2 to 4 %.
 constexpr double kMinFollowing = 0.5;
-
-bool contains(const std::vector<Eigen::Vector3d>& outline, const Eigen::Vector2d& p) {
-  for (std::size_t k = 0; k < outline.size(); ++k) {
-    const Eigen::Vector2d from = outline[k].head<2>();
-    const Eigen::Vector2d edge = outline[(k + 1) % outline.size()].head<2>() - from;
-    const Eigen::Vector2d offset = p - from;
-    if (edge.x() * offset.y() - edge.y() * offset.x() < 0.0) return false;
-  }
-  return true;
-}
-
-/// Points under the object, about its centre of mass, in its planar axes (heading_of).
-std::vector<Eigen::Vector2d> support_of(const CadModel& model, const Pose& T_base_object) {
-  const Eigen::AngleAxisd back(-heading_of(T_base_object), Eigen::Vector3d::UnitZ());
-  std::vector<Eigen::Vector3d> points;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3f& vertex : model.mesh_object.vertices) {
-    points.push_back(back * T_base_object.rotation() *
-                     (vertex.cast<double>() - model.centre_of_mass_object));
-    lowest = std::min(lowest, points.back().z());
-  }
-  std::erase_if(points, [&](const auto& p) { return p.z() > lowest + kSupportHeight; });
-  const std::vector<Eigen::Vector3d> outline = convex_hull_xy(std::move(points));
-  Eigen::AlignedBox2d box;
-  for (const Eigen::Vector3d& corner : outline) box.extend(corner.head<2>());
-  std::vector<Eigen::Vector2d> cells;
-  for (int i = 0; i < kSupportCells; ++i) {
-    for (int k = 0; k < kSupportCells; ++k) {
-      const Eigen::Vector2d share((i + 0.5) / kSupportCells, (k + 0.5) / kSupportCells);
-      const Eigen::Vector2d p = box.min() + share.cwiseProduct(box.sizes());
-      if (contains(outline, p)) cells.push_back(p);
-    }
-  }
-  if (cells.empty()) cells.push_back(Eigen::Vector2d::Zero());
-  return cells;
-}
-
-/// Scales points about the centre of mass to a friction radius, their mean distance from it [m].
-/// Returns the factor.
-double scale_to(double friction_radius, std::vector<Eigen::Vector2d>& points) {
-  double sum = 0.0;
-  for (const Eigen::Vector2d& p : points) sum += p.norm();
-  if (!(sum > 0.0)) return 1.0;
-  const double scale = friction_radius * static_cast<double>(points.size()) / sum;
-  for (Eigen::Vector2d& p : points) p *= scale;
-  return scale;
-}
 
 /// Motion of the object's centre from its tracked poses, smoothed.
 struct Twist {
@@ -192,13 +142,16 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
 
 class Slides {
  public:
-  Slides(const BodyMotion& body, const PathView& tip, double tool_radius,
-         std::optional<double> friction_radius)
-      : body_(body), tip_(tip), tool_radius_(tool_radius), motion_(body) {
-    if (!body.tracked.empty()) {
-      support_ = support_of(body.model, body.tracked.front().T_base_object);
-      if (friction_radius) scale_ = scale_to(*friction_radius, support_);
-    }
+  Slides(const BodyMotion& body, const PathView& tip, double tool_radius, const KnownSupport& known)
+      : body_(body), tip_(tip), tool_radius_(tool_radius), weight_(known.weight), motion_(body) {
+    if (body.tracked.empty()) return;
+    const Pose& T_base_first = body.tracked.front().T_base_object;
+    height_ = support_height(body.model, T_base_first);
+    support_.emplace(body.model, T_base_first);
+    const double radius = support_->radius();
+    if (!known.friction_radius || !(radius > 0.0)) return;
+    scale_ = *known.friction_radius / radius;
+    support_ = support_->scaled(scale_);
   }
 
   void add(const IdentifiedContact& contact, const ContactCompliance& compliance,
@@ -283,6 +236,7 @@ class Slides {
     // Off the centre of mass the force alone says little: the object turns under it.
     if (!twist) return is_centred(&contact) ? std::optional(sample) : std::nullopt;
     const Pose T_base_object = pose_at(body_.tracked, t);
+    const Eigen::Vector2d force(push.force_base[0][i].value, push.force_base[1][i].value);
     const Eigen::Vector2d inward = inward_at(contact, T_base_object);
     const Eigen::Vector2d arm =
         (tip_.at(t) - T_base_object * body_.model.centre_of_mass_object).head<2>() +
@@ -297,17 +251,16 @@ class Slides {
     const Eigen::Vector2d centre = at_contact - spin;
     double mean = 0.0, squares = 0.0;
     const Eigen::Rotation2Dd turned(heading_of(T_base_object));
-    for (const Eigen::Vector2d& point : support_) {
-      const Eigen::Vector2d p = turned * point;
+    const Eigen::Vector2d pressed = centre_of_pressure(force, tip_.at(t).z() - height_, weight_);
+    const std::vector<double> shares = support_->pressure(turned.inverse() * pressed);
+    for (std::size_t k = 0; k < shares.size(); ++k) {
+      const Eigen::Vector2d p = turned * support_->points()[k];
       const Eigen::Vector2d v = centre + twist->rate * Eigen::Vector2d(-p.y(), p.x());
-      mean += v.norm();
-      squares += v.squaredNorm();
+      mean += shares[k] * v.norm();
+      squares += shares[k] * v.squaredNorm();
     }
-    mean /= static_cast<double>(support_.size());
-    squares /= static_cast<double>(support_.size());
     if (mean <= 0.0) return std::nullopt;
     sample.rotation_share = 1.0 - std::min(1.0, centre.norm() / mean);
-    const Eigen::Vector2d force(push.force_base[0][i].value, push.force_base[1][i].value);
     const double power = force.dot(at_contact);
     if (sample.rotation_share > kMaxRotationShare) return std::nullopt;
     if (power < kMinPower * force.norm() * at_contact.norm()) return std::nullopt;
@@ -326,8 +279,10 @@ class Slides {
   const BodyMotion& body_;
   const PathView& tip_;
   double tool_radius_;
+  std::optional<double> weight_;  ///< [N]
   TrackedMotion motion_;
-  std::vector<Eigen::Vector2d> support_;
+  double height_ = 0.0;  ///< [m] of the support, in base
+  std::optional<Support> support_;
   double scale_ = 1.0;  ///< of the support against the CAD body's
 };
 
@@ -336,10 +291,9 @@ class Slides {
 std::vector<FrictionSample> friction_samples(const std::vector<IdentifiedContact*>& pushes,
                                              const ContactCompliance& compliance,
                                              const BodyMotion& body, const PathView& tip,
-                                             double tool_radius,
-                                             std::optional<double> friction_radius) {
+                                             double tool_radius, const KnownSupport& known) {
   std::vector<FrictionSample> samples;
-  const Slides slides(body, tip, tool_radius, friction_radius);
+  const Slides slides(body, tip, tool_radius, known);
   for (std::size_t i = 0; i < pushes.size(); ++i) slides.add(*pushes[i], compliance, i, samples);
   return samples;
 }

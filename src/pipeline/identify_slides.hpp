@@ -18,14 +18,21 @@ struct ContactCompliance {
   double std = 0.0;                      ///< relative, under the force of sliding
 };
 
+/// What is known of an object's support, beside its CAD model.
+struct KnownSupport {
+  std::optional<double> friction_radius = {};  ///< [m]
+  std::optional<double> weight = {};           ///< [N]
+};
+
 /// The power balances of all pushes in which the object slid, however slowly. Where the object was
 /// tracked, its rotation and its motion along the touched face count; else it moves as the tip
 /// does, less the contact's compression. Samples are one smoothing apart. The support is that of
 /// the CAD body's lowest face, scaled to the friction radius [m] where that is known: three feet
-/// near the centre of mass dissipate less in a rotation than the whole face.
+/// near the centre of mass dissipate less in a rotation than the whole face. The push's height over
+/// the support moves its pressure ahead, by the weight.
 [[nodiscard]] std::vector<FrictionSample> friction_samples(
     const std::vector<IdentifiedContact*>& pushes, const ContactCompliance& compliance,
     const BodyMotion& body, const PathView& tip, double tool_radius,
-    std::optional<double> friction_radius = {});
+    const KnownSupport& known = {});
 
 }  // namespace pcavr

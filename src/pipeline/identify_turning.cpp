@@ -15,9 +15,11 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
                          const BodyMotion& body, const PathView& tip, double tool_radius,
                          const IdentificationOptions& options, ObjectIdentification& result) {
   if (body.tracked.empty()) return;
+  std::optional<double> weight;
+  if (const auto& mass = result.parameters.mass) weight = mass->value * options.sliding.gravity;
   SamplesOfPushes pushes;
   for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
-    std::vector<PushSample> samples = turning_samples(*push, body, tip, tool_radius);
+    std::vector<PushSample> samples = turning_samples(*push, body, tip, tool_radius, weight);
     if (!samples.empty()) pushes.push_back(std::move(samples));
   }
   result.turning = joined(pushes);

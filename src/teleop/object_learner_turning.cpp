@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/turning/support.hpp"
 #include "pcavr/turning/tool_friction.hpp"
 
 #include "teleop/object_learner.hpp"
@@ -19,6 +20,8 @@ constexpr std::size_t kMaxSeenContacts = 40;
 constexpr std::size_t kFewContacts = 10;
 // Pushes that turned the object, for a radius: the std is by leaving one out.
 constexpr std::size_t kMinTurningPushes = 3;
+// Stds within which the radius of few pushes is that of even pressure, which the prediction has.
+constexpr double kSameRadius = 2.0;
 
 AttributedContact attributed(const ContactRecord& record, const Segmentation& found,
                              const ContactEpisode& episode) {
@@ -47,8 +50,10 @@ void ObjectLearner::learn_turning(const ContactRecord& record, const Segmentatio
   if (seen_samples_.size() > kMaxSeenContacts) seen_samples_.pop_front();
   const AttributedContact contact = attributed(record, found, episode);
   const PathView tip(record.t_tool, record.p_base_tip);
+  std::optional<double> weight;
+  if (known_.mass) weight = known_.mass->value * options_.sliding.gravity;
   seen_samples_.back() = {
-      episode.begin, turning_samples(contact, seen.body, tip, seen.tool_radius),
+      episode.begin, turning_samples(contact, seen.body, tip, seen.tool_radius, weight),
       tool_friction_samples(contact, seen.body, seen.surface, tip, seen.tool_radius)};
   learn_tool_friction(seen.body.tracked);
   if (is_over || seen_samples_.size() <= kFewContacts) learn_radius(seen.body);
@@ -71,6 +76,8 @@ void ObjectLearner::learn_radius(const BodyMotion& body) {
   const TurningFriction turning = identify_turning(pushes, body, options_.limit_surface);
   const std::optional<ParameterValue>& radius = turning.radius;
   if (!radius || *radius->std > options_.max_radius_std * radius->value) return;
+  const double even = Support(body.model, body.tracked.front().T_base_object).radius();
+  if (std::abs(radius->value - even) <= kSameRadius * *radius->std) return;
   if (!accept(&ObjectParameters::friction_radius, *radius)) return;
   known_.limit_surface =
       turning.surface.status == LimitSurfaceFitStatus::fitted

@@ -132,7 +132,7 @@ struct TurningPush {
     const PathView tip(contact.episode.t, p_base_tip);
     const ContactCompliance compliance{HuntCrossley{.stiffness = kStiffness, .exponent = 1.0}, 0.1};
     return friction_samples({&contact}, compliance, {model, tracked}, tip, kRadius,
-                            friction_radius);
+                            {.friction_radius = friction_radius});
   }
 
  private:

@@ -17,6 +17,9 @@ namespace pcavr {
 struct PushSample {
   Eigen::Vector3d wrench = Eigen::Vector3d::Zero();
   Eigen::Vector3d twist = Eigen::Vector3d::Zero();
+  /// [m] From the centre of mass, where a push above the support has moved the pressure: what the
+  /// moment and the motion are about. Not used by the fit.
+  Eigen::Vector2d centre_of_pressure = Eigen::Vector2d::Zero();
 };
 
 enum class SurfaceShape {

@@ -14,11 +14,13 @@
 namespace pcavr {
 
 /// Wrench and twist of the object over successive parts of a push in which it slid, each of some
-/// millimetres; in the planar axes of `heading_of`, about the centre of mass. A push as slow as the
-/// noise of the tip's speed counts where tracking shows that it moved the object.
+/// millimetres; in the planar axes of `heading_of`, about the centre of pressure. A push as slow as
+/// the noise of the tip's speed counts where tracking shows that it moved the object. The
+/// pressure's centre follows from the push's height and the object's weight [N].
 [[nodiscard]] std::vector<PushSample> turning_samples(const AttributedContact& push,
                                                       const BodyMotion& body, const PathView& tip,
-                                                      double tool_radius);
+                                                      double tool_radius,
+                                                      const std::optional<double>& weight);
 
 /// The samples of some pushes, by the push that they are from.
 using SamplesOfPushes = std::vector<std::vector<PushSample>>;

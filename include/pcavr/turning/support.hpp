@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/friction/limit_surface_fit.hpp"
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/model/cad_model.hpp"
+
+namespace pcavr {
+
+/// [m] z of the object's lowest vertex in base: of the plane that it stands on.
+[[nodiscard]] double support_height(const CadModel& model, const Pose& T_base_object);
+
+/// Where the support's pressure is centred under a horizontal force at a height over the support
+/// [N, m]: by that moment's share of the weight ahead of the centre of mass, in the force's
+/// direction [m]. Of a weight [N] that is not known, the force is taken to be a typical share.
+[[nodiscard]] Eigen::Vector2d centre_of_pressure(const Eigen::Vector2d& force, double height,
+                                                 const std::optional<double>& weight);
+
+/// What an object stands on, by its CAD model: points of equal area under its lowest vertices,
+/// about its centre of mass, in its planar axes (heading_of).
+class Support {
+ public:
+  Support(const CadModel& model, const Pose& T_base_object);
+
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& points() const { return points_; }
+  /// [m] The points' mean distance from the centre of mass: the friction radius of even pressure;
+  /// 0 where it stands on a point.
+  [[nodiscard]] double radius() const;
+  /// About the centre of mass, as where it stands on feet, or on its rim.
+  [[nodiscard]] Support scaled(double factor) const;
+
+  /// Each point's share of the load: of a stiff body on an elastic layer [Winkler's foundation],
+  /// which presses linearly over the support, and lifts off where it would pull. Where the centre
+  /// of pressure [m] would be near the support's edge or beyond it, the object is about to tip;
+  /// then it is the last one in that direction that the support bears.
+  [[nodiscard]] std::vector<double> pressure(const Eigen::Vector2d& centre) const;
+
+ private:
+  std::vector<Eigen::Vector2d> points_;
+};
+
+/// The support scaled so that its friction is best along the forces that were measured. Empty where
+/// no scale does that.
+[[nodiscard]] std::optional<Support> scaled_to_pushes(const Support& support,
+                                                      std::span<const PushSample> samples);
+
+}  // namespace pcavr

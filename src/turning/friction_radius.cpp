@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "turning/friction_radius.hpp"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "pcavr/core/median.hpp"
+#include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/identification/jackknife.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kTurnLever = 0.05;  // [m] by which rotations are weighted
+/// Minimum weighted rotation, as a share of the translation, of a twist that determines the radius.
+constexpr double kMinRotationShare = 0.2;
+constexpr double kUnpredicted = 0.5 * std::numbers::pi;  // [rad] where too few pushes are left
+constexpr std::size_t kMinTurning = 3;  // samples of such twists
+/// Std of the radius, as a share, by the pressure's distribution, which no push shows in full:
+/// uneven by 60 % from place to place, it differs so much from an even one of the same size.
+constexpr double kPressureShare = 0.02;
+
+/// Friction of a turning object by one model.
+struct Turned {
+  double radius = 0.0;  ///< [m]
+  /// [rad] Angle between the twists of a sample, by the model and measured.
+  std::function<double(const PushSample&)> angle;
+};
+using FrictionModel = std::function<std::optional<Turned>(const std::vector<PushSample>&)>;
+
+double angle_by(const LimitSurface& surface, const PushSample& sample, double length) {
+  return twist_angle(sliding_direction(surface, sample.wrench), sample.twist, length);
+}
+
+/// The radius about the centre of a pressure that a push has moved, over that about the middle.
+double moved_radius_share(const Support& support, const Eigen::Vector2d& centre) {
+  const std::vector<double> shares = support.pressure(centre);
+  double radius = 0.0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    radius += shares[i] * (support.points()[i] - centre).norm();
+  }
+  return radius / support.radius();
+}
+
+/// The CAD body's support; its size is free.
+std::optional<Turned> turned_by_support(const Support& support, const LimitSurface& shape,
+                                        const std::vector<PushSample>& samples) {
+  const std::optional<Support> found = scaled_to_pushes(support, samples);
+  if (!found) return std::nullopt;
+  LimitSurface surface = shape;
+  surface.length *= found->radius() / support.radius();
+  return Turned{found->radius(), [found, surface, length = support.radius()](const auto& sample) {
+                  LimitSurface moved = surface;
+                  moved.length *= moved_radius_share(*found, sample.centre_of_pressure);
+                  return angle_by(moved, sample, length);
+                }};
+}
+
+/// Maximum friction moment over maximum friction force [m].
+double radius_of(const LimitSurface& surface) {
+  const double force = 0.5 * (sliding_load(surface, {1.0, 0.0, 0.0}).x() +
+                              sliding_load(surface, {0.0, 1.0, 0.0}).y());
+  return sliding_load(surface, {0.0, 0.0, 1.0}).z() / force;
+}
+
+std::optional<Turned> turned_by_surface(const LimitSurfaceFitOptions& options, double length,
+                                        const std::vector<PushSample>& samples) {
+  LimitSurfaceFit fit = fit_limit_surface(samples, options);
+  if (fit.status == LimitSurfaceFitStatus::too_few_pushes) {
+    LimitSurfaceFitOptions few = options;
+    few.shape = SurfaceShape::ellipsoid;
+    fit = fit_limit_surface(samples, few);
+  }
+  if (fit.status != LimitSurfaceFitStatus::fitted) return std::nullopt;
+  return Turned{radius_of(fit.surface), [surface = fit.surface, length](const auto& sample) {
+                  return angle_by(surface, sample, length);
+                }};
+}
+
+/// A model without each group of pushes: those of one push share its contact point.
+struct LeftOut {
+  std::vector<double> radii;  ///< [m]
+  double angles = 0.0;        ///< [rad] sum over all samples, by the model without them
+};
+
+std::optional<LeftOut> leave_out(const SamplesOfPushes& pushes, const FrictionModel& model) {
+  LeftOut result;
+  const std::size_t groups = jackknife_groups(pushes.size());
+  for (std::size_t group = 0; group < groups; ++group) {
+    std::vector<PushSample> with, without;
+    for (std::size_t i = 0; i < pushes.size(); ++i) {
+      std::vector<PushSample>& into = jackknife_group(i, pushes.size()) == group ? with : without;
+      into.insert(into.end(), pushes[i].begin(), pushes[i].end());
+    }
+    const std::optional<Turned> turned = model(without);
+    if (turned) result.radii.push_back(turned->radius);
+    for (const PushSample& sample : with) {
+      result.angles += turned ? turned->angle(sample) : kUnpredicted;
+    }
+  }
+  return result.radii.size() >= 2 ? std::optional(result) : std::nullopt;
+}
+
+/// Whether some samples turn the object clearly.
+bool is_turned(const std::vector<PushSample>& samples) {
+  std::size_t count = 0;
+  for (const PushSample& sample : samples) {
+    const double turn = kTurnLever * std::abs(sample.twist.z());
+    count += turn >= kMinRotationShare * sample.twist.head<2>().norm();
+  }
+  return count >= kMinTurning;
+}
+
+}  // namespace
+
+std::optional<ParameterValue> friction_radius_of(const SamplesOfPushes& pushes,
+                                                 const Support& support, const LimitSurface& shape,
+                                                 const LimitSurfaceFitOptions& options) {
+  const std::vector<PushSample> samples = joined(pushes);
+  if (!is_turned(samples)) return std::nullopt;
+  const FrictionModel models[] = {
+      [&](const std::vector<PushSample>& some) { return turned_by_support(support, shape, some); },
+      [&](const std::vector<PushSample>& some) { return turned_by_surface(options, support.radius(), some); }};
+  std::optional<ParameterValue> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const FrictionModel& model : models) {
+    const std::optional<Turned> turned = model(samples);
+    if (!turned) continue;
+    const std::optional<LeftOut> left_out = leave_out(pushes, model);
+    if (!left_out || left_out->angles >= least) continue;
+    least = left_out->angles;
+    best = {turned->radius,
+            std::hypot(jackknife_std(left_out->radii), kPressureShare * turned->radius)};
+  }
+  return best;
+}
+
+}  // namespace pcavr
