@@ -72,8 +72,7 @@ void add_axes_hypotheses(const Axes& axes, std::vector<PoseHypothesis>& hypothes
   const Eigen::Matrix3d S = axes.matrix;
   const std::string read_as = " their axes read as " + axes.text;
   hypotheses.push_back({"wrong in the axes of their positions, which fit with" + read_as,
-                        "write positions in the frame of the rotations",
-                        [S](const Pose& pose) {
+                        "write positions in the frame of the rotations", [S](const Pose& pose) {
                           return Pose(pose.rotation(), S * pose.translation());
                         }});
   const bool is_left = S.determinant() < 0.0;
@@ -100,9 +99,7 @@ const std::vector<PoseHypothesis>& pose_hypotheses() {
         {"in millimetres", "write positions in metres",
          [](const Pose& pose) { return Pose(pose.rotation(), pose.translation() * 1e-3); }},
         {"inverted in their rotations", "write the rotation of the cloud's frame in the world",
-         [](const Pose& pose) {
-           return Pose(pose.rotation().conjugate(), pose.translation());
-         }},
+         [](const Pose& pose) { return Pose(pose.rotation().conjugate(), pose.translation()); }},
         {"wrong in the order of their quaternions", "write tx ty tz qx qy qz qw",
          [](const Pose& pose) {
            const Eigen::Vector4d q = pose.rotation().coeffs();
@@ -136,6 +133,7 @@ std::vector<double> mean_overlaps(const std::vector<Pose>& T_world_cloud,
       const std::size_t a = pair * step;
       const std::size_t b = a + step;
       std::vector<Pose> T_a_b;
+      T_a_b.reserve(hypotheses.size());
       for (const PoseHypothesis& hypothesis : hypotheses) {
         T_a_b.push_back(hypothesis.meant(T_world_cloud[a]).inverse() *
                         hypothesis.meant(T_world_cloud[b]));
