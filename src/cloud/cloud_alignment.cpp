@@ -68,11 +68,12 @@ CloudAgreement agreement_in(const pcl::KdTreeFLANN<pcl::PointXYZ>& tree_a, const
     if (std::isnan(point.x())) continue;
     ++all;
     const Eigen::Vector3f p = R * point + t;
-    tree_a.nearestKSearch(pcl::PointXYZ(p.x(), p.y(), p.z()), 1, indices, squares);
-    const auto square = static_cast<double>(squares[0]);
-    if (square > tolerance * tolerance) continue;
+    // At most one, the nearest: a search within a radius is much faster where there is none.
+    if (tree_a.radiusSearch(pcl::PointXYZ(p.x(), p.y(), p.z()), tolerance, indices, squares, 1) ==
+        0)
+      continue;
     ++near;
-    sum += square;
+    sum += static_cast<double>(squares[0]);
   }
   if (near == 0) return {};
   return {static_cast<double>(near) / static_cast<double>(all),
@@ -234,13 +235,16 @@ std::vector<Eigen::Vector3f> thinned(const Points& points, double voxel) {
   return result;
 }
 
-CloudAgreement compare_clouds(const Points& points_a, const Points& points_b, const Pose& T_a_b,
-                              double tolerance) {
+std::vector<CloudAgreement> compare_clouds(const Points& points_a, const Points& points_b,
+                                           const std::vector<Pose>& T_a_b, double tolerance) {
+  std::vector<CloudAgreement> agreements(T_a_b.size());
   const PclCloud::Ptr cloud_a = to_pcl(points_a);
-  if (cloud_a->empty()) return {};
+  if (cloud_a->empty()) return agreements;
   pcl::KdTreeFLANN<pcl::PointXYZ> tree;
   tree.setInputCloud(cloud_a);
-  return agreement_in(tree, points_b, T_a_b, tolerance);
+  std::transform(T_a_b.begin(), T_a_b.end(), agreements.begin(),
+                 [&](const Pose& pose) { return agreement_in(tree, points_b, pose, tolerance); });
+  return agreements;
 }
 
 CloudAlignment align_clouds(const std::vector<Points>& clouds, const AlignmentOptions& options,

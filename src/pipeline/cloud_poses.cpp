@@ -3,77 +3,34 @@
 #include "cloud_poses.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
-#include <numeric>
+#include <cstdint>
 #include <set>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 
-#include "pcavr/cloud/cloud_alignment.hpp"
 #include "pcavr/core/median.hpp"
 #include "pcavr/recording/recording.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Overlap of neighbouring clouds by the poses as given that needs no explanation.
-constexpr double kPlausibleOverlap = 0.6;
-/// Below it, poses that no hypothesis explains are doubtful: a sequence shows the same place again.
-constexpr double kDoubtfulOverlap = 0.3;
-/// A hypothesis explains the clouds where they overlap by this much more.
-constexpr double kExplainedOverlap = 0.2;
-constexpr std::size_t kComparedPairs = 8;
+/// Stamps in names and in a list of poses may be rounded differently [ns].
+constexpr std::int64_t kStampRounding = 1'000'000;
 
-Pose mirrored(const Pose& pose, int axis) {
-  Eigen::Matrix4d S = Eigen::Matrix4d::Identity();
-  S(axis, axis) = -1.0;
-  return Pose::from_matrix(S * pose.matrix() * S);
+/// As Trajectory::at, or the pose at the same stamp but for rounding.
+std::optional<Pose> pose_at(const Trajectory& trajectory, Stamp stamp) {
+  if (const std::optional<Pose> pose = trajectory.at(stamp)) return pose;
+  const std::vector<TimedPose>& poses = trajectory.poses();
+  const auto next = std::lower_bound(
+      poses.begin(), poses.end(), stamp.nanoseconds - kStampRounding,
+      [](const TimedPose& pose, std::int64_t at) { return pose.stamp.nanoseconds < at; });
+  if (next == poses.end() || next->stamp.nanoseconds > stamp.nanoseconds + kStampRounding) {
+    return std::nullopt;
+  }
+  return next->pose;
 }
-
-struct PoseHypothesis {
-  const char* name;
-  const char* hint;
-  std::function<Pose(const Pose&)> pose;
-};
-
-const std::array<PoseHypothesis, 5>& pose_hypotheses() {
-  static const std::array<PoseHypothesis, 5> hypotheses{
-      {{"inverted", "write the pose of the cloud's frame in the world, T_world_cloud",
-        [](const Pose& pose) { return pose.inverse(); }},
-       {"in millimetres", "write positions in metres",
-        [](const Pose& pose) { return Pose(pose.rotation(), pose.translation() * 1e-3); }},
-       {"of a left-handed frame, mirrored along x", "write poses of right-handed frames",
-        [](const Pose& pose) { return mirrored(pose, 0); }},
-       {"of a left-handed frame, mirrored along y", "write poses of right-handed frames",
-        [](const Pose& pose) { return mirrored(pose, 1); }},
-       {"of a left-handed frame, mirrored along z", "write poses of right-handed frames",
-        [](const Pose& pose) { return mirrored(pose, 2); }}}};
-  return hypotheses;
-}
-
-/// Mean overlap of pairs of clouds along the sequence, with each pose passed through `change`.
-double mean_overlap(const std::vector<Pose>& T_world_cloud,
-                    const std::vector<std::vector<Eigen::Vector3f>>& clouds, double voxel,
-                    Parallelism parallelism, const std::function<Pose(const Pose&)>& change) {
-  const std::size_t step = compared_cloud_step(clouds.size());
-  std::vector<double> overlaps((clouds.size() - 1) / step);
-  if (overlaps.empty()) return 1.0;
-  parallel_for(parallelism, overlaps.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t pair = begin; pair < end; ++pair) {
-      const std::size_t a = pair * step;
-      const std::size_t b = a + step;
-      const Pose T_a_b = change(T_world_cloud[a]).inverse() * change(T_world_cloud[b]);
-      overlaps[pair] = compare_clouds(clouds[a], clouds[b], T_a_b, voxel).overlap;
-    }
-  });
-  return std::accumulate(overlaps.begin(), overlaps.end(), 0.0) /
-         static_cast<double>(overlaps.size());
-}
-
-std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
 /// The rotation nearest to all [Markley et al. 2007, eq. 12, with equal weights].
 Eigen::Quaterniond mean_rotation(const std::vector<Pose>& poses) {
@@ -107,10 +64,6 @@ Pose fit_base_world(const std::vector<PosePair>& pairs) {
 
 }  // namespace
 
-std::size_t compared_cloud_step(std::size_t clouds) {
-  return std::max<std::size_t>(1, clouds / (kComparedPairs + 1));
-}
-
 Expected<std::vector<Pose>> read_cloud_poses(const std::filesystem::path& file,
                                              const CloudList& list,
                                              const std::vector<std::size_t>& selected) {
@@ -118,7 +71,7 @@ Expected<std::vector<Pose>> read_cloud_poses(const std::filesystem::path& file,
   if (!trajectory) return trajectory.error();
   std::vector<Pose> by_time;
   for (const std::size_t i : selected) {
-    const std::optional<Pose> pose = trajectory->at(list.clouds[i].stamp);
+    const std::optional<Pose> pose = pose_at(*trajectory, list.clouds[i].stamp);
     if (!pose) break;
     by_time.push_back(*pose);
   }
@@ -135,38 +88,6 @@ Expected<std::vector<Pose>> read_cloud_poses(const std::filesystem::path& file,
                  unmatched.file.filename().string() + ", " + format_stamp(unmatched.stamp) + " s",
       .file = file.string(),
       .hint = "write a pose at the stamp of each cloud, or one for each in their order"};
-}
-
-Expected<void> check_cloud_poses(const std::vector<Pose>& T_world_cloud,
-                                 const std::vector<std::vector<Eigen::Vector3f>>& thinned_clouds,
-                                 double voxel, const std::filesystem::path& file,
-                                 Parallelism parallelism, const Observer& observer) {
-  const auto overlap_by = [&](const std::function<Pose(const Pose&)>& change) {
-    return mean_overlap(T_world_cloud, thinned_clouds, voxel, parallelism, change);
-  };
-  const double given = overlap_by([](const Pose& pose) { return pose; });
-  if (given >= kPlausibleOverlap) return {};
-  const PoseHypothesis* best = nullptr;
-  double best_overlap = given + kExplainedOverlap;
-  for (const PoseHypothesis& hypothesis : pose_hypotheses()) {
-    const double overlap = overlap_by(hypothesis.pose);
-    if (overlap < best_overlap) continue;
-    best = &hypothesis;
-    best_overlap = overlap;
-  }
-  if (best == nullptr) {
-    if (given < kDoubtfulOverlap) {
-      observer.on_warning(file.string() +
-                          ": by these poses, clouds that follow each other overlap by " +
-                          percent(given) + " only; if they show one place, check the poses");
-    }
-    return {};
-  }
-  return Error{.message = std::string("the poses are ") + best->name +
-                          ": as given, clouds that follow each other overlap by " + percent(given) +
-                          ", else by " + percent(best_overlap),
-               .file = file.string(),
-               .hint = best->hint};
 }
 
 Expected<TagAnchorCollector> TagAnchorCollector::create(const Manifest& manifest,

@@ -26,17 +26,6 @@ namespace pcavr {
     const std::filesystem::path& file, const CloudList& list,
     const std::vector<std::size_t>& selected);
 
-/// The interval of the clouds that check_cloud_poses compares: 0, this, twice this, ...
-[[nodiscard]] std::size_t compared_cloud_step(std::size_t clouds);
-
-/// An Error for a contradiction between poses and thinned clouds: inverted, in millimetres or of a
-/// left-handed frame. Each such hypothesis is compared with the poses as given, on pairs of clouds
-/// along the sequence. A warning where none explains that the clouds hardly overlap.
-[[nodiscard]] Expected<void> check_cloud_poses(
-    const std::vector<Pose>& T_world_cloud,
-    const std::vector<std::vector<Eigen::Vector3f>>& thinned_clouds, double voxel,
-    const std::filesystem::path& file, Parallelism parallelism, const Observer& observer);
-
 /// T_base_world from base tags that the clouds show.
 struct TagAnchor {
   Pose T_base_world;

@@ -21,6 +21,7 @@
 #include "pcavr/recording/recording_writer.hpp"
 
 #include "cloud_camera.hpp"
+#include "cloud_pose_check.hpp"
 #include "cloud_poses.hpp"
 
 namespace pcavr {

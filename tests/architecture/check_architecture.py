@@ -8,7 +8,7 @@
 - a private header (src/M) is included by its own module only, by its tests (tests/M) and by the
   fuzzers, which feed the parsers of many modules;
 - no two types of a named namespace have the same name, which would violate the one definition rule;
-- every test that docs/papers.md names exists.
+- every test, file, module and function that docs/papers.md names exists.
 
     check_architecture.py [ROOT]         # default: this repository
     check_architecture.py --self-check   # finds each of its planted faults
@@ -26,6 +26,9 @@ HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|
 INCLUDE = re.compile(r'^#include (["<][^">]+[">])', re.MULTILINE)
 COMMENT_OR_TEXT = re.compile(r'//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'')
 NAMED_TEST = re.compile(r"`([A-Z]\w+)\.([A-Z]\w+)`")
+NAMED_PATH = re.compile(r"`([\w.-]+(?:/[\w.-]+)+)`")
+NAMED_SYMBOL = re.compile(r"`([A-Za-z]\w*(?:_\w+|::\w+))`")
+FOLDERS = "apps bench calib demo docs samples scripts src test tests".split()
 SCOPE = re.compile(r"namespace\s*([\w:]*)\s*\{"
                    r"|\b(?:struct|class|enum(?:\s+class)?)\s+(?:\[\[\w+\]\]\s*)?(\w+)(?:\s+final)?"
                    r"\s*(?::(?!:)[^;{(]*)?\{"
@@ -88,20 +91,36 @@ def duplicate_faults(root):
             first.setdefault(name, path)
 
 
-def missing_tests(root):
+def path_exists(root, name):
+    """A path of the repository, or MODULE/FILE without its suffix."""
+    if (root / name).exists():
+        return True
+    return any((root / folder / f"{name}{suffix}").exists()
+               for folder in ("include/pcavr", "src") for suffix in ("", ".hpp", ".cpp"))
+
+
+def missing_of_papers(root):
     papers = root / "docs/papers.md"
     if not papers.exists():
         return
+    text = papers.read_text()
     tests = "".join(path.read_text() for path in sources(root, "tests"))
-    for suite, case in NAMED_TEST.findall(papers.read_text()):
+    for suite, case in NAMED_TEST.findall(text):
         if not re.search(rf"\bTEST\w*\({suite},\s*{case}\)", tests):
             yield f"{papers}: no test {suite}.{case}"
+    for name in NAMED_PATH.findall(text):
+        if name.split("/")[0] in FOLDERS + list(MODULES) and not path_exists(root, name):
+            yield f"{papers}: no file {name}"
+    code = "".join(f"{path.stem}\n{path.read_text()}" for path in sources(root, "include", "src", "apps", "tests"))
+    for name in NAMED_SYMBOL.findall(text):
+        if not re.search(rf"\b{name.split('::')[-1]}\b", code):
+            yield f"{papers}: nothing is called {name}"
 
 
 def faults_of(root):
     found = [fault for path in sources(root, "include", "src", "apps", "bench", "tests")
              for fault in include_faults(root, path)]
-    return found + list(duplicate_faults(root)) + list(missing_tests(root))
+    return found + list(duplicate_faults(root)) + list(missing_of_papers(root))
 
 
 PLANTED = {  # by the fault that must be found: the files that have it
@@ -113,9 +132,12 @@ PLANTED = {  # by the fault that must be found: the files that have it
                                   "src/serve/b.hpp": "namespace pcavr {\nclass Page { };\n}\n"},
     "no test Core.IsMissing": {"docs/papers.md": "`Core.IsMissing`\n",
                                "tests/core/a_test.cpp": "TEST(Core, IsThere) {}\n"},
+    "no file core/lost": {"docs/papers.md": "`core/lost`\n", "src/core/found.cpp": ""},
+    "no file bench/lost.py": {"docs/papers.md": "`bench/lost.py`\n"},
+    "nothing is called lost_and_found": {"docs/papers.md": "`lost_and_found`\n"},
 }
 PLAIN = {
-    "docs/papers.md": "as `Core.IsTested` and `teleop.switch` show\n",
+    "docs/papers.md": "as `Core.IsTested`, `teleop.switch`, `core/b`, `tests/core`, `link/2.0-x y` and `A::B` show\n",
     "tests/core/c_test.cpp": "TEST_F(Core, IsTested) {}\n",
     "include/pcavr/core/a.hpp": "namespace pcavr {\nclass A { class B; };\n}\n",
     "src/core/b.hpp": "namespace pcavr {\nnamespace {\nstruct Local {};\n}\nclass A::B { };\n}\n",

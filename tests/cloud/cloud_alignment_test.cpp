@@ -95,7 +95,7 @@ TEST(CloudAlignment, CloudsOfOtherPlacesFail) {
 TEST(CloudAlignment, AgreementIsTheShareOfNearPoints) {
   const Points a = {{0, 0, 1}, {1, 0, 1}, {2, 0, 1}, {3, 0, 1}};
   const Points b = {{0, 0.01F, 1}, {1, 0.01F, 1}, {2, 0.5F, 1}, {3, 0.5F, 1}};
-  const CloudAgreement agreement = compare_clouds(a, b, Pose(), 0.05);
+  const CloudAgreement agreement = compare_clouds(a, b, {Pose()}, 0.05).at(0);
   EXPECT_DOUBLE_EQ(agreement.overlap, 0.5);
   EXPECT_NEAR(agreement.rms, 0.01, 1e-6);
 }

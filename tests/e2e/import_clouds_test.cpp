@@ -231,7 +231,40 @@ TEST_F(ImportClouds, PosesOfALeftHandedFrame) {
         return Pose::from_matrix(S * Pose(pose).matrix() * S);
       },
       kClouds);
-  expect_refused({"--poses", poses().string()}, "left-handed frame, mirrored along y");
+  expect_refused({"--poses", poses().string()},
+                 "left-handed frame; they fit with their axes read as (x, -y, z)");
+}
+
+TEST_F(ImportClouds, PosesWithMirroredOrSwappedPositions) {
+  const auto write_positions = [&](const Eigen::Matrix3d& S) {
+    write_poses([&](const Pose& pose) { return Pose(pose.rotation(), S * pose.translation()); },
+                kClouds);
+  };
+  const Eigen::Vector3d signs(1.0, -1.0, 1.0);
+  write_positions(signs.asDiagonal());
+  expect_refused({"--poses", poses().string()},
+                 "the axes of their positions, which fit with their axes read as (x, -y, z)");
+  Eigen::Matrix3d swapped = Eigen::Matrix3d::Zero();
+  swapped(0, 0) = swapped(1, 2) = swapped(2, 1) = 1.0;
+  write_positions(swapped);
+  expect_refused({"--poses", poses().string()},
+                 "the axes of their positions, which fit with their axes read as (x, z, y)");
+}
+
+TEST_F(ImportClouds, PosesWithInvertedRotations) {
+  write_poses(
+      [](const Pose& pose) { return Pose(pose.rotation().conjugate(), pose.translation()); },
+      kClouds);
+  expect_refused({"--poses", poses().string()}, "the poses are inverted in their rotations");
+}
+
+TEST_F(ImportClouds, StampsOfPosesMayBeRounded) {
+  Trajectory trajectory;
+  for (int i = 0; i < kClouds; ++i) {
+    trajectory.append(Stamp{(100 + i) * 1'000'000'000LL + 499'999'000}, camera_pose(i));
+  }
+  ASSERT_TRUE(write_file(poses(), format_trajectory(trajectory)));
+  EXPECT_EQ(import({"--poses", poses().string()})["frames"], kClouds);
 }
 
 TEST_F(ImportClouds, PosesThatNothingExplainsAreDoubted) {

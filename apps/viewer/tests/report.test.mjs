@@ -193,6 +193,25 @@ test('a table is saved as it is shown', limit, async () => {
   assert.equal(text.split('\r\n')[1], 't1,box_1,contact,2.000,-');
 });
 
+test('long headings of numbers wrap before a table is cut', limit, async () => {
+  const names = [
+    'until the first peak is predicted within 10 % (ms)',
+    'mean force error, tip at rest (%)',
+  ];
+  const headline = {
+    ...sample.headline,
+    columns: ['method', ...names, ...names],
+    rows: [['BSLS', '104', '9.90', '106', '5.72']],
+  };
+  const wide = writeReport({ ...sample, headline });
+  const { page } = await open(wide.url);
+  await page.setViewportSize({ width: 1000, height: 900 });
+  const box = page.locator('.headline .scroll');
+  const [own, shown] = await box.evaluate((e) => [e.scrollWidth, e.clientWidth]);
+  assert.ok(own <= shown, `${own} px in ${shown}`);
+  wide.remove();
+});
+
 test('the contents lead to the sections', limit, async () => {
   const long = {
     ...sample,

@@ -23,10 +23,11 @@ struct CloudAgreement {
   double overlap = 0.0;  ///< share of b's points with one of a within the tolerance
   double rms = 0.0;      ///< distance of these [m]
 };
-/// `tolerance` in metres. O(n log n).
-[[nodiscard]] CloudAgreement compare_clouds(const std::vector<Eigen::Vector3f>& points_a,
-                                            const std::vector<Eigen::Vector3f>& points_b,
-                                            const Pose& T_a_b, double tolerance);
+/// The agreement by each of several poses of b in a. `tolerance` in metres. O((n_a + m n_b) log
+/// n_a) for m poses.
+[[nodiscard]] std::vector<CloudAgreement> compare_clouds(
+    const std::vector<Eigen::Vector3f>& points_a, const std::vector<Eigen::Vector3f>& points_b,
+    const std::vector<Pose>& T_a_b, double tolerance);
 
 struct AlignmentOptions {
   double voxel = 0.02;  ///< spacing of the points [m], > 0
