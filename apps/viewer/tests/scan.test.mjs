@@ -17,7 +17,6 @@ const maxDepth = 0.002; // [m] of a scan point inside a body; this scan has no n
 const cup = { radius: 0.04, height: 0.1 }; // [m]
 const gap = 0.06; // [m] between box and cup
 
-let box; // the pushed one at its start
 let half; // its half edges [m]
 let scan; // vertices of the scanned cup [m]
 const stage = setStage({
@@ -33,8 +32,8 @@ const stage = setStage({
   },
 });
 
-/// Pushes the box at `speed` [m/s] towards the cup, `offset` [m] beside its middle, until the hand is 0.1 m past where the
-/// box meets the cup. `whileHeld` runs with the hand there. Returns what the states showed: the depth of the
+/// Pushes the box at `speed` [m/s] towards the cup, `offset` [m] beside its middle, until the hand is 0.1 m past
+/// where the box meets the cup. `whileHeld` runs with the hand there. Returns what the states showed: the depth of the
 /// deepest scan point [m], how far the box moved [m], and if it was said to be held.
 async function push(speed, offset, whileHeld = async () => {}) {
   const live = new Live(stage.server.url);
