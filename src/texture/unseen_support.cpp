@@ -12,6 +12,7 @@
 #include "pcavr/geometry/pixel.hpp"
 #include "pcavr/model/cad_model.hpp"
 
+#include "continue_grain.hpp"
 #include "fill_gaps.hpp"
 
 namespace pcavr {
@@ -138,10 +139,12 @@ class AreaGrid {
       }
     }
     if (!has_unseen) return;
-    fill_gaps(colors, unmixed(is_plane));
+    const MaskImage is_known = unmixed(is_plane);
+    fill_gaps(colors, is_known);
     for (int i = 0; i < kGap; ++i) is_unseen = grown_into(is_unseen, is_gap);
     // A point counts as on the scan up to half a square beyond the scan's edge.
     is_unseen = grown_into(is_unseen, is_on_scan);
+    continue_grain(colors, is_known, is_unseen);
     append_squares(is_unseen, colors, result);
   }
 

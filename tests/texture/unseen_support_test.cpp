@@ -66,6 +66,28 @@ TEST(UnseenSupport, FillsWhatOnlyDynamicPixelsHid) {
   }
 }
 
+// Stripes of 4 cm along y: the filled hole has them, in step with those around it.
+TEST(UnseenSupport, ContinuesTheGrainOfThePlane) {
+  const auto gray_at = [](float x) { return 110.0F + 40.0F * std::sin(50.0F * float(M_PI) * x); };
+  TriangleMesh table = a_table_with_holes();
+  for (std::size_t i = 0; i < table.vertices.size(); ++i) {
+    const auto gray = static_cast<std::uint8_t>(gray_at(table.vertices[i].x()));
+    table.colors[i] = {gray, gray, gray};
+  }
+  const TriangleMesh found =
+      find_unseen_support({the_area()}, table, the_views(false), test::wall_camera(), 0.005);
+  ASSERT_FALSE(found.triangles.empty());
+  double products = 0.0;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < found.vertices.size(); ++i) {
+    const double truth = static_cast<double>(gray_at(found.vertices[i].x())) - 110.0;
+    products += truth * (found.colors[i].g - 110.0);
+    squares += truth * truth;
+  }
+  // Of the stripes' contrast; smooth colours have none.
+  EXPECT_GT(products / squares, 0.6);
+}
+
 // A green wall stands on the table beside the hole; the colours at its foot are mixed.
 TEST(UnseenSupport, DoesNotContinueTheColourOfWhatStandsOnThePlane) {
   const float foot = static_cast<float>(kHole) + 0.004F;

@@ -23,18 +23,6 @@ const run = (...args) =>
     }),
   );
 
-/// Moves the tool's tip in steps of 4 ms.
-async function move(live, from, to, seconds) {
-  const steps = Math.round(seconds / 0.004);
-  for (let i = 1; i <= steps; ++i) {
-    live.tool(
-      from.map((value, k) => value + ((to[k] - value) * i) / steps),
-      true,
-    );
-    await new Promise((resolve) => setTimeout(resolve, 4));
-  }
-}
-
 /// Pushes the first box by its side towards +y, and returns how far it moved [m].
 async function pushABox(url) {
   const live = new Live(url);
@@ -43,10 +31,10 @@ async function pushABox(url) {
   const high = live.state.hip;
   const beside = [x, y - 0.2, z];
   live.command(4); // take
-  await move(live, high, [beside[0], beside[1], high[2]], 1);
-  await move(live, [beside[0], beside[1], high[2]], beside, 1);
-  await move(live, beside, [x, y, z], 4);
-  await move(live, [x, y, z], beside, 1);
+  await live.moveTool(high, [beside[0], beside[1], high[2]], 1);
+  await live.moveTool([beside[0], beside[1], high[2]], beside, 1);
+  await live.moveTool(beside, [x, y, z], 4);
+  await live.moveTool([x, y, z], beside, 1);
   const moved = live.state.objects[0].position[1] - y;
   live.close();
   return moved;

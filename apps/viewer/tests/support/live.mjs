@@ -14,6 +14,7 @@ export class Live {
   welcome = null;
   notices = [];
   isClosed = false;
+  onState = () => {};
 
   constructor(url, { protocol = 1, headers = {} } = {}) {
     this.socket = new WebSocket(`${url.replace(/^http/, 'ws')}live`, {
@@ -43,6 +44,18 @@ export class Live {
     this.send(types.tool, body);
   }
 
+  /// Moves the tool's tip with the clutch closed, in steps of 4 ms.
+  async moveTool(from, to, seconds) {
+    const steps = Math.round(seconds / 0.004);
+    for (let i = 1; i <= steps; ++i) {
+      this.tool(
+        from.map((value, k) => value + ((to[k] - value) * i) / steps),
+        true,
+      );
+      await new Promise((resolve) => setTimeout(resolve, 4));
+    }
+  }
+
   command(number) {
     const body = Buffer.alloc(4);
     body.writeUInt32LE(number);
@@ -68,7 +81,10 @@ export class Live {
 
   receive(bytes) {
     const body = bytes.subarray(headerBytes);
-    if (bytes[5] === types.state) this.state = decodeState(body);
+    if (bytes[5] === types.state) {
+      this.state = decodeState(body);
+      this.onState(this.state);
+    }
     if (bytes[5] === types.welcome) this.welcome = JSON.parse(body);
     if (bytes[5] === types.notice) this.notices.push(JSON.parse(body));
   }
@@ -86,6 +102,8 @@ function decodeState(body) {
       force: floats(at + 28, 3),
       phase: body[at + 40],
       isOutside: (body[at + 41] & 1) !== 0,
+      isBlocked: (body[at + 41] & 2) !== 0,
+      isSaturated: (body[at + 41] & 4) !== 0,
       speed: body.readFloatLE(at + 44),
     });
   }
