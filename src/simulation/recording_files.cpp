@@ -58,9 +58,9 @@ std::string format_phases(const PlantCase& plant, const PlantRun& run) {
 std::string format_impacts(const PlantCase& plant, const PlantRun& run) {
   std::string text = "t,object,duration,approach_speed,restitution\n";
   for (const PlantImpact& impact : run.impacts) {
-    text += fmt::format("{:.6f},{},{:.6f},{:.6f},{:.6f}\n", impact.t,
-                        plant.bodies[impact.body].name, impact.duration, impact.approach_speed,
-                        impact.restitution);
+    text +=
+        fmt::format("{:.6f},{},{:.6f},{:.6f},{:.6f}\n", impact.t, plant.bodies[impact.body].name,
+                    impact.duration, impact.approach_speed, impact.restitution);
   }
   return text;
 }
@@ -155,9 +155,8 @@ Expected<void> write_truth(const fs::path& folder, const Truth& truth) {
   if (!written) return written;
   if (truth.world.has_tool) return write_plant_truth(folder / "truth", truth.plant, truth.run);
   for (std::size_t i = 0; i < truth.world.boxes.size() && written; ++i) {
-    written =
-        write_object(folder / "truth", truth.world.bodies[1 + i].name,
-                     resting_trajectory(truth.world.boxes[i].T_base_object, truth.frames));
+    written = write_object(folder / "truth", truth.world.bodies[1 + i].name,
+                           resting_trajectory(truth.world.boxes[i].T_base_object, truth.frames));
   }
   return written;
 }
