@@ -31,8 +31,11 @@ TEST(RecordedOperator, LeadsARobotThatFollowsToItsBegin) {
   const std::size_t first = 301;  // the link took until then
   EXPECT_LT(((*person)->p_base_start(first, &robot) - Eigen::Vector3d(0.3, 0.0, 0.1)).norm(), 1e-6);
   const std::size_t total = *(*person)->cycles();
-  EXPECT_NEAR(static_cast<double>(total - recorded - first + 1) * options.predictor.step, 2.3, 0.01);
-  const auto x_at = [&](std::size_t cycle) { return (*person)->p_base_start(cycle + 1, &robot).x(); };
+  EXPECT_NEAR(static_cast<double>(total - recorded - first + 1) * options.predictor.step, 2.3,
+              0.01);
+  const auto x_at = [&](std::size_t cycle) {
+    return (*person)->p_base_start(cycle + 1, &robot).x();
+  };
   double fastest = 0.0;
   for (std::size_t i = first; i + 1 < total - recorded; ++i) {
     fastest = std::max(fastest, (x_at(i + 1) - x_at(i)) / options.predictor.step);
