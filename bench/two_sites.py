@@ -4,7 +4,8 @@
 """Paper C's system run through the two programs, over a good and over a bad link.
 
     bench/two_sites.py RECORDING --scene SCENE --pcavr build/test/apps/pcavr/pcavr
-                       [--tracked RUN] [--parameters FILE] [--work out/two_sites] [--seed 1]
+                       [--tracked RUN | --plant CASE --plant-seed N] [--parameters FILE]
+                       [--work out/two_sites] [--seed 1]
 
 RECORDING, which has a truth/, goes through robot-site and operator-site in real time: 200 ms each
 way, then the same with 20 % loss in bursts of 3, 50 ms jitter, 5 % reordered, 5 % twice. The robot
@@ -19,6 +20,9 @@ As in paper C the parameters come from before the run, by presses and repeated p
 boxes: `simulate paper --no-images`, `identify contact`, `identify friction`. One push alone gives a
 limiting friction that is some 20 % off, and t2 is then found when the correction arrives.
 
+--plant has the simulated plant of that case in place of the recording at the robot's site: it
+follows the commands, which are the motion of the recording's tool; its own truth is compared with.
+
 --wrong-start gives both sites twice the mass, half the friction, and objects 10 mm off; then the
 corrections of each object until its error is below 3 mm for good are printed, too (aim: 2), and the
 parameters are needed. Needs only python3.
@@ -28,6 +32,7 @@ import json
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 
 from command import run
@@ -62,30 +67,39 @@ def start_wrong(arguments):
     arguments.parameters.write_text(parameters)
 
 
+def robot_source(arguments, truth):
+    """The words that choose the robot of the robot's site."""
+    if arguments.plant:
+        return ["--plant", arguments.plant, "--seed", arguments.plant_seed, "--plant-truth", truth]
+    return ["--recording", arguments.recording,
+            *(["--tracked", arguments.tracked] if arguments.tracked else [])]
+
+
 def live_report(arguments, label, link):
     """What `evaluate` says of one session, and the reports of both programs."""
     folder = arguments.work / label
     folder.mkdir(parents=True, exist_ok=True)
+    truth = folder / "truth" if arguments.plant else arguments.recording / "truth"
     log = folder / "robot.mcap"
     log.unlink(missing_ok=True)
     # Time enough for a connection over a bad link before the recording begins.
     config = folder / "robot.yaml"
     config.write_text("robot_site:\n  start_delay: 4\n")
     known = ["--parameters", arguments.parameters] if arguments.parameters else []
-    tracked = ["--tracked", arguments.tracked] if arguments.tracked else []
     robot = subprocess.Popen(
-        [str(word) for word in [arguments.pcavr, "robot-site", arguments.scene, "--recording",
-                                arguments.recording, *tracked, *known, "--port", 0, "--log", log,
+        [str(word) for word in [arguments.pcavr, "robot-site", arguments.scene,
+                                *robot_source(arguments, truth), *known, "--port", 0, "--log", log,
                                 "--config", config, "--json"]], stdout=subprocess.PIPE, text=True)
     try:
         port = json.loads(robot.stdout.readline())["port"]
         person = run(arguments.pcavr, "operator-site", arguments.scene, "--trace",
                      arguments.recording, *known, "--port", port, "--seed", arguments.seed, *link)
+        if arguments.plant:  # which has no end of its own
+            robot.send_signal(signal.SIGINT)
         robot_report = json.loads(robot.communicate(timeout=60)[0])
     finally:
         robot.kill()
     run(arguments.pcavr, "replay", log, "--scene", arguments.scene, "-o", folder / "run", "--force")
-    truth = arguments.recording / "truth"
     report = run(arguments.pcavr, "evaluate", folder / "run", "--truth", truth, "-o",
                  folder / "report", "--force")
     report["share_of_delayed"] = share_of_delayed(folder / "run", truth, ROUND_TRIP)
@@ -137,7 +151,10 @@ def main():
     parser.add_argument("recording", type=pathlib.Path)
     parser.add_argument("--scene", required=True)
     parser.add_argument("--pcavr", required=True)
-    parser.add_argument("--tracked")
+    robot = parser.add_mutually_exclusive_group()
+    robot.add_argument("--tracked")
+    robot.add_argument("--plant")
+    parser.add_argument("--plant-seed", type=int, default=1)
     parser.add_argument("--parameters")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/two_sites"))
     parser.add_argument("--seed", type=int, default=1)

@@ -28,6 +28,7 @@ struct RobotSiteArguments {
   std::string authorized;
   std::string plant;   ///< a case of pcavr simulate
   std::string ros2;    ///< a setup of ROS 2 topics
+  std::string truth;   ///< folder for what the plant did
   std::string plugin;  ///< FILE.so or FILE.so,OPTIONS
   std::uint64_t seed = 1;
   bool without_corrections = false;
@@ -107,6 +108,7 @@ void announce(const LinkServer& server, const RobotInterface& robot,
 struct RobotSource {
   std::unique_ptr<TeleopInput> input;
   std::unique_ptr<RobotInterface> robot;
+  const PlantRobot* plant = nullptr;  ///< the robot, if its truth is kept
 };
 
 Expected<RobotSource> read_recorded(const RobotSiteArguments& arguments, const SceneManifest& scene,
@@ -176,10 +178,15 @@ Expected<RobotSource> simulate_robot(const RobotSiteArguments& arguments,
   Expected<TeleopInput> world = read_teleop_world(scene, options, observer);
   if (!world) return world.error();
   auto input = std::make_unique<TeleopInput>(std::move(*world));
-  Expected<std::unique_ptr<RobotInterface>> robot =
+  Expected<std::unique_ptr<PlantRobot>> robot =
       make_plant_robot(chosen->task, arguments.seed, *input, options.teleop.pose.tracking_latency);
   if (!robot) return robot.error();
-  return RobotSource{std::move(input), std::move(*robot)};
+  const PlantRobot* plant = nullptr;
+  if (!arguments.truth.empty()) {
+    (*robot)->keep_truth();
+    plant = robot->get();
+  }
+  return RobotSource{std::move(input), std::move(*robot), plant};
 }
 
 Expected<RobotSource> read_robot(const RobotSiteArguments& arguments, const SceneManifest& scene,
@@ -219,6 +226,10 @@ Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
       run_robot_site(*server, *robot, *site, site_scene, configuration.robot_site, observer, stop,
                      black_box->get());
   if (!report) return report.error();
+  if (source->plant != nullptr) {
+    const Expected<void> written = source->plant->write_truth(arguments.truth);
+    if (!written) return written.error();
+  }
   CommandResult result = describe_robot_site(*report);
   close_black_box(black_box->get(), arguments.site.log, observer, result);
   return result;
@@ -249,13 +260,18 @@ void add_robot_site(CLI::App& app, Configuration& configuration, Action& action)
                        "FILE.so,OPTIONS")
           ->excludes(recording)
           ->excludes(ros2);
+  CLI::Option* plant =
+      command
+          ->add_option("--plant", arguments->plant,
+                       "Simulate a robot in real time that follows the commands: the case of pcavr "
+                       "simulate that the scene was made from")
+          ->excludes(recording)
+          ->excludes(ros2)
+          ->excludes(plugin);
   command
-      ->add_option("--plant", arguments->plant,
-                   "Simulate a robot in real time that follows the commands: the case of pcavr "
-                   "simulate that the scene was made from")
-      ->excludes(recording)
-      ->excludes(ros2)
-      ->excludes(plugin);
+      ->add_option("--plant-truth", arguments->truth,
+                   "Write what the plant truly did to this folder at the end, for evaluate --truth")
+      ->needs(plant);
   add_seed(*command, arguments->seed, "Seed of the plant, as given to pcavr simulate")
       ->capture_default_str();
   command->add_option("--tracked", arguments->site.tracked,

@@ -24,6 +24,11 @@ constexpr auto kLimitFields = std::to_array<OptionField<MotionLimits>>({
     {"max_step", &MotionLimits::max_step, 0.02, 1e-4, 1.0, "m",
      "maximum distance of the command ahead of the tool, along each axis",
      "lower: fast motion is cut; higher: a jump of the command becomes a long motion"},
+    {"max_overshoot", &MotionLimits::max_overshoot, 0.001, 0.0, 0.1, "m",
+     "by which the tool may pass a command that stops at once, along each axis; the default lets "
+     "it "
+     "follow a push of 0.1 m/s without a lag",
+     "lower: the tool lags behind a hand that moves steadily; higher: it presses deeper at a stop"},
     {"max_force", &MotionLimits::max_force, 60.0, 0.1, 1e4, "N",
      "force above which the tool does not press on",
      "lower: heavy objects can't be pushed; higher: damage of tool or object"},
@@ -86,29 +91,47 @@ MotionLimiter::MotionLimiter(const MotionLimits& limits, const Eigen::Vector3d& 
   PCAVR_REQUIRE(!check_workspace(limits));
 }
 
+/// The target's own, as far as the tool may overshoot it, and besides that what brings the tool to
+/// it such that it can brake.
+Eigen::Vector3d MotionLimiter::velocity_to(const Eigen::Vector3d& p_base, double dt) {
+  const auto brake = [&](double distance) {
+    return braking_speed(std::abs(distance), limits_.max_acceleration, dt);
+  };
+  const double steady = brake(limits_.max_overshoot);
+  const Eigen::Vector3d v_target = (p_base - last_target_.value_or(p_base)) / dt;
+  Eigen::Vector3d wanted;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double ahead =
+        std::clamp(p_base[axis] - p_base_[axis], -limits_.max_step, limits_.max_step);
+    if (ahead != p_base[axis] - p_base_[axis]) note(LinkLimit::step);
+    const double v_steady = std::clamp(v_target[axis], -steady, steady);
+    const double behind = ahead - v_steady * dt;
+    const double gain = std::min(std::abs(behind) / dt, brake(behind));
+    const double fastest =
+        brake(std::min(std::abs(ahead) + limits_.max_overshoot, limits_.max_step));
+    const double v = std::clamp(v_steady + std::copysign(gain, behind), -fastest, fastest);
+    if (std::abs(v) > limits_.max_speed) note(LinkLimit::speed);
+    wanted[axis] = std::clamp(v, -limits_.max_speed, limits_.max_speed);
+  }
+  return wanted;
+}
+
 const Eigen::Vector3d& MotionLimiter::step(const std::optional<Eigen::Vector3d>& command,
                                            const Eigen::Vector3d& force_base, double dt) {
   active_ = 0;
-  const auto note = [this](LinkLimit limit) { active_ |= static_cast<std::uint32_t>(limit); };
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();  // velocity
   if (command && command->allFinite()) {
     Eigen::Vector3d target =
         command->cwiseMax(limits_.workspace_min()).cwiseMin(limits_.workspace_max());
     if (target != *command) note(LinkLimit::workspace);
-    Eigen::Vector3d ahead = target - p_base_;
-    if (ahead.cwiseAbs().maxCoeff() > limits_.max_step) note(LinkLimit::step);
-    ahead = ahead.cwiseMax(-limits_.max_step).cwiseMin(limits_.max_step);
-    for (int axis = 0; axis < 3; ++axis) {
-      const double brake = braking_speed(std::abs(ahead[axis]), limits_.max_acceleration, dt);
-      const double speed = std::min(std::abs(ahead[axis]) / dt, brake);
-      if (speed > limits_.max_speed) note(LinkLimit::speed);
-      wanted[axis] = std::copysign(std::min(speed, limits_.max_speed), ahead[axis]);
-    }
+    wanted = velocity_to(target, dt);
+    last_target_ = target;
     if (!(force_base.norm() <= limits_.max_force)) {
       note(LinkLimit::force);
       wanted = without_pressing(wanted, force_base);
     }
   }
+  if (!command || !command->allFinite()) last_target_.reset();
   for (int axis = 0; axis < 3; ++axis) {
     const double change = limits_.max_acceleration * dt;
     double v = std::clamp(wanted[axis], v_base_[axis] - change, v_base_[axis] + change);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pcavr/simulation/live_plant.hpp"
+#include "pcavr/simulation/plant_truth.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,11 +19,12 @@ namespace {
 // Of the plant's time that one call catches up with [s]; more is skipped: this process did not run.
 constexpr double kMaxCatchUp = 0.05;
 
-class PlantRobot final : public RobotInterface {
+class LivePlantRobot final : public PlantRobot {
  public:
-  PlantRobot(const PlantCase& plant, std::uint64_t seed, std::vector<std::size_t> objects,
-             double tracking_latency)
-      : plant_(plant, seed),
+  LivePlantRobot(const PlantCase& plant, std::uint64_t seed, std::vector<std::size_t> objects,
+                 double tracking_latency)
+      : case_(plant),
+        plant_(plant, seed),
         objects_(std::move(objects)),
         tracking_latency_(tracking_latency),
         start_(plant.tool.p_base_start),
@@ -36,7 +38,7 @@ class PlantRobot final : public RobotInterface {
   }
 
   void advance(double t, RobotSamples& samples) override {
-    if (t - now() > kMaxCatchUp) skipped_ += t - now() - LivePlant::kStep;
+    if (t - now() > kMaxCatchUp) skip(t - now() - LivePlant::kStep);
     const auto steps = static_cast<int>(std::floor((t - now()) / LivePlant::kStep + 1e-6));
     const Eigen::Vector3d from = last_command_.value_or(p_base_command_);
     measured_.clear();
@@ -49,8 +51,19 @@ class PlantRobot final : public RobotInterface {
     deliver_tracking(t, samples);
   }
 
+  void keep_truth() override { plant_.keep_run(); }
+  [[nodiscard]] Expected<void> write_truth(const std::filesystem::path& folder) const override {
+    return write_plant_truth(folder, case_, plant_.run());
+  }
+
  private:
   [[nodiscard]] double now() const { return plant_.t() + skipped_; }
+
+  void skip(double duration) {
+    const auto steps = static_cast<long long>(duration / LivePlant::kStep);
+    plant_.skip(steps);
+    skipped_ += LivePlant::kStep * static_cast<double>(steps);
+  }
 
   void append(RobotSamples& samples) {
     for (const LivePlantSamples::Tool& tool : measured_.tool) {
@@ -74,6 +87,7 @@ class PlantRobot final : public RobotInterface {
     }
   }
 
+  PlantCase case_;
   LivePlant plant_;
   std::vector<std::size_t> objects_;  ///< of the world, by the plant's body
   double tracking_latency_;           ///< [s]
@@ -101,9 +115,9 @@ Error other_objects(const std::string& name, const char* where) {
 
 }  // namespace
 
-Expected<std::unique_ptr<RobotInterface>> make_plant_robot(ToolTask task, std::uint64_t seed,
-                                                           const TeleopInput& world,
-                                                           double tracking_latency) {
+Expected<std::unique_ptr<PlantRobot>> make_plant_robot(ToolTask task, std::uint64_t seed,
+                                                       const TeleopInput& world,
+                                                       double tracking_latency) {
   PlantCase plant = make_plant_case(task, seed);
   std::vector<std::size_t> objects;
   for (PlantBody& body : plant.bodies) {
@@ -121,8 +135,8 @@ Expected<std::unique_ptr<RobotInterface>> make_plant_robot(ToolTask task, std::u
                     [&](const PlantBody& body) { return body.name == object.name; });
     if (!is_known) return other_objects(object.name, "the plant");
   }
-  return std::unique_ptr<RobotInterface>(
-      std::make_unique<PlantRobot>(plant, seed, std::move(objects), tracking_latency));
+  return std::unique_ptr<PlantRobot>(
+      std::make_unique<LivePlantRobot>(plant, seed, std::move(objects), tracking_latency));
 }
 
 }  // namespace pcavr

@@ -10,6 +10,7 @@
 #include "pcavr/core/check.hpp"
 
 #include "simulation/plant_dynamics.hpp"
+#include "simulation/plant_phases.hpp"
 #include "simulation/sensor_streams.hpp"
 
 namespace pcavr {
@@ -108,6 +109,15 @@ struct LivePlant::Content {
     }
   }
 
+  void keep_state() {
+    const double t = kStep * static_cast<double>(run.p_base_tip.size());
+    run.p_base_tip.push_back(arm.tip().p_base);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      run.bodies[i].push_back(bodies[i].dynamics.state());
+      phases[i].add(t, bodies[i].dynamics.phase_inputs());
+    }
+  }
+
   [[nodiscard]] double time() const { return kStep * static_cast<double>(steps); }
 
   int substeps;
@@ -119,6 +129,8 @@ struct LivePlant::Content {
   std::optional<Wrench> first_half = {};  ///< of a wrench sample
   long long steps = 0;
   long long frames = 0;
+  PlantRun run;
+  std::vector<PhaseRecorder> phases;  ///< by body, while the run is kept
 };
 
 LivePlant::LivePlant(const PlantCase& plant, std::uint64_t seed)
@@ -129,12 +141,32 @@ LivePlant::~LivePlant() = default;
 
 void LivePlant::step(const Eigen::Vector3d& p_base_command, LivePlantSamples& samples) {
   Content& c = *content_;
+  if (!c.phases.empty()) c.keep_state();
   c.measure_tool(samples);
   c.track(samples);
   const Content::Wrench mean =
       c.advance(p_base_command.allFinite() ? p_base_command : c.p_base_command);
   ++c.steps;
   c.measure_wrench(mean, samples);
+}
+
+void LivePlant::skip(long long steps) {
+  if (content_->phases.empty()) return;
+  for (long long i = 0; i < steps; ++i) content_->keep_state();
+}
+
+void LivePlant::keep_run() {
+  Content& c = *content_;
+  c.run = {};
+  c.run.bodies.resize(c.bodies.size());
+  c.phases.clear();
+  for (std::size_t i = 0; i < c.bodies.size(); ++i) c.phases.emplace_back(i);
+}
+
+PlantRun LivePlant::run() const {
+  PlantRun run = content_->run;
+  run.phases = merge_by_time(content_->phases);
+  return run;
 }
 
 double LivePlant::t() const { return content_->time(); }

@@ -13,9 +13,11 @@
 #include "pcavr/object/parameters_file.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/simulation/plant_truth.hpp"
+
+namespace fs = std::filesystem;
 
 namespace pcavr::simulation {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kPhaseNames[] = {"free", "static", "critical", "sliding"};
@@ -43,22 +45,22 @@ std::string format_ply(const TriangleMesh& mesh) {
   return std::move(text).str();
 }
 
-std::string format_phases(const Truth& truth) {
+std::string format_phases(const PlantCase& plant, const PlantRun& run) {
   std::ostringstream text;
   text << "t,object,phase\n" << std::fixed << std::setprecision(6);
-  for (const PlantPhaseChange& change : truth.run.phases) {
-    text << change.t << ',' << truth.plant.bodies[change.body].name << ','
+  for (const PlantPhaseChange& change : run.phases) {
+    text << change.t << ',' << plant.bodies[change.body].name << ','
          << kPhaseNames[static_cast<int>(change.phase)] << '\n';
   }
   return std::move(text).str();
 }
 
-std::string format_impacts(const Truth& truth) {
+std::string format_impacts(const PlantCase& plant, const PlantRun& run) {
   std::string text = "t,object,duration,approach_speed,restitution\n";
-  for (const PlantImpact& impact : truth.run.impacts) {
-    text += fmt::format("{:.6f},{},{:.6f},{:.6f},{:.6f}\n", impact.t,
-                        truth.plant.bodies[impact.body].name, impact.duration,
-                        impact.approach_speed, impact.restitution);
+  for (const PlantImpact& impact : run.impacts) {
+    text +=
+        fmt::format("{:.6f},{},{:.6f},{:.6f},{:.6f}\n", impact.t, plant.bodies[impact.body].name,
+                    impact.duration, impact.approach_speed, impact.restitution);
   }
   return text;
 }
@@ -81,21 +83,25 @@ ParameterTable parameter_table(const std::vector<PlantBody>& bodies) {
   return table;
 }
 
-Trajectory object_trajectory(const Truth& truth, std::size_t box) {
+Trajectory moved_trajectory(const PlantRun& run, const PlantBody& body, std::size_t index) {
   Trajectory T_base_object;
-  if (!truth.world.has_tool) {
-    for (const Stamp stamp : truth.frames) {
-      T_base_object.append(stamp, truth.world.boxes[box].T_base_object);
-    }
-    return T_base_object;
-  }
-  const auto count = static_cast<int>(std::ceil(truth.run.duration() * 100.0));
+  const auto count = static_cast<int>(std::ceil(run.duration() * 100.0));
   for (int i = 0; i <= count; ++i) {
     const Stamp stamp = Stamp::from_seconds(0.01 * i);
-    T_base_object.append(
-        stamp, T_base_object_at(truth.run, truth.plant.bodies[box], box, stamp.seconds()));
+    T_base_object.append(stamp, T_base_object_at(run, body, index, stamp.seconds()));
   }
   return T_base_object;
+}
+
+Trajectory resting_trajectory(const Pose& T_base_object, const std::vector<Stamp>& frames) {
+  Trajectory poses;
+  for (const Stamp stamp : frames) poses.append(stamp, T_base_object);
+  return poses;
+}
+
+Expected<void> write_object(const fs::path& folder, const std::string& name,
+                            const Trajectory& T_base_object) {
+  return write_file(folder / "objects" / (name + ".txt"), format_trajectory(T_base_object));
 }
 
 std::string format_tracking(const std::vector<SimulatedMeasurement>& measurements) {
@@ -142,22 +148,15 @@ Expected<void> write_truth(const fs::path& folder, const Truth& truth) {
   if (written && !T_base_camera.empty()) {
     written = write_file(folder / "truth/camera.txt", format_trajectory(T_base_camera));
   }
-  for (std::size_t i = 0; i < truth.world.boxes.size() && written; ++i) {
-    written = write_file(folder / "truth/objects" / (truth.world.bodies[1 + i].name + ".txt"),
-                         format_trajectory(object_trajectory(truth, i)));
-  }
   if (written) {
     written =
         write_file(folder / "truth/scene.ply", format_ply(truth.world.bodies.front().surface.mesh));
   }
-  if (!written || !truth.world.has_tool) return written;
-  written = write_file(folder / "truth/phase.csv", format_phases(truth));
-  if (written && !truth.run.impacts.empty()) {
-    written = write_file(folder / "truth/impacts.csv", format_impacts(truth));
-  }
-  if (written) {
-    written = write_file(folder / "truth/parameters.yaml",
-                         format_parameters(parameter_table(truth.plant.bodies)));
+  if (!written) return written;
+  if (truth.world.has_tool) return write_plant_truth(folder / "truth", truth.plant, truth.run);
+  for (std::size_t i = 0; i < truth.world.boxes.size() && written; ++i) {
+    written = write_object(folder / "truth", truth.world.bodies[1 + i].name,
+                           resting_trajectory(truth.world.boxes[i].T_base_object, truth.frames));
   }
   return written;
 }
@@ -182,3 +181,24 @@ Expected<void> write_tracking(const fs::path& folder, const Truth& truth, std::u
 }
 
 }  // namespace pcavr::simulation
+
+namespace pcavr {
+
+using namespace simulation;
+
+Expected<void> write_plant_truth(const fs::path& folder, const PlantCase& plant,
+                                 const PlantRun& run) {
+  auto written = make_folder(folder / "objects");
+  for (std::size_t i = 0; i < plant.bodies.size() && written; ++i) {
+    const PlantBody& body = plant.bodies[i];
+    written = write_object(folder, body.name, moved_trajectory(run, body, i));
+  }
+  if (written) written = write_file(folder / "phase.csv", format_phases(plant, run));
+  if (written && !run.impacts.empty()) {
+    written = write_file(folder / "impacts.csv", format_impacts(plant, run));
+  }
+  if (!written) return written;
+  return write_file(folder / "parameters.yaml", format_parameters(parameter_table(plant.bodies)));
+}
+
+}  // namespace pcavr

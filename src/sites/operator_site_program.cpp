@@ -265,8 +265,9 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     options.forward_delay = lead;
     options.backward_delay = std::max(report_.correction_delay - lead, teleop_.backward_delay);
     const std::size_t next = schedule_.next();
-    next_world_.begin(now, world_, std::move(options), schedule_.time_of(next - 1),
-                      person_.p_base_start(next, robot_.state()));
+    next_world_.begin(
+        now, world_, std::move(options), schedule_.time_of(next - 1),
+        person_.p_base_start(next, welcome_->follows_commands ? robot_.state() : nullptr));
   }
 
   /// From the robot's cycle that composes a correction to the first command that contains it. It

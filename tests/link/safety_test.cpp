@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -73,6 +74,27 @@ TEST(MotionLimiter, ReachesItsTargetWithoutOvershoot) {
     EXPECT_LE(limiter.p_base().x(), 0.1 + 1e-6);
   }
   EXPECT_NEAR(limiter.p_base().x(), 0.1, 1e-5);
+}
+
+// A steady push; then a hand that stops at once.
+TEST(MotionLimiter, DoesNotLagBehindAPushAndPassesItsStopByNoMoreThanStated) {
+  const MotionLimits limits = small_workspace();
+  for (const double speed : {0.08, 0.3}) {
+    MotionLimiter limiter(limits, Eigen::Vector3d::Zero());
+    double hand = 0.0;
+    for (int i = 1; i <= 600; ++i) {
+      hand += kCycle * std::min(speed, 2.0 * kCycle * i);  // from rest, at 2 m/s^2
+      limiter.step(Eigen::Vector3d(hand, 0.0, 0.0), Eigen::Vector3d::Zero(), kCycle);
+      EXPECT_TRUE(speed > 0.1 || std::abs(limiter.p_base().x() - hand) < 2e-5) << i;
+    }
+    double farthest = 0.0;
+    for (int i = 0; i < 300; ++i) {
+      limiter.step(Eigen::Vector3d(hand, 0.0, 0.0), Eigen::Vector3d::Zero(), kCycle);
+      farthest = std::max(farthest, limiter.p_base().x() - hand);
+    }
+    EXPECT_LE(farthest, limits.max_overshoot + 1e-9);
+    EXPECT_NEAR(limiter.p_base().x(), hand, 1e-5);
+  }
 }
 
 TEST(MotionLimiter, HoldsWithinTheStatedTime) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -87,6 +88,31 @@ TEST(LivePlant, IsDeterministicAndIgnoresACommandThatIsNotFinite) {
   const Eigen::Vector3d tip = a.p_base_tip();
   for (int i = 0; i < 100; ++i) a.step({nan, 0.0, 0.0}, of_a);
   EXPECT_LT((a.p_base_tip() - tip).norm(), 0.005);
+}
+
+// The truth is in the scene's time: the plant's, and what it was skipped.
+TEST(LivePlant, KeepsWhatTrulyHappenedFromTheStartOnAndThroughASkip) {
+  const PlantCase plant = case_with_tool_at_box();
+  LivePlant live(plant, 3);
+  LivePlantSamples samples;
+  live.keep_run();
+  for (int i = 0; i < 100; ++i) live.step(push_at(plant, 0.0), samples);
+  live.skip(50);
+  const double t_kept = live.t();
+  for (int i = 0; i < 1400; ++i) live.step(push_at(plant, live.t()), samples);
+  const PlantRun run = live.run();
+  ASSERT_EQ(run.p_base_tip.size(), 1550U);
+  ASSERT_EQ(run.bodies.size(), plant.bodies.size());
+  EXPECT_EQ(run.p_base_tip[100], run.p_base_tip[149]);
+  EXPECT_NEAR(t_kept, 0.1, 1e-9);
+  EXPECT_LT((run.bodies[0].back().p_base - live.body(0).p_base).norm(), 1e-4);
+  std::vector<PlantPhase> phases;
+  for (const PlantPhaseChange& change : run.phases) {
+    if (change.body == 0) phases.push_back(change.phase);
+  }
+  ASSERT_GE(phases.size(), 3U);
+  EXPECT_EQ(phases.front(), PlantPhase::free);
+  EXPECT_EQ(phases.back(), PlantPhase::sliding);
 }
 
 }  // namespace

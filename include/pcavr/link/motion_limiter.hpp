@@ -9,7 +9,8 @@
 
 namespace pcavr {
 
-struct OptionSection;  // core/options.hpp
+struct OptionSection;                  // core/options.hpp
+enum class LinkLimit : std::uint32_t;  // link/link_message.hpp
 
 /// Limits of the tool's motion at the robot's site, which no message can change
 /// ("robot_site.limits").
@@ -18,6 +19,7 @@ struct MotionLimits {
   double max_speed;         ///< [m/s] along each axis
   double max_acceleration;  ///< [m/s^2] along each axis
   double max_step;          ///< [m] that the command may be ahead of the tool, along each axis
+  double max_overshoot;     ///< [m] past a command that stops at once, along each axis
   double max_force;         ///< [N] that the tool may exert
   double min_x, max_x;      ///< [m] of the workspace, base frame
   double min_y, max_y;
@@ -31,7 +33,8 @@ struct MotionLimits {
 [[nodiscard]] OptionSection section_of(MotionLimits& options);
 
 /// The setpoint of the tool's position, which follows its commands within the limits: every cycle's
-/// setpoint satisfies them, whatever is commanded. Not thread-safe.
+/// setpoint satisfies them, whatever is commanded. It does not lag behind a command that moves so
+/// slowly that it could stop within max_overshoot. Not thread-safe.
 class MotionLimiter {
  public:
   /// The tool rests at `p_base_tip`, inside the workspace (else at its nearest point). Throws
@@ -52,9 +55,13 @@ class MotionLimiter {
   [[nodiscard]] std::uint32_t active() const { return active_; }
 
  private:
+  [[nodiscard]] Eigen::Vector3d velocity_to(const Eigen::Vector3d& p_base, double dt);
+  void note(LinkLimit limit) { active_ |= static_cast<std::uint32_t>(limit); }
+
   MotionLimits limits_;
   Eigen::Vector3d p_base_;
   Eigen::Vector3d v_base_ = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> last_target_ = {};  ///< of the cycle before [m]
   std::uint32_t active_ = 0;
 };
 

@@ -57,11 +57,18 @@ class LivePlant {
   /// appends what was measured. A command that is not finite leaves the last one.
   void step(const Eigen::Vector3d& p_base_command, LivePlantSamples& samples);
 
-  [[nodiscard]] double t() const;  ///< [s]
+  /// The plant and its clock stand still while the scene's time goes on by `steps` of kStep.
+  void skip(long long steps);
+  /// From now on run() grows, by some 0.2 MB a second and body.
+  void keep_run();
+
+  [[nodiscard]] double t() const;  ///< [s], without what was skipped
   // Exact, without noise.
   [[nodiscard]] Eigen::Vector3d p_base_tip() const;
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] PlantBodyState body(std::size_t index) const;
+  /// Since keep_run() and with what was skipped, except for impacts, forces and torques.
+  [[nodiscard]] PlantRun run() const;
 
  private:
   struct Content;

@@ -58,7 +58,8 @@ class OperatorInterface {
   /// After which it ends; nothing: it does not.
   [[nodiscard]] virtual std::optional<std::size_t> cycles() const { return std::nullopt; }
 
-  /// A session begins: where the tip is before cycle `next`. `robot`: its newest state, if known.
+  /// A session begins: where the tip is before cycle `next`. `robot`: its newest state, if it
+  /// follows commands and the state is known.
   [[nodiscard]] virtual Eigen::Vector3d p_base_start(std::size_t next, const LinkState* robot) = 0;
   /// The world of the session that begins; valid until end().
   virtual void begin(LiveOperatorSite&) {}
@@ -73,7 +74,8 @@ class OperatorInterface {
   [[nodiscard]] virtual OperatorRequests take_requests() { return {}; }
 };
 
-/// The tool's recorded motion in `world` as the operator, smoothed as in run_teleop. Keeps a
+/// The tool's recorded motion in `world` as the operator, smoothed as in run_teleop. A robot that
+/// follows commands is led to its begin first, in a straight line at 0.1 m/s. Keeps a
 /// reference to it. An Error if the motion has fewer than two samples.
 [[nodiscard]] Expected<std::unique_ptr<OperatorInterface>> make_recorded_operator(
     const TeleopInput& world, const TeleopOptions& options);
