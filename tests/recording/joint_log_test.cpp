@@ -78,6 +78,22 @@ TEST(ImportJointLog, ReadsRowsWithoutHeader) {
   EXPECT_EQ(imported->left_out, 1U);
 }
 
+TEST(ImportJointLog, SkipsRowsThatCannotBeReadWhereAsked) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "log.csv";
+  ASSERT_TRUE(write_file(file,
+                         "10.0,1,2,3,4,5,6\n10.1,1e300,2,3,4,5,6\n10.1,2\n"
+                         "10.2,2,2,3,4,5,6\n"));
+  const auto refused = import_joint_log(file, {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().line, 2);
+  EXPECT_NE(refused.error().hint.find("--skip-bad"), std::string::npos);
+  const auto imported = import_joint_log(file, {.skip_bad = true});
+  ASSERT_TRUE(imported) << imported.error().to_string();
+  EXPECT_EQ(imported->log.t.size(), 2U);
+  EXPECT_EQ(imported->bad, 2U);
+}
+
 TEST(ImportJointLog, ReadsFilesOfOneNumberALine) {
   const TemporaryFolder folder;
   ASSERT_TRUE(write_file(folder.path() / "a_positions.txt", "1\n2\n3\n4\n"));
