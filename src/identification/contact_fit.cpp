@@ -221,19 +221,6 @@ void add_exponent_share(const std::vector<PressSamples>& presses, ContactFitOpti
   fit.penetration_std = std::hypot(fit.penetration_std, difference);
 }
 
-/// A linear law whose exponent is uncertain: by how much the penetration of the curved law differs
-/// that is one std of the exponent away.
-void add_curvature_share(const std::vector<PressSamples>& presses, ContactFitOptions options,
-                         ContactFit& linear) {
-  if (!linear.is_valid || linear.exponent.std <= kMinExponentStd) return;
-  options.exponent = 1.0 + linear.exponent.std;
-  const ContactFit curved = fit_hunt_crossley(presses, options);
-  if (!curved.is_valid) return;
-  linear.penetration_std =
-      std::hypot(linear.penetration_std,
-                 penetration_difference(linear, curved, max_force_of(presses)));
-}
-
 std::string proposal_for(const ContactIdentification& found) {
   const ContactFit& best = found.best();
   if (!best.is_valid) return "press deeper, or longer: no stiffness could be identified";
@@ -316,11 +303,7 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
     found.chosen = ContactRegressor::hunt_crossley;
   }
   found.proposal = proposal_for(found);
-  if (found.chosen == ContactRegressor::hunt_crossley) {
-    smoothed = options;
-  } else if (curved.is_valid) {
-    add_curvature_share(samples, options, found.mass_damper_spring);
-  }
+  if (found.chosen == ContactRegressor::hunt_crossley) smoothed = options;
   if (options.drift_half_width <= 0.0) take_drifting_surface(presses, local, smoothed, found);
   return found;
 }

@@ -73,15 +73,26 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   }
 }
 
+/// Relative std of the penetration by a linear law whose exponent is uncertain: its distance from
+/// that by the curved law of the same presses.
+double curvature_std(const ContactFit& best, const ContactIdentification& presses, double force) {
+  const ContactFit& curved = presses.hunt_crossley;
+  const bool is_linear = best.regressor == ContactRegressor::mass_damper_spring;
+  if (!is_linear || !curved.is_valid) return 0.0;
+  const double linear_depth = force / best.stiffness.value;
+  const double depth = std::pow(force / curved.stiffness.value, 1.0 / curved.exponent.value);
+  return std::abs(std::log(depth / linear_depth));
+}
+
 /// A stiffness that depends on an assumed exponent by more than it is known: the law is right
 /// about its penetration only, and the stiffness is no result.
 void assume_stiffness(ObjectIdentification& result) {
   result.parameters.contact_stiffness->std.reset();
   result.parameters.sources.pushes.erase("contact.stiffness");
-  result.notes.push_back(
-      fmt::format("the stiffness is not identified: its exponent, {:.2f}, is assumed, and so is its "
-                  "unit; only the penetration is known; press along z to identify them",
-                  result.parameters.contact_exponent->value));
+  result.notes.push_back(fmt::format(
+      "the stiffness is not identified: its exponent, {:.2f}, is assumed, and so is its "
+      "unit; only the penetration is known; press along z to identify them",
+      result.parameters.contact_exponent->value));
 }
 
 bool has_value(const std::optional<ParameterValue>& known, const IdentifiedParameter& found) {
@@ -190,8 +201,7 @@ double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFi
 }
 
 std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& pushes,
-                                        const ParameterValue& exponent,
-                                        ContactFitOptions options) {
+                                        const ParameterValue& exponent, ContactFitOptions options) {
   std::vector<FaceContact> faces;
   std::vector<std::vector<ForceMotion>> series;
   std::vector<std::vector<const IdentifiedContact*>> sources;
@@ -310,12 +320,13 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   if (best == nullptr || result.presses.best().is_valid) result.is_contact_off_centre = false;
   if (best != nullptr) {
     take_parameters(*best, result.parameters);
-    result.penetration.relative_std = best->penetration_std;
     const bool by_presses = result.presses.best().is_valid;
     for (const IdentifiedContact* one : by_presses ? presses : pushes) {
       double& force = result.penetration.max_force;
       force = std::max(force, one->episode.peak_force);
     }
+    result.penetration.relative_std = std::hypot(
+        best->penetration_std, curvature_std(*best, result.presses, result.penetration.max_force));
     result.is_exponent_given = !result.presses.best().is_valid;
     if (result.is_exponent_given) result.parameters.contact_mass.reset();
     if (result.is_exponent_given) {

@@ -76,10 +76,10 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   const ImpactFindings& impacts = found.impact_findings;
   const std::string by_impacts = counted(static_cast<int>(found.impacts.size()), "impact", "s");
   const bool is_stiffness_found = is_identified || impacts.gives_stiffness;
-  findings.add(
-      "contact.stiffness", "N/m^n", p.contact_stiffness,
-      is_stiffness_found && p.contact_stiffness && p.contact_stiffness->std,
-      impacts.gives_stiffness ? by_impacts + ", under the given exponent" : source, better);
+  findings.add("contact.stiffness", "N/m^n", p.contact_stiffness,
+               is_stiffness_found && p.contact_stiffness && p.contact_stiffness->std,
+               impacts.gives_stiffness ? by_impacts + ", under the given exponent" : source,
+               better);
   const bool is_linear = p.contact_exponent && p.contact_exponent->value == 1.0;
   const char* const unit = is_linear ? "N s/m" : "N s/m^(n+1)";
   const bool is_bounded = by_presses && p.contact_damping && !impacts.gives_damping &&

@@ -52,10 +52,10 @@ IdentifiedParameter damping_over_stiffness(DampingLaw law, const MeasuredImpact&
   return {value, std::hypot(factor.std / impact.approach_speed.value, value * speed_share), true};
 }
 
-/// How sure it is that the sensor averages over its interval, as a filter does, and does not sample:
-/// samples of a pulse that is hardly wider than the interval give another impulse, and so another
-/// mass of the tool, at each phase. By the likelihoods of the masses' scatter; a half where the
-/// impacts can't tell.
+/// How sure it is that the sensor averages over its interval, as a filter does, and does not
+/// sample: samples of a pulse that is hardly wider than the interval give another impulse, and so
+/// another mass of the tool, at each phase. By the likelihoods of the masses' scatter; a half where
+/// the impacts do not show it.
 double averaging_probability(const std::vector<const ImpactMotion*>& motions) {
   constexpr std::size_t kMinImpacts = 3;
   constexpr double kMinScatter = 0.01;  // of the masses: the tool is not quite rigid
@@ -72,8 +72,7 @@ double averaging_probability(const std::vector<const ImpactMotion*>& motions) {
   const double averaged = std::max(kMinScatter, median(std::move(shares)));
   // The first alias of a Gaussian pulse of that width, at an unknown phase.
   const double phase = std::numbers::pi * median(std::move(ratios));
-  const double sampled =
-      std::hypot(averaged, std::numbers::sqrt2 * std::exp(-2.0 * phase * phase));
+  const double sampled = std::hypot(averaged, std::numbers::sqrt2 * std::exp(-2.0 * phase * phase));
   const double freedom = static_cast<double>(motions.size() - 1);
   const double gain =
       freedom * (std::log(sampled / averaged) -
@@ -200,8 +199,8 @@ double exponent_share(const std::vector<const ImpactMotion*>& motions, double se
   for (const int side : {0, 1}) {
     exponents[side] = std::max(1.0, exponent.value + (2 * side - 1) * *exponent.std);
     for (std::size_t i = 0; i < impacts.size(); ++i) {
-      impacts[i].stiffness = stiffness_of(*motions[i], sensor_square, impacts[i].restitution.value,
-                                          exponents[side]);
+      impacts[i].stiffness =
+          stiffness_of(*motions[i], sensor_square, impacts[i].restitution.value, exponents[side]);
     }
     const IdentifiedParameter found = median_stiffness(impacts);
     if (!found.is_excited) return HUGE_VAL;
@@ -218,8 +217,8 @@ void find_stiffness(const std::vector<const ImpactMotion*>& motions, const Param
   std::vector<double> squares;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     MeasuredImpact& impact = result.impacts[i];
-    impact.stiffness = stiffness_of(*motions[i], sensor.square, impact.restitution.value,
-                                    exponent.value);
+    impact.stiffness =
+        stiffness_of(*motions[i], sensor.square, impact.restitution.value, exponent.value);
     squares.push_back(std::pow(motions[i]->width, 2) - sensor.square);
   }
   ImpactFindings& found = result.impact_findings;
@@ -230,9 +229,9 @@ void find_stiffness(const std::vector<const ImpactMotion*>& motions, const Param
   const double share = std::hypot(found.stiffness.std / found.stiffness.value, common);
   found.stiffness.std = share * found.stiffness.value;
   found.stiffness.is_excited = share < kMaxStiffnessShare;
-  found.stiffness_std = found.stiffness.value *
-                        std::hypot(share, exponent_share(motions, sensor.square, result.impacts,
-                                                         exponent));
+  found.stiffness_std =
+      found.stiffness.value *
+      std::hypot(share, exponent_share(motions, sensor.square, result.impacts, exponent));
 }
 
 /// Whether the impacts' stiffness replaces the known one: where presses, which hardly penetrate a
@@ -323,8 +322,8 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
   const ContactFit& press = result.presses.best();
   const bool has_press = press.is_valid && press.stiffness.is_excited;
   const bool is_curved = has_press && press.exponent.value > 1.0;
-  const ParameterValue exponent = is_curved ? as_value(press.exponent)
-                                            : ParameterValue{kHertzExponent, kHertzExponentStd};
+  const ParameterValue exponent =
+      is_curved ? as_value(press.exponent) : ParameterValue{kHertzExponent, kHertzExponentStd};
   std::vector<const ImpactMotion*> motions;
   for (const IdentifiedContact& contact : contacts) {
     const ContactEpisode& episode = contact.episode;
