@@ -10,8 +10,11 @@ PLANTS holds recordings named KIND-SEED, each with truth/parameters.yaml and, wh
 tracked/. For each kind of motion and each parameter: how often it was identified and withheld, the
 median and the worst relative error, the share of truths within 1, 2 and 3 stated standard
 deviations, the median and the worst |z|. `sliding_force` is the friction at each speed that the
-report states, against mu m g + B v; `contact.force` the contact law's force at the penetration that
-the true limiting friction causes (no standard deviation is stated for it). `--also` gives what all
+report states, against mu m g + B v; `contact.penetration` the depth at the force that the report
+states it for, against that of the true law there; `contact.force` the law's force at the
+penetration that the true limiting friction causes (no standard deviation is stated for it).
+Stiffness and damping of another law than the true one have another unit, so that they are compared
+where the exponent was identified, too, and is not that of a linear law. `--also` gives what all
 bodies have and their files do not state, such as tool_friction_coefficient=0.25. Needs only python3.
 
 Choose constants on some seeds, judge on others, and say which.
@@ -107,18 +110,37 @@ def score_object(report, name, truth, where, scores):
         if key not in truth:
             continue
         score = scores.setdefault(key, Score())
+        if key in ("contact.stiffness", "contact.damping") and not has_true_unit(report, name):
+            score.withheld += 1
+            continue
         if report.get(f"{full}.is_excited") and full in report:
             score.add(report[full], report.get(f"{full}_std"), truth[key], where)
         else:
             score.withheld += 1
     score_sliding_force(report.get(f"object.{name}.sliding_force", []), truth, where, scores)
+    score_penetration(report, f"object.{name}.contact.penetration", truth, where, scores)
     score = scores.setdefault("contact.force", Score())
-    if report.get(f"object.{name}.contact.stiffness.is_excited"):
+    if report.get(f"object.{name}.contact.penetration.is_excited"):
         force = truth["limiting_static_friction"]
         depth = (force / truth["contact.stiffness"]) ** (1.0 / truth["contact.exponent"])
         score.add(contact_force(found, depth), None, force, where)
     else:
         score.withheld += 1
+
+
+def has_true_unit(report, name):
+    key = f"object.{name}.contact.exponent"
+    return report.get(f"{key}.is_excited", False) and report[key] > 1.0
+
+
+def score_penetration(report, key, truth, where, scores):
+    score = scores.setdefault("contact.penetration", Score())
+    if not report.get(f"{key}.is_excited"):
+        score.withheld += 1
+        return
+    force = report[f"{key}_force"]
+    depth = (force / truth["contact.stiffness"]) ** (1.0 / truth["contact.exponent"])
+    score.add(report[key], report[f"{key}_std"], depth, where)
 
 
 def score_sliding_force(rows, truth, where, scores):

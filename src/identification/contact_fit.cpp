@@ -174,6 +174,53 @@ void set_linear_exponent(const ContactFit& curved, ContactFit& linear) {
   linear.exponent.std = std::max(linear.exponent.std, kMinExponentStd);
 }
 
+/// The relative difference of two laws' penetrations, at its largest from a quarter of the presses'
+/// largest force on.
+double penetration_difference(const ContactFit& a, const ContactFit& b, double max_force) {
+  double difference = 0.0;
+  for (const double share : {0.25, 1.0}) {
+    const auto log_depth = [&](const ContactFit& fit) {
+      return std::log(share * max_force / fit.stiffness.value) / fit.exponent.value;
+    };
+    difference = std::max(difference, std::abs(log_depth(a) - log_depth(b)));
+  }
+  return difference;
+}
+
+double max_force_of(const std::vector<PressSamples>& presses) {
+  double force = 0.0;
+  for (const PressSamples& press : presses) {
+    for (const ContactSample& sample : press.samples) force = std::max(force, sample.force);
+  }
+  return force;
+}
+
+/// Adds the share of a fixed exponent's std, by fits at one std below and above (sigma points).
+void add_exponent_share(const std::vector<PressSamples>& presses, ContactFitOptions options,
+                        ContactFit& fit) {
+  if (!fit.is_valid || options.exponent_std <= 0.0) return;
+  const double n = *options.exponent;
+  ContactFit fits[2];
+  for (const int i : {0, 1}) {
+    options.exponent = std::max(1.0, n + (2 * i - 1) * options.exponent_std);
+    fits[i] = fit_hunt_crossley(presses, options);
+    if (!fits[i].is_valid) return;
+  }
+  const auto [low, high] = std::pair(fits[0], fits[1]);
+  const double scale = options.exponent_std / (high.exponent.value - low.exponent.value);
+  // Of the logarithm: k changes by a factor of ten.
+  const Eigen::Vector3d change(
+      fit.stiffness.value * scale * std::log(high.stiffness.value / low.stiffness.value),
+      scale * (high.damping.value - low.damping.value), options.exponent_std);
+  fit.covariance += change * change.transpose();
+  fit.stiffness.std = std::sqrt(fit.covariance(0, 0));
+  fit.damping.std = std::sqrt(fit.covariance(1, 1));
+  fit.exponent.std = options.exponent_std;
+  fit.stiffness.is_excited = fit.stiffness.value > 2.0 * fit.stiffness.std;
+  const double difference = scale * penetration_difference(low, high, max_force_of(presses));
+  fit.penetration_std = std::hypot(fit.penetration_std, difference);
+}
+
 std::string proposal_for(const ContactIdentification& found) {
   const ContactFit& best = found.best();
   if (!best.is_valid) return "press deeper, or longer: no stiffness could be identified";
@@ -229,6 +276,7 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
   }
   if (options.exponent) {
     found.hunt_crossley = fit_hunt_crossley(samples, options);
+    add_exponent_share(samples, options, found.hunt_crossley);
     found.chosen = ContactRegressor::hunt_crossley;
     found.proposal = proposal_for(found);
     return found;

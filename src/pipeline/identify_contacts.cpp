@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/core.h>
+
 #include "pcavr/identification/local_direction.hpp"
 
 #include "identify_parts.hpp"
@@ -69,6 +71,28 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
     parameters.contact_damping =
         ParameterValue{std::max(fit.damping.std, fit.damping.value), fit.damping.std};
   }
+}
+
+/// Relative std of the penetration by a linear law whose exponent is uncertain: its distance from
+/// that by the curved law of the same presses.
+double curvature_std(const ContactFit& best, const ContactIdentification& presses, double force) {
+  const ContactFit& curved = presses.hunt_crossley;
+  const bool is_linear = best.regressor == ContactRegressor::mass_damper_spring;
+  if (!is_linear || !curved.is_valid) return 0.0;
+  const double linear_depth = force / best.stiffness.value;
+  const double depth = std::pow(force / curved.stiffness.value, 1.0 / curved.exponent.value);
+  return std::abs(std::log(depth / linear_depth));
+}
+
+/// A stiffness that depends on an assumed exponent by more than it is known: the law is right
+/// about its penetration only, and the stiffness is no result.
+void assume_stiffness(ObjectIdentification& result) {
+  result.parameters.contact_stiffness->std.reset();
+  result.parameters.sources.pushes.erase("contact.stiffness");
+  result.notes.push_back(fmt::format(
+      "the stiffness is not identified: its exponent, {:.2f}, is assumed, and so is its "
+      "unit; only the penetration is known; press along z to identify them",
+      result.parameters.contact_exponent->value));
 }
 
 bool has_value(const std::optional<ParameterValue>& known, const IdentifiedParameter& found) {
@@ -177,7 +201,7 @@ double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFi
 }
 
 std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& pushes,
-                                        double exponent, ContactFitOptions options) {
+                                        const ParameterValue& exponent, ContactFitOptions options) {
   std::vector<FaceContact> faces;
   std::vector<std::vector<ForceMotion>> series;
   std::vector<std::vector<const IdentifiedContact*>> sources;
@@ -188,7 +212,7 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     });
     const auto index = static_cast<std::size_t>(face - faces.begin());
     if (face == faces.end()) {
-      faces.push_back({normal, 0, {}});
+      faces.push_back({normal, 0, {}, false});
       series.emplace_back();
       sources.emplace_back();
     }
@@ -197,15 +221,20 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     series[index].push_back(until_alarm(push->episode));
   }
   options.is_surface_shared = false;  // the object moves between pushes
-  options.exponent = exponent;
+  options.exponent = exponent.value;
+  options.exponent_std = exponent.std.value_or(0.0);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     faces[i].contact = identify_contact(series[i], options);
     add_tip_uncertainty(series[i], {}, sources[i], options, faces[i].contact);
-    IdentifiedParameter& stiffness = faces[i].contact.hunt_crossley.stiffness;
+    ContactFit& fit = faces[i].contact.hunt_crossley;
+    if (!fit.is_valid) continue;
     const double share = std::hypot(kCreep, stiffness_scatter(series[i], options));
-    stiffness.std = std::hypot(stiffness.std, stiffness.value * share);
-    stiffness.is_excited = stiffness.value > kMinStds * stiffness.std &&
-                           is_within_travel(faces[i].contact.hunt_crossley, series[i]);
+    fit.stiffness.std = std::hypot(fit.stiffness.std, fit.stiffness.value * share);
+    fit.penetration_std = std::hypot(fit.penetration_std, share / fit.exponent.value);
+    faces[i].is_usable = fit.penetration_std * fit.exponent.value < 1.0 / kMinStds &&
+                         is_within_travel(fit, series[i]);
+    fit.stiffness.is_excited =
+        faces[i].is_usable && fit.stiffness.value > kMinStds * fit.stiffness.std;
   }
   return faces;
 }
@@ -269,7 +298,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   const ParameterValue exponent = result.parameters.contact_exponent.value_or(
       ParameterValue{kGivenExponent, kGivenExponentStd});
   result.is_contact_off_centre = centred.empty() && !pushes.empty();
-  result.faces = identify_faces(result.is_contact_off_centre ? pushes : centred, exponent.value,
+  result.faces = identify_faces(result.is_contact_off_centre ? pushes : centred, exponent,
                                 options.contact_fit);
 
   const ContactFit* best = nullptr;
@@ -282,7 +311,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     int max_pushes = 0;
     for (const FaceContact& face : result.faces) {
       const ContactFit& fit = face.contact.best();
-      if (fit.is_valid && fit.stiffness.is_excited && face.pushes > max_pushes) {
+      if (face.is_usable && face.pushes > max_pushes) {
         count = max_pushes = face.pushes;
         best = &fit;
       }
@@ -291,6 +320,13 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   if (best == nullptr || result.presses.best().is_valid) result.is_contact_off_centre = false;
   if (best != nullptr) {
     take_parameters(*best, result.parameters);
+    const bool by_presses = result.presses.best().is_valid;
+    for (const IdentifiedContact* one : by_presses ? presses : pushes) {
+      double& force = result.penetration.max_force;
+      force = std::max(force, one->episode.peak_force);
+    }
+    result.penetration.relative_std = std::hypot(
+        best->penetration_std, curvature_std(*best, result.presses, result.penetration.max_force));
     result.is_exponent_given = !result.presses.best().is_valid;
     if (result.is_exponent_given) result.parameters.contact_mass.reset();
     if (result.is_exponent_given) {
@@ -299,6 +335,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     }
     count_sources(!result.is_exponent_given, count, best->damping.is_excited, result.parameters);
     if (result.is_exponent_given) result.parameters.sources.pushes.erase("contact.exponent");
+    if (!best->stiffness.is_excited && result.is_exponent_given) assume_stiffness(result);
   }
   identify_impacts(contacts, object, options.damping_law, result);
   if (best != nullptr) take_correlation(*best, result.parameters);

@@ -24,6 +24,8 @@ constexpr char kPriorRemark[] =
     "pushed only; to identify it: ";
 /// A mass by accelerations alone, beside the one that the parameters contain.
 constexpr char kInertialMass[] = "inertial_mass";
+/// By the law's parameters: no parameter of the file.
+constexpr char kPenetration[] = "contact.penetration";
 constexpr char kBetterPress[] = "press along z at 5, 15 and 40 mm/s, 2 mm deep";
 constexpr char kBetterPush[] = "push slowly through the centre of mass until it slides, ten times";
 constexpr char kBetterSlide[] = "push at 60 mm/s, modulated by 2 Hz, 3 mm, without stopping";
@@ -63,7 +65,7 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   const bool by_presses = found.presses.best().is_valid;
   bool by_face = false;
   for (const FaceContact& face : found.faces) {
-    by_face |= face.contact.best().is_valid && face.contact.best().stiffness.is_excited;
+    by_face |= face.is_usable;
   }
   by_face = by_face && !found.is_contact_off_centre;
   const bool is_identified = by_presses || by_face;
@@ -73,16 +75,18 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   const std::string better = kBetterPress;
   const ImpactFindings& impacts = found.impact_findings;
   const std::string by_impacts = counted(static_cast<int>(found.impacts.size()), "impact", "s");
-  findings.add(
-      "contact.stiffness", "N/m^n", p.contact_stiffness, is_identified || impacts.gives_stiffness,
-      impacts.gives_stiffness ? by_impacts + ", under the given exponent" : source, better);
+  const bool is_stiffness_found = is_identified || impacts.gives_stiffness;
+  findings.add("contact.stiffness", "N/m^n", p.contact_stiffness,
+               is_stiffness_found && p.contact_stiffness && p.contact_stiffness->std,
+               impacts.gives_stiffness ? by_impacts + ", under the given exponent" : source,
+               better);
   const bool is_linear = p.contact_exponent && p.contact_exponent->value == 1.0;
   const char* const unit = is_linear ? "N s/m" : "N s/m^(n+1)";
   const bool is_bounded = by_presses && p.contact_damping && !impacts.gives_damping &&
                           !found.presses.best().damping.is_excited;
   findings.add(
       "contact.damping", unit, is_bounded ? std::optional<ParameterValue>() : p.contact_damping,
-      is_identified || impacts.gives_damping,
+      p.contact_damping && p.contact_damping->std && (is_identified || impacts.gives_damping),
       impacts.gives_damping ? by_impacts + ", damping law: " + std::string(name_of(impacts.law)) +
                                   ", " + impacts.choice
                             : source,
@@ -96,6 +100,11 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
                    is_identified && !found.is_exponent_given, source, better);
   if (found.is_exponent_given && (by_face || impacts.gives_stiffness))
     exponent.remark = kExponentRemark + better;
+  if (found.penetration.force > 0.0) {
+    findings.add(kPenetration, "m", as_value(found.penetration.depth),
+                 found.penetration.depth.is_excited,
+                 fmt::format("at {:.2f} N, by the contact law", found.penetration.force), better);
+  }
   if (by_presses && !found.presses.proposal.empty() && !found.impact_findings.gives_damping) {
     found.notes.push_back(found.presses.proposal);
   }
@@ -168,7 +177,10 @@ void list_given(ObjectIdentification& found) {
   std::vector<std::string>& given = found.parameters.sources.given;
   for (const ParameterFinding& row : found.findings) {
     std::erase(given, row.name);
-    if (!row.is_excited && row.value != 0.0 && row.name != kInertialMass) given.push_back(row.name);
+    if (!row.is_excited && row.value != 0.0 && row.name != kInertialMass &&
+        row.name != kPenetration) {
+      given.push_back(row.name);
+    }
   }
 }
 

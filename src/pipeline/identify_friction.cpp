@@ -38,10 +38,10 @@ double compliance_std(const ObjectIdentification& object, double pressed, double
   if (!known.contact_stiffness) return kLoadingLineStd;
   const ParameterValue exponent = known.contact_exponent.value_or(ParameterValue{1.0, {}});
   const double n = exponent.value;
-  const ContactFit& fit = object.presses.best();
   const double stiffness_std = known.contact_stiffness->std.value_or(0.0);
+  const double found_std = object.penetration.relative_std;
   const double penetration_std =
-      fit.is_valid ? fit.penetration_std : stiffness_std / (n * known.contact_stiffness->value);
+      found_std > 0.0 ? found_std : stiffness_std / (n * known.contact_stiffness->value);
   const double beyond = pressed > 0.0 ? std::max(0.0, std::log(force / pressed)) : 0.0;
   return std::hypot(penetration_std, exponent.std.value_or(0.0) / n * (1.0 + beyond / n));
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -51,16 +52,56 @@ IdentifiedParameter damping_over_stiffness(DampingLaw law, const MeasuredImpact&
   return {value, std::hypot(factor.std / impact.approach_speed.value, value * speed_share), true};
 }
 
+/// How sure it is that the sensor averages over its interval, as a filter does, and does not
+/// sample: samples of a pulse that is hardly wider than the interval give another impulse, and so
+/// another mass of the tool, at each phase. By the likelihoods of the masses' scatter; a half where
+/// the impacts do not show it.
+double averaging_probability(const std::vector<const ImpactMotion*>& motions) {
+  constexpr std::size_t kMinImpacts = 3;
+  constexpr double kMinScatter = 0.01;  // of the masses: the tool is not quite rigid
+  if (motions.size() < kMinImpacts) return 0.5;
+  std::vector<double> logs, shares, ratios, deviations;
+  for (const ImpactMotion* motion : motions) {
+    logs.push_back(std::log(motion->mass.value));
+    shares.push_back(motion->mass.std / motion->mass.value);
+    ratios.push_back(motion->width / (motion->sample_width * std::sqrt(12.0)));
+  }
+  const double middle = median(logs);
+  for (const double value : logs) deviations.push_back(kMadToStd * std::abs(value - middle));
+  const double scatter = median(std::move(deviations));
+  const double averaged = std::max(kMinScatter, median(std::move(shares)));
+  // The first alias of a Gaussian pulse of that width, at an unknown phase.
+  const double phase = std::numbers::pi * median(std::move(ratios));
+  const double sampled = std::hypot(averaged, std::numbers::sqrt2 * std::exp(-2.0 * phase * phase));
+  const double freedom = static_cast<double>(motions.size() - 1);
+  const double gain =
+      freedom * (std::log(sampled / averaged) -
+                 0.5 * scatter * scatter * (std::pow(averaged, -2) - std::pow(sampled, -2)));
+  return 1.0 / (1.0 + std::exp(-gain));
+}
+
+/// The part of a pulse's squared width [s^2] that the sensor adds, and its std, the same in all
+/// impacts: no sensor averages over exactly its interval.
+struct SensorWidth {
+  double square = 0.0, std = 0.0;
+};
+
+SensorWidth sensor_width(const std::vector<const ImpactMotion*>& motions) {
+  constexpr double kMinStd = 0.1;  // of the square
+  if (motions.empty()) return {};
+  const double p = averaging_probability(motions);
+  const double sampled = std::pow(motions.front()->sample_width, 2);
+  return {p * sampled, std::hypot(kMinStd, std::sqrt(p * (1.0 - p))) * sampled};
+}
+
 /// k from the width w of the pulse: in units of L = (m v^2 / k)^(1/(n+1)) and L / v, the pulse
-/// depends on restitution and exponent only.
-IdentifiedParameter stiffness_of(const ImpactMotion& motion, double restitution, double exponent) {
-  // The sensor averages over its interval, or it does not: half of that width is uncertain.
-  const double sampled = std::pow(motion.sample_width, 2);
-  const double square = std::pow(motion.width, 2) - 0.5 * sampled;
+/// depends on restitution and exponent only. The std is that of its own noise.
+IdentifiedParameter stiffness_of(const ImpactMotion& motion, double sensor_square,
+                                 double restitution, double exponent) {
+  const double square = std::pow(motion.width, 2) - sensor_square;
   if (!(square > 0.0)) return {};
   const double width = std::sqrt(square);
-  const double width_std =
-      std::hypot(0.5 * sampled, 2.0 * motion.width * motion.width_std) / (2.0 * width);
+  const double width_std = motion.width * motion.width_std / width;
   const Impact unit =
       simulate_impact(HuntCrossley{1.0, exact_damping_factor(restitution), exponent}, 1.0, 1.0);
   if (!(unit.force_width > 0.0)) return {};
@@ -99,8 +140,7 @@ std::optional<IdentifiedParameter> restitution_of(const ContactEpisode& episode,
   return IdentifiedParameter{*ratio, motion.speed_ratio.std, true};
 }
 
-MeasuredImpact measure(const ContactEpisode& episode, const IdentifiedParameter& restitution,
-                       double exponent) {
+MeasuredImpact measure(const ContactEpisode& episode, const IdentifiedParameter& restitution) {
   MeasuredImpact impact{.t = episode.begin,
                         .duration = episode.end - episode.begin,
                         .approach_speed = episode.impact->approach,
@@ -108,7 +148,6 @@ MeasuredImpact measure(const ContactEpisode& episode, const IdentifiedParameter&
                         .mass = episode.impact->mass,
                         .law = best_published_damping_law(restitution.value).law};
   impact.damping_over_stiffness = damping_over_stiffness(DampingLaw::exact, impact);
-  impact.stiffness = stiffness_of(*episode.impact, restitution.value, exponent);
   return impact;
 }
 
@@ -153,6 +192,48 @@ IdentifiedParameter median_stiffness(const std::vector<MeasuredImpact>& impacts)
   return {std::exp(middle), std::exp(middle) * share, true};
 }
 
+/// Relative std of the stiffness by an uncertain exponent: the pulses' width then fixes another k.
+double exponent_share(const std::vector<const ImpactMotion*>& motions, double sensor_square,
+                      std::vector<MeasuredImpact> impacts, const ParameterValue& exponent) {
+  double logs[2] = {0.0, 0.0}, exponents[2] = {0.0, 0.0};
+  for (const int side : {0, 1}) {
+    exponents[side] = std::max(1.0, exponent.value + (2 * side - 1) * *exponent.std);
+    for (std::size_t i = 0; i < impacts.size(); ++i) {
+      impacts[i].stiffness =
+          stiffness_of(*motions[i], sensor_square, impacts[i].restitution.value, exponents[side]);
+    }
+    const IdentifiedParameter found = median_stiffness(impacts);
+    if (!found.is_excited) return HUGE_VAL;
+    logs[side] = std::log(found.value);
+  }
+  return std::abs(logs[1] - logs[0]) / (exponents[1] - exponents[0]) * *exponent.std;
+}
+
+/// The impacts' stiffness for the exponent, with what the sensor's own width makes uncertain in all
+/// of them alike; and its std with the exponent's share.
+void find_stiffness(const std::vector<const ImpactMotion*>& motions, const ParameterValue& exponent,
+                    ObjectIdentification& result) {
+  const SensorWidth sensor = sensor_width(motions);
+  std::vector<double> squares;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    MeasuredImpact& impact = result.impacts[i];
+    impact.stiffness =
+        stiffness_of(*motions[i], sensor.square, impact.restitution.value, exponent.value);
+    squares.push_back(std::pow(motions[i]->width, 2) - sensor.square);
+  }
+  ImpactFindings& found = result.impact_findings;
+  found.exponent = exponent.value;
+  found.stiffness = median_stiffness(result.impacts);
+  if (!found.stiffness.is_excited) return;
+  const double common = 0.5 * (exponent.value + 1.0) * sensor.std / median(std::move(squares));
+  const double share = std::hypot(found.stiffness.std / found.stiffness.value, common);
+  found.stiffness.std = share * found.stiffness.value;
+  found.stiffness.is_excited = share < kMaxStiffnessShare;
+  found.stiffness_std =
+      found.stiffness.value *
+      std::hypot(share, exponent_share(motions, sensor.square, result.impacts, exponent));
+}
+
 /// Whether the impacts' stiffness replaces the known one: where presses, which hardly penetrate a
 /// stiff contact, gave none, a linear law whose exponent they do not know, or one that contradicts
 /// the impacts.
@@ -174,8 +255,12 @@ void take_stiffness(ObjectIdentification& result) {
   ImpactFindings& found = result.impact_findings;
   ObjectParameters& parameters = result.parameters;
   found.gives_stiffness = true;
-  parameters.contact_stiffness = as_value(found.stiffness);
+  // For an exponent that is assumed the stiffness is, too: about the pulses only it is right.
+  const bool is_identified = found.stiffness_std < kMaxStiffnessShare * found.stiffness.value;
+  parameters.contact_stiffness = ParameterValue{found.stiffness.value, {}};
+  if (is_identified) parameters.contact_stiffness->std = found.stiffness_std;
   parameters.contact_exponent = ParameterValue{found.exponent, {}};
+  result.penetration = {};
   parameters.contact_mass.reset();
   // That of the presses belongs to their stiffness and exponent.
   parameters.contact_damping.reset();
@@ -187,7 +272,9 @@ void take_stiffness(ObjectIdentification& result) {
     counts->erase("contact.exponent");
     counts->erase("contact.mass");
   }
-  parameters.sources.impacts["contact.stiffness"] = static_cast<int>(result.impacts.size());
+  if (is_identified) {
+    parameters.sources.impacts["contact.stiffness"] = static_cast<int>(result.impacts.size());
+  }
 }
 
 void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option) {
@@ -212,7 +299,9 @@ void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option
   const double share =
       std::hypot(found.damping_over_stiffness.std / found.damping_over_stiffness.value,
                  stiffness.std ? *stiffness.std / stiffness.value : 0.0);
-  const ParameterValue damping{value, value * share};
+  ParameterValue damping{value, value * share};
+  // Its unit is that of an assumed exponent, too.
+  if (!stiffness.std) damping.std.reset();
   if (parameters.contact_damping && share_of(*parameters.contact_damping) < share) {
     return leave_out("the damping of presses is more certain");
   }
@@ -223,7 +312,7 @@ void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option
   for (auto* counts : {&parameters.sources.presses, &parameters.sources.pushes}) {
     counts->erase("contact.damping");
   }
-  parameters.sources.impacts["contact.damping"] = count;
+  if (damping.std) parameters.sources.impacts["contact.damping"] = count;
 }
 
 }  // namespace
@@ -233,8 +322,9 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
   const ContactFit& press = result.presses.best();
   const bool has_press = press.is_valid && press.stiffness.is_excited;
   const bool is_curved = has_press && press.exponent.value > 1.0;
-  const double exponent = is_curved ? press.exponent.value : kHertzExponent;
-  result.impact_findings.exponent = exponent;
+  const ParameterValue exponent =
+      is_curved ? as_value(press.exponent) : ParameterValue{kHertzExponent, kHertzExponentStd};
+  std::vector<const ImpactMotion*> motions;
   for (const IdentifiedContact& contact : contacts) {
     const ContactEpisode& episode = contact.episode;
     if (contact.object != object || !contact.left_out.empty() || !episode.impact) continue;
@@ -248,14 +338,15 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
           "the impact at {} is not used: a restitution of {:.2f} +- {:.2f} is not physical",
           at_time(episode.begin), restitution->value, restitution->std));
     } else {
-      result.impacts.push_back(measure(episode, *restitution, exponent));
+      result.impacts.push_back(measure(episode, *restitution));
+      motions.push_back(&*episode.impact);
     }
   }
   if (result.impacts.empty()) return;
   ImpactFindings& found = result.impact_findings;
   found.restitution =
       weighted_mean(result.impacts, [](const auto& impact) { return impact.restitution; });
-  found.stiffness = median_stiffness(result.impacts);
+  find_stiffness(motions, exponent, result);
   result.parameters.contact_restitution = as_value(found.restitution);
   result.parameters.contact_impact_speed = as_value(
       weighted_mean(result.impacts, [](const auto& impact) { return impact.approach_speed; }));

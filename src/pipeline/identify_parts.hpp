@@ -53,6 +53,10 @@ void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size
 void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_t object,
                       std::optional<DampingLaw> damping_law, ObjectIdentification& result);
 
+/// The penetration at F_M by the contact law that was found, with its std beyond the forces that it
+/// was found by.
+void state_penetration(ObjectIdentification& result);
+
 /// Breakaway and sliding.
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,

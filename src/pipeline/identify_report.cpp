@@ -89,6 +89,9 @@ void add_object(Json& json, const Identification& found, std::size_t index) {
     json[key + row.name + ".is_excited"] = row.is_excited;
     json[key + row.name + ".remark"] = row.remark;
   }
+  if (object.penetration.force > 0.0) {
+    json[key + "contact.penetration_force"] = object.penetration.force;
+  }
   Json& forces = json[key + "sliding_force"] = Json::array();
   for (const SlidingForce& row : object.friction.sliding_force) {
     forces.push_back({{"speed", row.speed}, {"force", row.force}, {"std", row.std}});

@@ -170,6 +170,18 @@ TEST(IdentifyContact, FitsStiffnessAndDampingUnderAGivenExponent) {
   EXPECT_EQ(given.best().exponent.value, 1.5);
   EXPECT_EQ(given.best().exponent.std, 0.0);
   EXPECT_NEAR(given.best().stiffness.value, 5e4, 4.0 * given.best().stiffness.std);
+  // One whose std is given takes part in the stiffness's std, whose unit it is; and in that of the
+  // penetration, which hardly depends on it.
+  options.exponent = 1.4;
+  const ContactFit conditional = identify_contact(series_of(trials), options).best();
+  EXPECT_GT(std::abs(conditional.stiffness.value - 5e4), 5.0 * conditional.stiffness.std);
+  options.exponent_std = 0.1;
+  const ContactFit uncertain = identify_contact(series_of(trials), options).best();
+  EXPECT_EQ(uncertain.exponent.std, 0.1);
+  const double log_std = uncertain.stiffness.std / uncertain.stiffness.value;
+  EXPECT_NEAR(std::log(uncertain.stiffness.value / 5e4), 0.0, 2.0 * log_std);
+  EXPECT_LT(uncertain.penetration_std, 0.3 * log_std);
+  options.exponent_std = 0.0;
   // The uncertainty of the exponent is most of the stiffness's std.
   EXPECT_LT(given.best().stiffness.std, 0.3 * free.best().stiffness.std);
   options.exponent = 0.5;

@@ -52,6 +52,19 @@ TEST(IdentifyContacts, GiveTheLawOfAPushUntilItsBreakaway) {
   EXPECT_NEAR(found.parameters.contact_stiffness->value, 3e4, 0.05 * 3e4);
 }
 
+// Its exponent is assumed, and so is the stiffness's unit: only the penetration is a result.
+TEST(IdentifyContacts, StateThePenetrationOfAPushAndNoStiffness) {
+  ObjectIdentification found =
+      law_of([](double depth) { return 1e4 * std::pow(depth, 1.3); }, 0.003);
+  ASSERT_TRUE(found.parameters.contact_stiffness);
+  EXPECT_FALSE(found.parameters.contact_stiffness->std);
+  EXPECT_EQ(found.parameters.sources.pushes.count("contact.stiffness"), 0U);
+  state_penetration(found);
+  ASSERT_TRUE(found.penetration.depth.is_excited);
+  const double depth = std::pow(found.penetration.force / 1e4, 1.0 / 1.3);
+  EXPECT_NEAR(found.penetration.depth.value, depth, 2.0 * found.penetration.depth.std);
+}
+
 // An object that slides while its friction grows is no spring of a metre.
 TEST(IdentifyContacts, WithholdALawThatIsDeeperThanTheTipMoved) {
   const ObjectIdentification found =

@@ -40,9 +40,11 @@ struct ContactFitOptions {
   double max_exponent;     ///< of the Hunt-Crossley law
   double min_mass_stds;    ///< mass over its std: below, the contact's mass is not fitted
   double min_improvement;  ///< of the misfit, as a share, for the Hunt-Crossley law to be chosen
-  /// >= 1: fixed, and only the Hunt-Crossley law of this exponent is fitted. The stds are those
-  /// for this exponent: k has another value and unit for another one.
+  /// >= 1: fixed, and only the Hunt-Crossley law of this exponent is fitted.
   std::optional<double> exponent;
+  /// Of a fixed exponent: k has another value for another one, so that its share goes into all
+  /// stds. 0: those for this exponent.
+  double exponent_std = 0.0;
 };
 [[nodiscard]] OptionSection section_of(ContactFitOptions& options);
 

@@ -126,6 +126,8 @@ struct FaceContact {
   Eigen::Vector3d normal_object = Eigen::Vector3d::Zero();
   int pushes = 0;
   ContactIdentification contact;
+  /// Its penetration is known; its stiffness, too, where `stiffness.is_excited` says so.
+  bool is_usable = false;
 };
 
 /// Restitution and damping of a short impact [paper B, eq. 11, 12].
@@ -138,8 +140,8 @@ struct MeasuredImpact {
   DampingLaw law = DampingLaw::exact;  ///< the published law with the smallest error there
   /// lambda / k [s/m] by the exact relation.
   IdentifiedParameter damping_over_stiffness = {};
-  /// k [N/m^n] from the width of the force's pulse; not excited where the sensor's averaging hides
-  /// it.
+  /// k [N/m^n] from the width of the force's pulse, with the std of its own noise; not excited
+  /// where the sensor's averaging hides it.
   IdentifiedParameter stiffness = {};
 };
 
@@ -147,7 +149,8 @@ struct MeasuredImpact {
 struct ImpactFindings {
   IdentifiedParameter restitution = {};             ///< weighted mean
   IdentifiedParameter damping_over_stiffness = {};  ///< lambda / k [s/m], weighted mean
-  IdentifiedParameter stiffness = {};               ///< k [N/m^n] for `exponent`
+  IdentifiedParameter stiffness = {};               ///< k [N/m^n] for exactly `exponent`
+  double stiffness_std = 0.0;                       ///< with the exponent's share
   double exponent = 1.5;
   DampingLaw law = DampingLaw::exact;  ///< of damping_over_stiffness
   std::string choice = {};             ///< how the law was chosen
@@ -165,6 +168,15 @@ struct ParameterFinding {
   std::string remark = {};  ///< its source, or the motion that would identify it
 };
 
+/// The penetration by the contact law, which is known better than the law's own parameters: their
+/// errors compensate each other there.
+struct PenetrationFinding {
+  double relative_std = 0.0;  ///< from a quarter of `max_force` on; 0 where the law was not found
+  double max_force = 0.0;     ///< [N] that the law was found by
+  double force = 0.0;         ///< [N] at which it is stated: F_M, else `max_force`
+  IdentifiedParameter depth = {};  ///< [m] there
+};
+
 struct ObjectIdentification {
   std::string name;
   bool is_movable = true;
@@ -178,6 +190,7 @@ struct ObjectIdentification {
   /// so that the stiffness comes out up to a half too small. It corrects the compression in the
   /// estimates of friction, and is not a result.
   bool is_contact_off_centre = false;
+  PenetrationFinding penetration = {};
   std::vector<FaceContact> faces = {};
   std::vector<EstimatorTrace> comparison = {};
   std::vector<MeasuredImpact> impacts = {};
