@@ -60,18 +60,19 @@ Expected<std::vector<JointGain>> find_drive_gains(const NamedLog& unloaded, cons
   if (!without) return without.error();
   const Expected<SoundLog> with = currents_of(loaded, model, options);
   if (!with) return with.error();
-  const DriveGains found = identify_drive_gains(without->signals, with->signals, without->model,
-                                                load_mass, options.fit);
+  const DriveGains found =
+      identify_drive_gains(without->signals, with->signals, without->model, load_mass, options.fit);
   std::vector<JointGain> gains(without->columns.size());
   for (std::size_t j = 0; j < gains.size(); ++j) {
     const auto joint = static_cast<Eigen::Index>(j);
     JointGain& gain = gains[without->columns[j]];
     gain = {without->model.joints[j].name, found.gain[joint], found.std[joint]};
     if (std::isfinite(gain.gain) && gain.std < kMaxGainStd * std::abs(gain.gain)) continue;
-    return Error{.message = fmt::format("joint {}: its gain is {:.3g} +- {:.2g} N m/A, not determined",
-                                        gain.joint, gain.gain, gain.std),
-                 .file = loaded.file,
-                 .hint = "move it faster, or give --gains"};
+    return Error{
+        .message = fmt::format("joint {}: its gain is {:.3g} +- {:.2g} N m/A, not determined",
+                               gain.joint, gain.gain, gain.std),
+        .file = loaded.file,
+        .hint = "move it faster, or give --gains"};
   }
   return gains;
 }

@@ -19,14 +19,15 @@ namespace {
 
 using detail::at;
 
-constexpr double kSignSpeed = 0.05;        ///< [rad/s] of the sign of a speed
-constexpr double kKnownMass = 1e-4;        ///< std of the load's mass, relative
-constexpr double kGainStd = 10.0;         ///< of a gain's relative change: left to the data
-constexpr double kMaxChange = 0.5;         ///< of a gain in one round
-constexpr double kSettled = 1e-5;        ///< the same
+constexpr double kSignSpeed = 0.05;  ///< [rad/s] of the sign of a speed
+constexpr double kKnownMass = 1e-4;  ///< std of the load's mass, relative
+constexpr double kGainStd = 10.0;    ///< of a gain's relative change: left to the data
+constexpr double kMaxChange = 0.5;   ///< of a gain in one round
+constexpr double kSettled = 1e-5;    ///< the same
 constexpr int kMaxRounds = 50;
 
-/// Columns of a joint's own: friction of both runs, its change in the loaded one, the gain's change.
+/// Columns of a joint's own: friction of both runs, its change in the loaded one, the gain's
+/// change.
 enum Column { kOffset, kViscous, kCoulomb, kMotorInertia, kChange, kGain = kChange + 3, kColumns };
 
 class GainFit {
@@ -137,7 +138,8 @@ class GainFit {
       rows.torque = gain_[at(j)] * currents_[j];
       rows.library.col(kGain) = rows.rigid * before.rigid;
       const double size = std::sqrt(rows.torque.squaredNorm() / double(rows_));
-      Eigen::VectorXd& std = prior_.library_std.emplace_back(Eigen::VectorXd::Constant(kColumns, 10.0 * size));
+      Eigen::VectorXd& std =
+          prior_.library_std.emplace_back(Eigen::VectorXd::Constant(kColumns, 10.0 * size));
       std.segment<3>(kChange).setConstant(kChangeOfFriction * size);
       std[kGain] = kGainStd;
     }
@@ -149,7 +151,8 @@ class GainFit {
       const JointRows& rows = joints_[j];
       const Eigen::VectorXd residual =
           rows.torque - rows.rigid * solution.rigid - rows.library * solution.library[j];
-      variance[at(j)] = std::max(1e-18, residual.squaredNorm() / double(rows_)) * detail::correlated_rows(residual);
+      variance[at(j)] = std::max(1e-18, residual.squaredNorm() / double(rows_)) *
+                        detail::correlated_rows(residual);
     }
     return solution;
   }

@@ -20,7 +20,7 @@ constexpr double kTurnLever = 0.05;  // [m] by which rotations are weighted
 /// Minimum weighted rotation, as a share of the translation, of a twist that determines the radius.
 constexpr double kMinRotationShare = 0.2;
 constexpr double kUnpredicted = 0.5 * std::numbers::pi;  // [rad] where too few pushes are left
-constexpr std::size_t kMinTurning = 3;  // samples of such twists
+constexpr std::size_t kMinTurning = 3;                   // samples of such twists
 /// Std of the radius, as a share, by the pressure's distribution, which no push shows in full:
 /// uneven by 60 % from place to place, it differs so much from an even one of the same size.
 constexpr double kPressureShare = 0.02;
@@ -125,7 +125,9 @@ std::optional<ParameterValue> friction_radius_of(const SamplesOfPushes& pushes,
   if (!is_turned(samples)) return std::nullopt;
   const FrictionModel models[] = {
       [&](const std::vector<PushSample>& some) { return turned_by_support(support, shape, some); },
-      [&](const std::vector<PushSample>& some) { return turned_by_surface(options, support.radius(), some); }};
+      [&](const std::vector<PushSample>& some) {
+        return turned_by_surface(options, support.radius(), some);
+      }};
   std::optional<ParameterValue> best;
   double least = std::numeric_limits<double>::infinity();
   for (const FrictionModel& model : models) {

@@ -12,9 +12,9 @@
 namespace pcavr {
 
 /// [m] By the model of friction that predicts best how pushes that it was not fitted to turned the
-/// object: the CAD body's support, of this `shape`, at any size, or any limit surface, as of an object on feet. Its
-/// std is by leaving out pushes, and by the pressure's unknown distribution. Empty where no push
-/// turned the object far enough.
+/// object: the CAD body's support, of this `shape`, at any size, or any limit surface, as of an
+/// object on feet. Its std is by leaving out pushes, and by the pressure's unknown distribution.
+/// Empty where no push turned the object far enough.
 [[nodiscard]] std::optional<ParameterValue> friction_radius_of(
     const SamplesOfPushes& pushes, const Support& support, const LimitSurface& shape,
     const LimitSurfaceFitOptions& options);

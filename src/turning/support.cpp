@@ -17,15 +17,15 @@
 namespace pcavr {
 namespace {
 
-constexpr double kContactHeight = 2e-3;     // [m] vertices so close to the lowest are on the support
-constexpr int kCells = 12;                  // across the support
+constexpr double kContactHeight = 2e-3;  // [m] vertices so close to the lowest are on the support
+constexpr int kCells = 12;               // across the support
 constexpr double kTypicalCoefficient = 0.3;  // force over weight, where the weight is not known
 /// Of the way from the centre of mass to the support's edge: beyond, a stiff body stands on a line.
 constexpr double kMaxShift = 0.8;
 constexpr int kMaxLiftOffs = 20;  // rounds until the loaded points are found; two or three suffice
 /// Scales of the support: a single foot near the centre, and two thirds beyond its rim.
 constexpr double kMinScale = 0.2, kMaxScale = 1.7;
-constexpr int kScales = 16;    // geometric, between those
+constexpr int kScales = 16;      // geometric, between those
 constexpr int kNarrowings = 14;  // golden sections of one step: to a thousandth
 
 bool contains(const std::vector<Eigen::Vector3d>& outline, const Eigen::Vector2d& p) {

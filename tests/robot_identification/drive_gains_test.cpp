@@ -45,7 +45,8 @@ TEST(DriveGains, FollowFromALoadOfKnownMass) {
 
 JointLog ur10e_log(const char* name) {
   JointLog log =
-      import_joint_log(shared_data(std::string("real/ur10e/identification_data/ur-20_") + name + ".csv"), {})
+      import_joint_log(
+          shared_data(std::string("real/ur10e/identification_data/ur-20_") + name + ".csv"), {})
           .value()
           .log;
   log.torque = log.current;
@@ -59,8 +60,8 @@ TEST(DriveGains, OfAUr10eWeighTheLoadOfAnotherPairOfRuns) {
   const RobotModel model =
       match_joints(log, read_urdf(shared_data("real/ur10e/ur10e.urdf")).value()).value().model;
   const DriveGains found =
-      identify_drive_gains(joint_signals(log, {}), joint_signals(ur10e_log("02_19_14harm50secLoad"), {}),
-                           model, 2.805, {});
+      identify_drive_gains(joint_signals(log, {}),
+                           joint_signals(ur10e_log("02_19_14harm50secLoad"), {}), model, 2.805, {});
   const auto torques_of = [&](const char* name) {
     JointLog run = ur10e_log(name);
     run.torque *= found.gain.asDiagonal();
