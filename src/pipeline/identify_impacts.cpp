@@ -228,7 +228,6 @@ void find_stiffness(const std::vector<const ImpactMotion*>& motions, const Param
   const double common = 0.5 * (exponent.value + 1.0) * sensor.std / median(std::move(squares));
   const double share = std::hypot(found.stiffness.std / found.stiffness.value, common);
   found.stiffness.std = share * found.stiffness.value;
-  found.stiffness.is_excited = share < kMaxStiffnessShare;
   found.stiffness_std =
       found.stiffness.value *
       std::hypot(share, exponent_share(motions, sensor.square, result.impacts, exponent));
