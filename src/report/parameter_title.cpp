@@ -10,11 +10,12 @@ namespace pcavr {
 namespace {
 
 /// Symbols: of F = k dⁿ + λ dⁿ ḋ, and of papers B and C.
-constexpr std::array<std::pair<std::string_view, const char*>, 16> kTitles = {
+constexpr std::array<std::pair<std::string_view, const char*>, 17> kTitles = {
     {{"contact.stiffness", "Contact stiffness k"},
      {"contact.damping", "Contact damping λ"},
      {"contact.exponent", "Contact exponent n"},
      {"contact.mass", "Mass that moves with the tip m"},
+     {"contact.penetration", "Penetration by the contact law"},
      {"contact.force", "Elastic force at the true limiting friction"},
      {"restitution", "Restitution c"},
      {"contact.restitution", "Restitution c"},
