@@ -36,6 +36,7 @@ ObjectIdentification law_of(const std::function<double(double)>& force_at, doubl
   }
   episode.begin = kWayToTouch / kTipSpeed;
   episode.end = episode.t.back();
+  episode.peak_force = *std::max_element(episode.force.begin(), episode.force.end());
   contact.normal_object = Eigen::Vector3d::UnitX();
   std::vector<IdentifiedContact> contacts{contact};
   ObjectIdentification result;
