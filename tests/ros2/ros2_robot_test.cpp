@@ -49,6 +49,10 @@ struct FakeNetwork {
     const std::lock_guard lock(mutex);
     return from_robot.size();
   }
+  [[nodiscard]] Bytes last() {
+    const std::lock_guard lock(mutex);
+    return from_robot.empty() ? Bytes{} : from_robot.back();
+  }
 };
 
 class FakeTransport final : public Ros2Transport {
@@ -303,7 +307,7 @@ TEST_F(Ros2RobotTest, MeasuresAndPublishesSetpointsNearTheTool) {
   }
   EXPECT_GT(network_.count(), 20U);
   const BagTopic topic{"/command", "geometry_msgs/msg/PoseStamped", "cdr", {}, {}};
-  const auto message = decode_ros_message(topic, network_.from_robot.back());
+  const auto message = decode_ros_message(topic, network_.last());
   ASSERT_TRUE(message);
   const auto& pose = std::get<RosPose>(*message);
   EXPECT_EQ(pose.header.frame, "base_link");
@@ -375,7 +379,7 @@ TEST_F(Ros2RobotTest, CommandsJointsToThePoseThatIsCommanded) {
   }
   ASSERT_GT(network_.count(), 50U);
   const std::array<double, 2> first = positions_of(network_.from_robot.front());
-  const std::array<double, 2> last = positions_of(network_.from_robot.back());
+  const std::array<double, 2> last = positions_of(network_.last());
   // From the measured joints, in the order of the chain, no faster than the tool may turn.
   EXPECT_NEAR(first[0], shoulder, 0.01);
   EXPECT_NEAR(first[1], elbow, 0.01);
