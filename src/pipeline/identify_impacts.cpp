@@ -260,6 +260,7 @@ void take_stiffness(ObjectIdentification& result) {
   if (is_identified) parameters.contact_stiffness->std = found.stiffness_std;
   parameters.contact_exponent = ParameterValue{found.exponent, {}};
   result.penetration = {};
+  result.comparison.clear();  // of estimators, under the presses' law
   parameters.contact_mass.reset();
   // That of the presses belongs to their stiffness and exponent.
   parameters.contact_damping.reset();
