@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output_paths.hpp"
 #include "pcavr/report/report_page.hpp"
 #include "pcavr/robot/urdf.hpp"
@@ -18,6 +19,7 @@
 #include "commands.hpp"
 #include "identify_plan.hpp"
 #include "identify_robot.hpp"
+#include "number_option.hpp"
 #include "output_option.hpp"
 
 namespace pcavr::app {

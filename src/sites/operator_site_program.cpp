@@ -266,7 +266,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     options.backward_delay = std::max(report_.correction_delay - lead, teleop_.backward_delay);
     const std::size_t next = schedule_.next();
     next_world_.begin(
-        now, world_, std::move(options), schedule_.time_of(next - 1),
+        now, world_, options, schedule_.time_of(next - 1),
         person_.p_base_start(next, welcome_->follows_commands ? robot_.state() : nullptr));
   }
 
