@@ -33,11 +33,14 @@ Expected<void> apply_gains(const std::vector<double>& gains, JointLog& log,
                  .hint = "add columns tau_NAME or current_NAME"};
   }
   if (gains.size() != log.joints.size()) {
-    return Error{.message = fmt::format("has currents of {} joints, and {} gains are given",
-                                        log.joints.size(), gains.size()),
-                 .file = file,
-                 .line = 1,
-                 .hint = "give --gains with N m/A for each joint, in the order of the columns"};
+    return Error{
+        .message = fmt::format("has currents of {} joints, and {} gains are given",
+                               log.joints.size(), gains.size()),
+        .file = file,
+        .line = 1,
+        .hint =
+            "give --gains with N m/A for each joint, in the order of the columns, or find them by "
+            "--unloaded and --load-mass"};
   }
   log.torque = log.current;
   for (std::size_t j = 0; j < gains.size(); ++j) {

@@ -97,6 +97,35 @@ TEST(IdentifyRobot, NeedsGainsForCurrents) {
   EXPECT_EQ(run_pcavr(with_gains).exit_code, 0);
 }
 
+TEST(IdentifyRobot, FindsGainsByALoadOfKnownMass) {
+  const TemporaryFolder folder;
+  RobotModel loaded = pa10();
+  RigidInertia load;
+  load.mass = 3.0;
+  load.centre_of_mass = {0.05, -0.02, 0.10};
+  load.inertia_at_com = 0.004 * Eigen::Matrix3d::Identity();
+  loaded.joints.back().body = loaded.joints.back().body + load;
+  constexpr double kGain = 10.0;  // [N m/A]
+  std::vector<std::string> files;
+  for (const RobotModel& arm : {pa10(), loaded}) {
+    JointLog log = simulated_log(arm, {.duration = 20.0, .seed = 43 + files.size()});
+    log.current = log.torque / kGain;
+    log.torque.resize(0, 0);
+    files.push_back((folder.path() / std::to_string(files.size())).string() + ".csv");
+    ASSERT_TRUE(write_file(files.back(), format_joint_log(log)));
+  }
+  const nlohmann::json found =
+      run_json({"identify", "robot", files[1], "--unloaded", files[0], "--robot", pa10_file(),
+                "--load-mass", "3", "-o", (folder.path() / "report").string()});
+  ASSERT_EQ(found["gains"].size(), 7U);
+  for (const nlohmann::json& joint : found["gains"]) {
+    const double std = joint["std"].get<double>();
+    EXPECT_NEAR(joint["gain"].get<double>(), kGain, 3.0 * std) << joint;
+    EXPECT_LT(std, 0.1 * kGain) << joint;
+  }
+  EXPECT_NEAR(found["payload"]["mass"].get<double>(), 3.0, 0.03 * 3.0);
+}
+
 TEST(IdentifyRobot, ComparesWithPaperAsTrialByMethodGrid) {
   const TemporaryFolder folder;
   const std::string log = write_log(folder, simulated_log(pa10(), {.duration = 12.0}));
