@@ -82,6 +82,8 @@ def live_report(arguments, label, link):
     truth = folder / "truth" if arguments.plant else arguments.recording / "truth"
     log = folder / "robot.mcap"
     log.unlink(missing_ok=True)
+    if arguments.plant:
+        shutil.rmtree(truth, ignore_errors=True)
     # Time enough for a connection over a bad link before the recording begins.
     config = folder / "robot.yaml"
     config.write_text("robot_site:\n  start_delay: 4\n")

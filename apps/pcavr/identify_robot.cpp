@@ -252,9 +252,9 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
     loaded = *std::move(read);
   }
   RobotIdentificationOptions options = configuration.robot_identification;
+  options.fit.known_body |= arguments.is_body_known;
   Expected<std::vector<JointGain>> gains = gains_of(arguments, *log, loaded, *model, options);
   if (!gains) return gains.error();
-  options.fit.known_body |= arguments.is_body_known;
   options.is_trial_wanted = arguments.method == "grid";
   Expected<RobotIdentification> found = identify_robot(*log, *model, options, fitted);
   if (!found) return found.error();

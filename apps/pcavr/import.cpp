@@ -140,6 +140,11 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
                  .hint = "give a .bag, .mcap or .db3 file, the folder of one, or CSV files"};
   }
   if (is_joint_log(arguments)) return import_joints(arguments);
+  if (arguments.skip_bad) {
+    return Error{.message = "--skip-bad is for the log of an arm, but this is none",
+                 .file = arguments.source,
+                 .hint = "import without it; build and replay have their own"};
+  }
   if (is_of_clouds(arguments)) return import_sequence(arguments, observer);
   if (const std::string option = first_cloud_option(arguments.clouds); !option.empty()) {
     return Error{.message = option + " is for point clouds, but there are none",

@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/core.h>
 
 #include "pcavr/core/json_text.hpp"
+#include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/pipeline/plugin_robot.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
@@ -108,7 +110,8 @@ void announce(const LinkServer& server, const RobotInterface& robot,
 struct RobotSource {
   std::unique_ptr<TeleopInput> input;
   std::unique_ptr<RobotInterface> robot;
-  const PlantRobot* plant = nullptr;  ///< the robot, if its truth is kept
+  const PlantRobot* plant = nullptr;       ///< the robot, if its truth is kept
+  std::optional<OutputFolder> truth = {};  ///< of the plant
 };
 
 Expected<RobotSource> read_recorded(const RobotSiteArguments& arguments, const SceneManifest& scene,
@@ -181,12 +184,12 @@ Expected<RobotSource> simulate_robot(const RobotSiteArguments& arguments,
   Expected<std::unique_ptr<PlantRobot>> robot =
       make_plant_robot(chosen->task, arguments.seed, *input, options.teleop.pose.tracking_latency);
   if (!robot) return robot.error();
-  const PlantRobot* plant = nullptr;
-  if (!arguments.truth.empty()) {
-    (*robot)->keep_truth();
-    plant = robot->get();
-  }
-  return RobotSource{std::move(input), std::move(*robot), plant};
+  if (arguments.truth.empty()) return RobotSource{std::move(input), std::move(*robot)};
+  Expected<OutputFolder> truth = OutputFolder::create(arguments.truth);
+  if (!truth) return truth.error();
+  (*robot)->keep_truth();
+  const PlantRobot* const plant = robot->get();
+  return RobotSource{std::move(input), std::move(*robot), plant, *std::move(truth)};
 }
 
 Expected<RobotSource> read_robot(const RobotSiteArguments& arguments, const SceneManifest& scene,
@@ -209,8 +212,7 @@ Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
   if (arguments.without_corrections) options->teleop.with_corrections = false;
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.site.scene);
   if (!scene) return scene.error();
-  const Expected<RobotSource> source =
-      read_robot(arguments, *scene, *options, configuration, observer);
+  Expected<RobotSource> source = read_robot(arguments, *scene, *options, configuration, observer);
   if (!source) return source.error();
   const TeleopInput& input = *source->input;
   RobotInterface* const robot = source->robot.get();
@@ -227,7 +229,8 @@ Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
                      black_box->get());
   if (!report) return report.error();
   if (source->plant != nullptr) {
-    const Expected<void> written = source->plant->write_truth(arguments.truth);
+    Expected<void> written = source->plant->write_truth(source->truth->path());
+    if (written) written = source->truth->commit();
     if (!written) return written.error();
   }
   CommandResult result = describe_robot_site(*report);

@@ -206,7 +206,7 @@ void add_exponent_share(const std::vector<PressSamples>& presses, ContactFitOpti
     fits[i] = fit_hunt_crossley(presses, options);
     if (!fits[i].is_valid) return;
   }
-  const auto [low, high] = std::pair(fits[0], fits[1]);
+  const ContactFit &low = fits[0], &high = fits[1];
   const double scale = options.exponent_std / (high.exponent.value - low.exponent.value);
   // Of the logarithm: k changes by a factor of ten.
   const Eigen::Vector3d change(

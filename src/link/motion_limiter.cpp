@@ -26,8 +26,7 @@ constexpr auto kLimitFields = std::to_array<OptionField<MotionLimits>>({
      "lower: fast motion is cut; higher: a jump of the command becomes a long motion"},
     {"max_overshoot", &MotionLimits::max_overshoot, 0.001, 0.0, 0.1, "m",
      "by which the tool may pass a command that stops at once, along each axis; the default lets "
-     "it "
-     "follow a push of 0.1 m/s without a lag",
+     "it follow a push of 0.1 m/s without a lag",
      "lower: the tool lags behind a hand that moves steadily; higher: it presses deeper at a stop"},
     {"max_force", &MotionLimits::max_force, 60.0, 0.1, 1e4, "N",
      "force above which the tool does not press on",
@@ -130,8 +129,9 @@ const Eigen::Vector3d& MotionLimiter::step(const std::optional<Eigen::Vector3d>&
       note(LinkLimit::force);
       wanted = without_pressing(wanted, force_base);
     }
+  } else {
+    last_target_.reset();
   }
-  if (!command || !command->allFinite()) last_target_.reset();
   for (int axis = 0; axis < 3; ++axis) {
     const double change = limits_.max_acceleration * dt;
     double v = std::clamp(wanted[axis], v_base_[axis] - change, v_base_[axis] + change);

@@ -33,7 +33,7 @@ Expected<void> add_payload(JointLog loaded, const RobotIdentificationOptions& op
   if (Expected<void> applied = apply_gains(options.gains, loaded, file); !applied) return applied;
   Expected<SoundLog> sound = sound_log(loaded, model, options, file);
   if (!sound) return sound.error();
-  if (sound->model.dof != found.model.dof) {
+  if (sound->matched.model.dof != found.model.dof) {
     return Error{.message = "has other joints than the log of the unloaded arm",
                  .file = file,
                  .line = 1,
@@ -42,6 +42,10 @@ Expected<void> add_payload(JointLog loaded, const RobotIdentificationOptions& op
   if (found.signals.is_sign_changed) {
     sound->signals.torque *= -1.0;
     sound->signals.torque_rate *= -1.0;
+  }
+  for (Error& warning : sound->warnings) {
+    warning.file = file;
+    found.notes.push_back(warning.to_string());
   }
   found.payload = identify_payload(sound->signals, found.model, found.fit);
   return {};
@@ -60,13 +64,13 @@ Expected<std::vector<JointGain>> find_drive_gains(const NamedLog& unloaded, cons
   if (!without) return without.error();
   const Expected<SoundLog> with = currents_of(loaded, model, options);
   if (!with) return with.error();
-  const DriveGains found =
-      identify_drive_gains(without->signals, with->signals, without->model, load_mass, options.fit);
-  std::vector<JointGain> gains(without->columns.size());
+  const DriveGains found = identify_drive_gains(without->signals, with->signals,
+                                                without->matched.model, load_mass, options.fit);
+  std::vector<JointGain> gains(without->matched.columns.size());
   for (std::size_t j = 0; j < gains.size(); ++j) {
     const auto joint = static_cast<Eigen::Index>(j);
-    JointGain& gain = gains[without->columns[j]];
-    gain = {without->model.joints[j].name, found.gain[joint], found.std[joint]};
+    JointGain& gain = gains[without->matched.columns[j]];
+    gain = {without->matched.model.joints[j].name, found.gain[joint], found.std[joint]};
     if (std::isfinite(gain.gain) && gain.std < kMaxGainStd * std::abs(gain.gain)) continue;
     return Error{
         .message = fmt::format("joint {}: its gain is {:.3g} +- {:.2g} N m/A, not determined",

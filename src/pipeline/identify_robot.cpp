@@ -206,35 +206,25 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   if (Expected<void> applied = apply_gains(options.gains, log, file); !applied) {
     return applied.error();
   }
-  const Expected<MatchedRobot> matched = match_joints(log, model);
-  if (!matched) return first_of({matched.error()}, file);
-  RobotIdentification found{.model = matched->model,
-                            .log = reordered(log, matched->columns),
-                            .clock = {},
-                            .signals = {},
+  Expected<SoundLog> sound = sound_log(log, model, options, file);
+  if (!sound) return sound.error();
+  RobotIdentification found{.model = std::move(sound->matched.model),
+                            .log = std::move(sound->log),
+                            .clock = sound->clock,
+                            .signals = std::move(sound->signals),
                             .fit = {},
                             .contacts = {},
                             .payload = {},
                             .intervals = {},
                             .trial = {},
                             .replay = {},
-                            .notes = matched->notes,
+                            .notes = std::move(sound->matched.notes),
                             .warnings = {},
                             .configuration = {}};
-  const LogFindings rows = check_rows(found.log, found.model, options.signals.max_gap);
-  if (!rows.errors.empty()) return first_of(rows.errors, file);
-  found.clock = correct_sample_clock(found.log);
-  found.signals = joint_signals(found.log, options.signals);
-  if (found.signals.position.rows() < kMinFittedRows) {
-    return Error{
-        .message = fmt::format("only {} rows are left for the fit", found.signals.position.rows()),
-        .file = file,
-        .hint = "record a longer motion without gaps"};
-  }
   const LogFindings shown = check_hypotheses(found.signals, found.model);
   if (!shown.errors.empty()) return first_of(shown.errors, file);
-  for (const LogFindings& findings : {rows, shown}) {
-    for (const Error& warning : findings.warnings) found.notes.push_back(text_of(warning));
+  for (const std::vector<Error>& warnings : {sound->warnings, shown.warnings}) {
+    for (const Error& warning : warnings) found.notes.push_back(text_of(warning));
   }
   for (std::string& note : signal_notes(found.signals, found.clock)) {
     found.notes.push_back(std::move(note));

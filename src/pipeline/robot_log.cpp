@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "pcavr/robot_identification/log_checks.hpp"
-
 namespace pcavr {
 
 Error first_of(const std::vector<Error>& errors, const std::string& file) {
@@ -24,7 +22,7 @@ Expected<void> apply_gains(const std::vector<double>& gains, JointLog& log,
     return Error{.message = "has torques; gains are for currents",
                  .file = file,
                  .line = 1,
-                 .hint = "omit --gains, or name the columns current_NAME"};
+                 .hint = "omit --gains and --load-mass, or name the columns current_NAME"};
   }
   if (log.current.rows() == 0) {
     return Error{.message = "has neither torques nor currents",
@@ -53,12 +51,13 @@ Expected<SoundLog> sound_log(const JointLog& log, const RobotModel& model,
                              const RobotIdentificationOptions& options, const std::string& file) {
   Expected<MatchedRobot> matched = match_joints(log, model);
   if (!matched) return first_of({matched.error()}, file);
-  JointLog ordered = reordered(log, matched->columns);
-  const LogFindings rows = check_rows(ordered, matched->model, options.signals.max_gap);
+  SoundLog sound{*std::move(matched), {}, {}, {}, {}};
+  sound.log = reordered(log, sound.matched.columns);
+  LogFindings rows = check_rows(sound.log, sound.matched.model, options.signals.max_gap);
   if (!rows.errors.empty()) return first_of(rows.errors, file);
-  (void)correct_sample_clock(ordered);
-  SoundLog sound{std::move(matched->model), std::move(matched->columns),
-                 joint_signals(ordered, options.signals)};
+  sound.warnings = std::move(rows.warnings);
+  sound.clock = correct_sample_clock(sound.log);
+  sound.signals = joint_signals(sound.log, options.signals);
   if (sound.signals.position.rows() >= kMinFittedRows) return sound;
   return Error{
       .message = fmt::format("only {} rows are left for the fit", sound.signals.position.rows()),

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "pcavr/pipeline/identify_robot.hpp"
+#include "pcavr/robot_identification/log_checks.hpp"
 
 namespace pcavr {
 
@@ -21,9 +21,11 @@ inline constexpr Eigen::Index kMinFittedRows = 100;
 
 /// A log whose rows have no faults.
 struct SoundLog {
-  RobotModel model;                  ///< with the log's joints alone
-  std::vector<std::size_t> columns;  ///< of the log, by the model's joints
+  MatchedRobot matched;
+  JointLog log;  ///< by the model's joints, unwrapped
+  SampleClock clock;
   JointSignals signals;
+  std::vector<Error> warnings;  ///< of its rows
 };
 
 /// Matches a log with torques to the model, and checks its rows.

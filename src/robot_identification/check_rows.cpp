@@ -18,6 +18,7 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLimitMargin = 0.05;   ///< [rad] beyond a limit that calibration may explain
+constexpr double kDegreesShare = 0.01;  ///< of the rows beyond: fewer are spoiled rows
 constexpr double kFastestJoint = 30.0;  ///< [rad/s] beyond the rating of any arm's joint
 constexpr double kMissedTravel = 0.03;  ///< [rad] of some milliseconds that a logger missed
 constexpr double kInMotion = 0.2;       ///< of the 95th percentile of steps: the joint moves
@@ -46,7 +47,10 @@ void check_degrees(const JointLog& log, const RobotModel& model, LogFindings& fi
                              ? std::max(std::abs(*limits.lower), std::abs(*limits.upper))
                              : 2.0 * kTurn;
     if (extreme <= limit + kLimitMargin) continue;
-    const bool is_degrees = extreme * kDegree <= limit + kLimitMargin && extreme > 2.0 * limit;
+    const auto beyond = (log.position.col(j).array().abs() > limit + kLimitMargin).count();
+    const bool is_degrees =
+        extreme * kDegree <= limit + kLimitMargin && extreme > 2.0 * limit &&
+        static_cast<double>(beyond) >= kDegreesShare * static_cast<double>(log.position.rows());
     const std::string range = fmt::format(
         "position {:.4g} is beyond the limit {:.4g} rad of the "
         "robot description",

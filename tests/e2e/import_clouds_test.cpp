@@ -258,6 +258,10 @@ TEST_F(ImportClouds, PosesWithInvertedRotations) {
   expect_refused({"--poses", poses().string()}, "the poses are inverted in their rotations");
 }
 
+TEST_F(ImportClouds, OptionsOfAnArmsLog) {
+  expect_refused({"--skip-bad"}, "--skip-bad is for the log of an arm");
+}
+
 TEST_F(ImportClouds, StampsOfPosesMayBeRounded) {
   Trajectory trajectory;
   for (int i = 0; i < kClouds; ++i) {

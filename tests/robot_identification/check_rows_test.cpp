@@ -147,5 +147,14 @@ TEST(CheckRows, FindsDegrees) {
   EXPECT_NE(rows.errors[0].message.find("degrees"), std::string::npos);
 }
 
+TEST(CheckRows, ASpoiledRowIsNoDegrees) {
+  JointLog log = short_log();
+  log.position(700, 2) = 47.0;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_FALSE(rows.errors.empty());
+  EXPECT_EQ(rows.errors[0].message.find("degrees"), std::string::npos) << rows.errors[0].message;
+  EXPECT_EQ(rows.errors[0].line, log.lines[700]);
+}
+
 }  // namespace
 }  // namespace pcavr

@@ -16,14 +16,14 @@ struct DriveGains {
   Eigen::VectorXd std;   ///< [N m/A]
 };
 
-/// The gains from the currents of two runs, of which one carries a load of known mass [kg]: i = (Y
-/// pi
-/// + Y_load phi) / K + friction. Relative gains follow from bodies that all joints share, their
-/// scale from the mass; the load's other nine parameters are fitted along [Gautier & Briot 2014].
-/// Unlike there the currents are what is predicted, so that their noise does not make gains too
-/// small. `unloaded`, `loaded`: signals with currents [A] in place of torques; `model`: with their
-/// joints. Gauss-Newton from the description's masses. A joint that no run moves under load has a
-/// large std. Deterministic; pure function.
+/// The gains K from the currents of two runs, of which one carries a load of known mass [kg]:
+/// i = tau / K + friction, where tau is linear in the bodies' inertial parameters and the load's.
+/// Relative gains follow from the bodies, which all joints share, their scale from the mass; the
+/// load's other nine parameters are fitted along [Gautier & Briot 2014]. Unlike there the currents
+/// are what is predicted, so that their noise does not make gains too small. `unloaded`, `loaded`:
+/// signals with currents [A] in place of torques; `model`: with their joints. Gauss-Newton from the
+/// description's masses. A joint that no run moves under load has a large std. Deterministic; pure
+/// function.
 [[nodiscard]] DriveGains identify_drive_gains(const JointSignals& unloaded,
                                               const JointSignals& loaded, const RobotModel& model,
                                               double load_mass, const RobotFitOptions& options);
