@@ -66,6 +66,11 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
       report.discarded_commands, report.corrections.size(), report.correction_bytes,
       report.streaming_bytes, report.repeated_corrections, report.cycles, report.late_cycles,
       1e6 * report.cpu / cycles, 1e3 * report.max_correction_time);
+  if (report.tool_compliance) {
+    result.summary +=
+        fmt::format("the arm gives way by {:.4f} mm/N at the tip: the operator's world does, too\n",
+                    1e3 * *report.tool_compliance);
+  }
   for (const std::string& note : report.notes) result.summary += "  note: " + note + '\n';
   result.json = {{"sessions", report.sessions},
                  {"holds", report.holds},
@@ -81,6 +86,7 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
                  {"cpu_s", report.cpu},
                  {"max_correction_cpu_s", report.max_correction_time},
                  {"notes", report.notes}};
+  if (report.tool_compliance) result.json["tool_compliance_m_per_n"] = *report.tool_compliance;
   result.json["corrections"] = nlohmann::ordered_json::array();
   for (const SentCorrection& sent : report.corrections) {
     result.json["corrections"].push_back({{"t", sent.t},

@@ -50,14 +50,25 @@ std::vector<LinkCommand> CommandBuffer::take_due(double now) {
   while (!waiting_.empty() && waiting_.begin()->first <= now) {
     auto next = waiting_.extract(waiting_.begin());
     executed_ = next.key();
+    p_base_executed_.reset();
     if (next.key() < now - options_.max_age) {
       ++discarded_;  // waited in vain: this site was not running
     } else {
       last_arrival_ = next.mapped().arrival;
-      due.push_back(std::move(next.mapped().command));
+      const LinkCommand& command = due.emplace_back(std::move(next.mapped().command));
+      if (command.is_engaged) p_base_executed_ = command.p_base_tip;
     }
   }
   return due;
+}
+
+std::optional<Eigen::Vector3d> CommandBuffer::p_base_at(double now) const {
+  if (!p_base_executed_ || waiting_.empty()) return std::nullopt;
+  const auto& [t, next] = *waiting_.begin();
+  if (!next.command.is_engaged || now < *executed_) return std::nullopt;
+  const double share = (now - *executed_) / (t - *executed_);
+  const Eigen::Vector3d p_base = p_base_executed_->cast<double>();
+  return p_base + share * (next.command.p_base_tip.cast<double>() - p_base);
 }
 
 }  // namespace pcavr

@@ -25,6 +25,7 @@ constexpr std::uint32_t kLinkRejections = 5;
 constexpr std::uint32_t kLinkStops = 4;
 constexpr std::uint32_t kKnownLimits = 31;
 constexpr float kMaxCorrectionDelay = 60.0F;  // [s]
+constexpr float kMaxToolCompliance = 0.1F;    // [m/N]
 
 /// What follows the header. Each number that is not finite, each text that is not UTF-8 and each
 /// enumerator out of range makes it invalid; the first reason is kept.
@@ -260,6 +261,7 @@ void write_content(const LinkState& state, ByteWriter& writer) {
   writer.integer(static_cast<std::uint32_t>(flags));
   writer.integer(state.discarded_commands);
   writer.integer(state.corrections);
+  writer.f32(state.tool_compliance);
   write_link_vector(state.p_base_tip, writer);
   write_orientation(state.q_base_tool, writer);
   write_link_vector(state.force_base, writer);
@@ -281,6 +283,10 @@ void read_content(LinkReader& reader, LinkState& state) {
   state.is_stopped = (flags & 4U) != 0;
   state.discarded_commands = reader.integer<std::uint32_t>();
   state.corrections = reader.integer<std::uint32_t>();
+  state.tool_compliance = reader.f32();
+  const bool is_compliance =
+      state.tool_compliance >= 0.0F && state.tool_compliance <= kMaxToolCompliance;
+  if (!is_compliance) reader.reject("a tool's compliance out of range");
   state.p_base_tip = reader.vector();
   state.q_base_tool = reader.orientation();
   state.force_base = reader.vector();

@@ -308,6 +308,9 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     if (behind > kMaxOperatorBacklog * teleop_.predictor.step) {
       return lose(now, fmt::format("this site did not run for {:.2f} s", behind));
     }
+    if (const LinkState* const state = robot_.state()) {
+      site_->set_tool_compliance(static_cast<double>(state->tool_compliance));
+    }
     const double t_next = welcome_->start + schedule_.time_of(schedule_.next());
     for (const LinkCorrection& correction : corrections_.take(t_next)) {
       const double t = correction.t - welcome_->start;

@@ -15,6 +15,7 @@
 #include "pcavr/teleop/live_sites.hpp"
 
 #include "site_log.hpp"
+#include "tool_compliance.hpp"
 
 namespace pcavr {
 
@@ -29,10 +30,14 @@ struct ExecutedCommand {
 /// these measurements show.
 class RobotMeasurement {
  public:
+  /// What the robot was told to do, if it follows commands; `t` [s] of the scene.
+  void add_setpoint(double t, const Eigen::Vector3d& p_base) { compliance_.add_setpoint(t, p_base); }
   /// Takes what the robot has measured up to `now`; `start` [s]: time zero of the scene.
   void advance(double now, double start, RobotInterface& robot, LiveRobotSite& site, SiteLog& log);
   [[nodiscard]] const Eigen::Vector3d& force_base() const { return force_base_; }
 
+  /// [m/N] of the robot's arm, once it is known.
+  [[nodiscard]] std::optional<double> tool_compliance() const { return compliance_.value(); }
   void add(const ExecutedCommand& executed) { unsensed_.push_back(executed); }
   /// At the end of a session.
   void forget_commands() { unsensed_.clear(); }
@@ -51,6 +56,7 @@ class RobotMeasurement {
   std::vector<std::optional<TrackedPose>> tracked_;
   std::deque<ExecutedCommand> unsensed_;  ///< later than the newest sample
   ExecutedCommand sensed_;                ///< the newest of the others
+  ToolCompliance compliance_;
 };
 
 }  // namespace pcavr

@@ -58,6 +58,8 @@ class RobotSafety {
     target_ = command.p_base_tip.cast<double>();
     q_base_tool_ = command.q_base_tool.cast<double>().normalized();
   }
+  /// Where the tip shall be between two commands.
+  void lead_to(const Eigen::Vector3d& p_base_tip) { target_ = p_base_tip; }
   /// The setpoint did not move for a while: it has no speed.
   void halt() { limiter_.halt(); }
   /// The setpoint of the next cycle of `dt` [s]; `force_base` [N]: what the tool exerts.

@@ -86,6 +86,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     report_.cpu = thread_cpu() - cpu_before_;
     report_.streaming_bytes = site_.streaming_bytes();
     report_.notes = site_.notes();
+    report_.tool_compliance = measurement_.tool_compliance();
     return std::move(report_);
   }
 
@@ -256,9 +257,14 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         log_.on_executed(session()->id, session()->key, command);
         site_.add_predictions(command.t - *start_, command.predictions, command.correction_delay);
       }
+      // Commands that were lost must not stop the tool for as long.
+      if (const auto p_base = session()->commands.p_base_at(now)) safety_.lead_to(*p_base);
     }
     safety_.step(session() != nullptr, measurement_.force_base(), options_.cycle);
     robot_.set_command(safety_.p_base(), safety_.q_base_tool());
+    if (start_ && robot_.follows_commands()) {
+      measurement_.add_setpoint(now - *start_, safety_.p_base());
+    }
   }
 
   void measure(double now) {

@@ -100,7 +100,8 @@ struct LiveRobotSite::Impl {
   std::size_t waiting = 0;                ///< the first of them, not processed yet
   std::optional<PredictionLog> log;       ///< since the start, or the last interruption
   double log_start = 0.0;
-  std::size_t logged = 0;  ///< cycles
+  std::size_t logged = 0;          ///< cycles
+  std::vector<Prediction> newest;  ///< by object; used again
 };
 
 /// The cycle's own time where `t` is a whole number of cycles from the start: what the shared
@@ -117,13 +118,14 @@ void LiveRobotSite::Impl::record(const Cycle& cycle) {
     logged = 0;
     log.emplace(log_start, step, objects);
   }
-  // Beyond the age that a correction may have, the first prediction after a gap serves.
   const auto last = static_cast<std::size_t>(std::round((cycle.t - log_start) / step));
-  for (; logged < last; ++logged) {
-    for (const LinkPrediction& prediction : cycle.predictions) {
-      log->append(prediction_of(prediction));
-    }
+  if (last <= logged) return;
+  newest.clear();
+  for (const LinkPrediction& prediction : cycle.predictions) {
+    newest.push_back(prediction_of(prediction));
   }
+  log->append_after(last - logged, newest);
+  logged = last;
 }
 
 void LiveRobotSite::Impl::process(const Cycle& cycle, std::vector<LiveCorrection>& corrections) {
@@ -265,6 +267,10 @@ bool LiveOperatorSite::apply(double t, std::span<const std::uint8_t> bytes) {
 
 void LiveOperatorSite::step(const Eigen::Vector3d& p_base_tip, const Eigen::Vector3d& a_base_tip) {
   impl_->site.step(impl_->site.now(), p_base_tip, a_base_tip);
+}
+
+void LiveOperatorSite::set_tool_compliance(double compliance) {
+  impl_->site.set_tool_compliance(compliance);
 }
 
 void LiveOperatorSite::place(std::size_t object, const Pose& T_base_object) {

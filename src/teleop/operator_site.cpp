@@ -68,10 +68,18 @@ void OperatorSite::step(double wall, const Eigen::Vector3d& p_base_tip,
     const std::optional<CorrectionMessage> message = decode(*bytes, epoch_);
     if (message && message->object < objects_.size()) apply(*message);
   }
-  predictor_.step(p_base_tip);
+  const Eigen::Vector3d p_base_bent = p_base_tip - deflection_.p_base();
+  predictor_.step(p_base_bent);
+  deflection_.step(tip_force(), step_);
   count_held();
-  tips_.push_back({predictor_.now(), p_base_tip});
+  tips_.push_back({predictor_.now(), p_base_bent});
   while (tips_.front().t < predictor_.now() - history_) tips_.pop_front();
+}
+
+Eigen::Vector3d OperatorSite::tip_force() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const BodyState& state : predictor_.world().state()) sum += state.tool_force_base;
+  return sum;
 }
 
 void OperatorSite::count_held() {

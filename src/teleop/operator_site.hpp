@@ -15,6 +15,7 @@
 #include "pcavr/teleop/run_teleop.hpp"
 
 #include "teleop/message.hpp"
+#include "teleop/tip_deflection.hpp"
 
 namespace pcavr {
 
@@ -56,6 +57,9 @@ class OperatorSite {
   void step(double wall, const Eigen::Vector3d& p_base_tip,
             const Eigen::Vector3d& a_base_tip = Eigen::Vector3d::Zero());
 
+  /// By how much the robot's tip gives way [m/N]: from now on `p_base_tip` of step() is the command,
+  /// and the tip is where that and the forces of the objects put it.
+  void set_tool_compliance(double compliance) { deflection_.set_compliance(compliance); }
   /// Places an object at rest, now.
   void place(std::size_t object, const Pose& T_base_object);
 
@@ -84,7 +88,9 @@ class OperatorSite {
         unknown_objects_(options.unknown_objects),
         held_(objects_.size()),
         history_(history),
-        rotation_radius_(options.messages.rotation_radius) {}
+        rotation_radius_(options.messages.rotation_radius),
+        deflection_(options.tool_mass) {}
+  [[nodiscard]] Eigen::Vector3d tip_force() const;  ///< that the tip exerts, of all objects [N]
   void count_held();
   /// A body that a correction moved by more than `stated` [m] and what the tip has pushed since the
   /// corrected time is taken back towards where it was, `before`.
@@ -108,6 +114,7 @@ class OperatorSite {
   double history_ = 0.0;       ///< [s]
   double rotation_radius_;     ///< [m]
   Eigen::Vector3d a_base_tip_ = Eigen::Vector3d::Zero();
+  TipDeflection deflection_;
 };
 
 }  // namespace pcavr

@@ -15,6 +15,9 @@ class PredictionLog {
   PredictionLog(double start, double step, std::size_t objects)
       : start_(start), step_(step), objects_(objects) {}
   void append(const Prediction& prediction) { rows_.push_back(prediction); }
+  /// Those of the cycle that is `cycles` after the newest one, by object. What the commands between
+  /// them would have stated, had they not been lost, lies between both.
+  void append_after(std::size_t cycles, const std::vector<Prediction>& newest);
   /// The prediction of the cycle that ended nearest to `t`; the first or last one outside. Throws
   /// ContractError if it was discarded.
   [[nodiscard]] const Prediction& at(double t, std::size_t object) const;

@@ -181,6 +181,29 @@ TEST(CommandBuffer, DiscardsStaleFutureRepeatedAndSupersededOnes) {
   EXPECT_EQ(buffer.discarded(), 5U);
 }
 
+// Two of three commands are lost: the tool goes on between those that are left.
+TEST(CommandBuffer, LeadsTheToolPastLostCommands) {
+  CommandBuffer buffer{CommandOptions()};
+  const auto command_at = [](double t, float x) {
+    LinkCommand command = command_for(t);
+    command.p_base_tip.x() = x;
+    command.is_engaged = true;
+    return command;
+  };
+  EXPECT_TRUE(buffer.add(command_at(1.0, 0.1F), 0.9));
+  EXPECT_TRUE(buffer.add(command_at(1.003, 0.4F), 0.9));
+  EXPECT_FALSE(buffer.p_base_at(0.95));
+  EXPECT_EQ(buffer.take_due(1.0).size(), 1U);
+  EXPECT_NEAR(buffer.p_base_at(1.001)->x(), 0.2, 1e-6);
+  EXPECT_NEAR(buffer.p_base_at(1.002)->x(), 0.3, 1e-6);
+  EXPECT_EQ(buffer.take_due(1.003).size(), 1U);
+  EXPECT_FALSE(buffer.p_base_at(1.003));
+  LinkCommand open = command_at(1.004, 0.9F);
+  open.is_engaged = false;
+  EXPECT_TRUE(buffer.add(open, 1.003));
+  EXPECT_FALSE(buffer.p_base_at(1.0035));
+}
+
 // The site did not run for a while: nothing that waited is executed late.
 TEST(CommandBuffer, DiscardsWhatHasBecomeStaleWhileItWaited) {
   CommandBuffer buffer{CommandOptions()};

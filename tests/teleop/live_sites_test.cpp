@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/teleop/live_sites.hpp"
 
+#include <algorithm>
 #include <deque>
 #include <vector>
 
@@ -109,6 +110,35 @@ TEST(LiveSites, CountWithTheDelayThatCommandsState) {
   robot.forward_delay = 0.2;
   robot.backward_delay = 0.2;
   expect_same(run_live(made.input, robot, slow.round_trip(), 20, 0.01), replayed.corrections);
+}
+
+// Pressed and held, two worlds feel the same if one has the arm's compliance, and the tip of the
+// other is commanded to where that puts it.
+TEST(LiveSites, GiveWayAsTheRobotsArmDoes) {
+  constexpr double kCompliance = 5e-5;  // [m/N]
+  TeleopInput input = plant_input(3, true).input;
+  input.objects.resize(1);
+  const Eigen::Vector3d centre = input.objects.front().T_base_object.translation();
+  const Eigen::Vector3d begin = centre - Eigen::Vector3d(0.121, 0.0, 0.0);
+  const auto create = [&] { return LiveOperatorSite::create(input, {}, 0.0, begin).value(); };
+  LiveOperatorSite bent = create(), unbent = create(), moved = create();
+  bent.set_tool_compliance(kCompliance);
+  const auto force = [](const LiveOperatorSite& site) {
+    return site.world().state().front().tool_force_base;
+  };
+  for (int k = 1; k <= 1000; ++k) {
+    const Eigen::Vector3d command = begin + Eigen::Vector3d(5e-6 * std::min(k, 700), 0.0, 0.0);
+    bent.step(command);
+    unbent.step(command);
+    moved.step(command - kCompliance * force(bent));
+  }
+  const double felt = force(bent).norm();
+  EXPECT_GT(felt, 1.0);
+  EXPECT_GT(force(unbent).norm(), 1.03 * felt);
+  EXPECT_NEAR(force(moved).norm(), felt, 0.005 * felt);
+  bent.set_tool_compliance(0.0);
+  bent.step(begin);
+  EXPECT_TRUE(force(bent).isZero());
 }
 
 // A sensor whose clock is a minute ahead is used when its samples arrive.

@@ -34,6 +34,10 @@ class CommandBuffer {
   bool add(LinkCommand command, double now);
   /// Those whose time has come, in order; the last is the one to be executed now.
   [[nodiscard]] std::vector<LinkCommand> take_due(double now);
+  /// Where the tip shall be `now` [s]: between the last executed command and the next one that
+  /// waits, also if others between them were lost. Nothing if none waits, or the clutch is open in
+  /// one of them.
+  [[nodiscard]] std::optional<Eigen::Vector3d> p_base_at(double now) const;
   /// After an interruption: what waits is stale.
   void clear() { waiting_.clear(); }
 
@@ -54,6 +58,7 @@ class CommandBuffer {
   std::map<double, Waiting> waiting_;  ///< by time of execution
   double last_arrival_ = 0.0;
   std::optional<double> executed_ = {};
+  std::optional<Eigen::Vector3f> p_base_executed_ = {};  ///< unless the clutch is open
   std::optional<double> min_lead_ = {};
   std::uint32_t discarded_ = 0;
 };

@@ -63,6 +63,7 @@ struct RobotSiteReport {
   std::size_t late_cycles = 0;
   double max_correction_time = 0.0;  ///< [s] CPU of a cycle in which corrections were composed
   double cpu = 0.0;                  ///< [s] of this thread
+  std::optional<double> tool_compliance = {};  ///< [m/N] of the robot's arm, if it was found
   std::vector<std::string> notes;
 };
 
