@@ -119,15 +119,19 @@ TEST(LiveSites, GiveWayAsTheRobotsArmDoes) {
   TeleopInput input = plant_input(3, true).input;
   input.objects.resize(1);
   const Eigen::Vector3d centre = input.objects.front().T_base_object.translation();
-  const Eigen::Vector3d begin = centre - Eigen::Vector3d(0.121, 0.0, 0.0);
+  const Eigen::Vector3d begin = centre - Eigen::Vector3d(0.2, 0.0, 0.0);
   const auto create = [&] { return LiveOperatorSite::create(input, {}, 0.0, begin).value(); };
   LiveOperatorSite bent = create(), unbent = create(), moved = create();
   bent.set_tool_compliance(kCompliance);
   const auto force = [](const LiveOperatorSite& site) {
     return site.world().state().front().tool_force_base;
   };
-  for (int k = 1; k <= 1000; ++k) {
-    const Eigen::Vector3d command = begin + Eigen::Vector3d(5e-6 * std::min(k, 700), 0.0, 0.0);
+  Eigen::Vector3d command = begin;
+  for (int held = 0; held < 300;) {
+    const bool is_held = held > 0 || force(bent).norm() > 2.0;  // far from its breakaway
+    if (is_held) ++held;
+    if (!is_held) command.x() += 1e-5;
+    ASSERT_LT(command.x(), centre.x());
     bent.step(command);
     unbent.step(command);
     moved.step(command - kCompliance * force(bent));
