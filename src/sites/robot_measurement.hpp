@@ -30,8 +30,10 @@ struct ExecutedCommand {
 /// these measurements show.
 class RobotMeasurement {
  public:
-  /// What the robot was told to do, if it follows commands; `t` [s] of the scene.
-  void add_setpoint(double t, const Eigen::Vector3d& p_base) { compliance_.add_setpoint(t, p_base); }
+  /// The robot's setpoint, if it follows commands; `t` [s] of the scene.
+  void add_setpoint(double t, const Eigen::Vector3d& p_base) {
+    compliance_.add_setpoint(t, p_base);
+  }
   /// Takes what the robot has measured up to `now`; `start` [s]: time zero of the scene.
   void advance(double now, double start, RobotInterface& robot, LiveRobotSite& site, SiteLog& log);
   [[nodiscard]] const Eigen::Vector3d& force_base() const { return force_base_; }

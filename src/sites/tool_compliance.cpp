@@ -33,9 +33,9 @@ void ToolCompliance::add_setpoint(double t, const Eigen::Vector3d& p_base) {
 
 /// In a straight line between two cycles.
 std::optional<Eigen::Vector3d> ToolCompliance::setpoint_at(double t) const {
-  const auto after = std::lower_bound(
-      setpoints_.begin(), setpoints_.end(), t,
-      [](const Setpoint& setpoint, double wanted) { return setpoint.t < wanted; });
+  const auto after =
+      std::lower_bound(setpoints_.begin(), setpoints_.end(), t,
+                       [](const Setpoint& setpoint, double wanted) { return setpoint.t < wanted; });
   if (after == setpoints_.begin() || after == setpoints_.end()) return std::nullopt;
   const Setpoint& before = *std::prev(after);
   const double share = (t - before.t) / (after->t - before.t);

@@ -57,8 +57,8 @@ class OperatorSite {
   void step(double wall, const Eigen::Vector3d& p_base_tip,
             const Eigen::Vector3d& a_base_tip = Eigen::Vector3d::Zero());
 
-  /// By how much the robot's tip gives way [m/N]: from now on `p_base_tip` of step() is the command,
-  /// and the tip is where that and the forces of the objects put it.
+  /// By how much the robot's tip gives way [m/N]: from now on `p_base_tip` of step() is the
+  /// command, and the tip is where that and the forces of the objects put it.
   void set_tool_compliance(double compliance) { deflection_.set_compliance(compliance); }
   /// Places an object at rest, now.
   void place(std::size_t object, const Pose& T_base_object);

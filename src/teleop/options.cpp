@@ -289,7 +289,8 @@ constexpr auto kTeleopFields = std::to_array<OptionField<TeleopOptions>>({
      "rate of the bottleneck from robot to operator; 0: no limit",
      "lower: corrections wait for each other; higher: no effect"},
     {"tool_mass", &TeleopOptions::tool_mass, 5.0, 0.01, 1e3, "kg",
-     "mass of the robot's arm as it is felt at the tip, with which the tip swings where it gives way "
+     "mass of the robot's arm as it is felt at the tip, with which the tip swings where it gives "
+     "way "
      "to forces; only for a robot that follows commands, once its compliance is known",
      "lower: the operator's tip gives way faster than the robot's; higher: later"},
     {"with_corrections", &TeleopOptions::with_corrections, 1, 0, 1, "",
