@@ -11,6 +11,7 @@ import statistics
 
 SETTLING = 0.3  # [s] of a contact, over which paper C excludes its force
 BIN = 0.05  # [s] over which forces are averaged: below a person's reaction, above the noise
+MAX_GAP = 0.1  # [s] without forces within one contact: lost messages
 MIN_FORCE = 1.0  # [N] a smaller one is mostly noise
 MIN_MOTION = 1e-4  # [m] within a round trip, that of an object which moves
 
@@ -66,12 +67,14 @@ def settled_force_errors(run):
     errors = []
     measured, rendered = force_bins(run, "measured"), force_bins(run, "virtual")
     for name, bins in measured.items():
-        begin = None
+        begin = last = None
         for index in sorted(bins):
             if bins[index] < MIN_FORCE:
                 begin = None
                 continue
-            begin = index if begin is None else begin
+            # A run has no forces while nothing is touched.
+            begin = index if begin is None or (index - last) * BIN > MAX_GAP else begin
+            last = index
             if (index - begin) * BIN >= SETTLING:
                 errors.append(abs(rendered[name][index] - bins[index]) / bins[index])
     return sorted(errors)
