@@ -94,10 +94,33 @@ struct ViscousRange {
   double low = 0.0, high = 0.0;
 };
 
+/// The speeds that are to be expected, given the measured ones [regression calibration, Carroll et
+/// al. 2006]: about each push's mean, by the share of their variance that is not noise. A steady
+/// push's noise says nothing of viscous friction, and would draw it to zero.
+std::vector<FrictionSample> with_expected_speeds(std::span<const FrictionSample> measured) {
+  std::vector<FrictionSample> samples(measured.begin(), measured.end());
+  for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
+    double mean = 0.0, variance = 0.0, noise = 0.0;
+    for (end = begin; end < samples.size() && samples[end].push == samples[begin].push; ++end) {
+      mean += samples[end].speed;
+      noise += std::pow(samples[end].speed_std, 2);
+    }
+    mean /= static_cast<double>(end - begin);
+    for (std::size_t i = begin; i < end; ++i) variance += std::pow(samples[i].speed - mean, 2);
+    if (variance <= 0.0) continue;
+    const double share = std::max(0.0, 1.0 - noise / variance);
+    for (std::size_t i = begin; i < end; ++i) {
+      samples[i].speed = mean + share * (samples[i].speed - mean);
+      samples[i].speed_std *= std::sqrt(share);
+    }
+  }
+  return samples;
+}
+
 class Inference {
  public:
   Inference(std::span<const FrictionSample> samples, const FrictionPriors& priors)
-      : samples_(samples), priors_(priors), inflation_(samples.size(), 1.0) {
+      : samples_(with_expected_speeds(samples)), priors_(priors), inflation_(samples.size(), 1.0) {
     std::vector<double> forces;
     for (const FrictionSample& sample : samples) {
       PCAVR_REQUIRE(sample.push + 1 >= pushes_, sample.push, pushes_);
@@ -155,7 +178,8 @@ class Inference {
   [[nodiscard]] double variance_of(std::size_t i, double viscous, double within) const {
     const FrictionSample& sample = samples_[i];
     const double noise = std::pow(sample.force_std, 2) + std::pow(viscous * sample.speed_std, 2) +
-                         std::pow(mass_guess_ * sample.acceleration_std, 2);
+                         std::pow(mass_guess_ * sample.acceleration_std, 2) +
+                         std::pow(mass_guess_ * sample.acceleration_lost, 2);
     const double repeats =
         std::clamp(priors_.correlation_path / std::max(sample.travel, 1e-9), 1.0, kMaxRepeats);
     return inflation_[i] *
@@ -290,7 +314,7 @@ class Inference {
 
   static constexpr double kMaxRepeats = 50.0;
 
-  std::span<const FrictionSample> samples_;
+  std::vector<FrictionSample> samples_;
   FrictionPriors priors_;
   std::vector<double> inflation_;  ///< of each sample's variance
   double level_ = 0.0;             ///< [N] typical friction

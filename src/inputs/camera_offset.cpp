@@ -10,7 +10,11 @@
 namespace pcavr {
 namespace {
 
-constexpr double kMaxLever = 0.010;  // [m]: with a larger lever arm, a push rotates the object
+// [m]: with a larger lever arm, a push rotates the object, and the tip may slide along it.
+constexpr double kMaxLever = 0.010;
+constexpr double kSameNormal = 0.98;  // cosine
+/// [m/s] of a slide: slower, a tenth of a millimetre of the contact's compression is 20 ms.
+constexpr double kMinSlideSpeed = 0.005;
 constexpr double kRestBefore = 0.2;  // [s] included: a slide at constant speed alone fits any delay
 constexpr double kSpeedStep = 0.02;  // [s] of the central difference for the speed
 constexpr double kMaxOffset = 0.25;  // [s] as for the force
@@ -26,7 +30,54 @@ constexpr double kMotionRange = 0.2;
 constexpr double kMotionBias = 0.005;
 constexpr double kMinMotionSpeed = 0.1;  // [m/s] between frames: certainly in motion
 
-/// Sums of a linear least-squares fit of the residual on the speed, about each contact's means: one
+/// The pushed face of a tracked object against the tip, along the face's normal: there the object
+/// moves with the tip, though it turns and the tip slides along it.
+class PushedFace {
+ public:
+  PushedFace(const AttributedContact& contact, const PathView& tip,
+             std::span<const TrackedPose> tracked)
+      : episode_(contact.episode), tip_(tip) {
+    const Eigen::Vector3d& along = episode_.direction_base;
+    const Pose T_base_begin = pose_at(tracked, episode_.begin);
+    p_object_ = T_base_begin.inverse() * tip.at(episode_.slides.front().begin);
+    // A corner's normal is that of the force.
+    const Eigen::Vector3d inward = -(T_base_begin.rotation() * contact.normal_object);
+    inward_object_ =
+        T_base_begin.rotation().inverse() * (inward.dot(along) > kSameNormal ? inward : along);
+  }
+
+  /// [m] From the tip, less the contact's compression; `at` by the tool's clock.
+  [[nodiscard]] double gap(const Pose& T_base_object, double at) const {
+    return normal(T_base_object).dot(T_base_object * p_object_ - pushed_to(at));
+  }
+  /// [m/s] Of the tip.
+  [[nodiscard]] double speed(const Pose& T_base_object, double at) const {
+    const Eigen::Vector3d step = pushed_to(at + kSpeedStep) - pushed_to(at - kSpeedStep);
+    return normal(T_base_object).dot(step) / (2.0 * kSpeedStep);
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector3d normal(const Pose& T_base_object) const {
+    return T_base_object.rotation() * inward_object_;
+  }
+  /// Where the tip has pushed to: it begins where the first slide does, and rests between slides.
+  [[nodiscard]] Eigen::Vector3d pushed_to(double at) const {
+    const Eigen::Vector3d& along = episode_.direction_base;
+    Eigen::Vector3d p = tip_.at(episode_.slides.front().begin);
+    for (const SlideInterval& slide : episode_.slides) {
+      const Eigen::Vector3d path =
+          tip_.at(std::clamp(at, slide.begin, slide.end)) - tip_.at(slide.begin);
+      p += path - path.dot(along) * along;
+    }
+    return p + displacement_at(episode_, at) * along;
+  }
+
+  const ContactEpisode& episode_;
+  const PathView& tip_;
+  Eigen::Vector3d p_object_, inward_object_;
+};
+
+/// Sums of a linear least-squares fit of the gap on the speed, about each contact's means: one
 /// Gauss-Newton step of the offset.
 struct Sums {
   double speed_squares = 0.0;     ///< [m^2/s^2]
@@ -34,16 +85,14 @@ struct Sums {
   double residual_squares = 0.0;  ///< [m^2]
   double count = 0.0;
 
-  void add(const ContactEpisode& episode, std::span<const TrackedPose> tracked, double offset) {
+  void add(const AttributedContact& contact, const PathView& tip,
+           std::span<const TrackedPose> tracked, double offset) {
+    const PushedFace face(contact, tip, tracked);
     std::vector<double> residual, speed;
     for (const TrackedPose& pose : tracked) {
-      if (pose.t < episode.begin - kRestBefore || pose.t > episode.end) continue;
-      const double at = pose.t - offset;
-      residual.push_back(pose.T_base_object.translation().dot(episode.direction_base) -
-                         displacement_at(episode, at));
-      speed.push_back(
-          (displacement_at(episode, at + kSpeedStep) - displacement_at(episode, at - kSpeedStep)) /
-          (2.0 * kSpeedStep));
+      if (pose.t < contact.episode.begin - kRestBefore || pose.t > contact.episode.end) continue;
+      residual.push_back(face.gap(pose.T_base_object, pose.t - offset));
+      speed.push_back(face.speed(pose.T_base_object, pose.t - offset));
     }
     if (residual.size() < 4) return;
     const auto n = static_cast<double>(residual.size());
@@ -60,6 +109,25 @@ struct Sums {
     count += n;
   }
 };
+
+double slide_speed(const ContactEpisode& episode) {
+  double duration = 0.0;
+  for (const SlideInterval& slide : episode.slides) duration += slide.end - slide.begin;
+  return displacement_at(episode, episode.slides.back().end) / std::max(duration, 1e-6);
+}
+
+/// Whether the object moves with the tip: pushed through its centre, or on a flat face.
+bool is_usable(const AttributedContact& contact, const PathView& tip, const InputSeries& series,
+               const std::vector<BodySurface>& surfaces) {
+  const ContactEpisode& episode = contact.episode;
+  if (!contact.object || !contact.left_out.empty() || episode.slides.empty()) return false;
+  if (slide_speed(episode) < kMinSlideSpeed) return false;
+  if (std::abs(contact.lever) <= kMaxLever) return true;
+  const double end = episode.slides.back().end;
+  const Pose T_base_end = pose_at(series.bodies[*contact.object].tracked, end);
+  const Touch touch = surfaces[*contact.object].touch(T_base_end, tip.at(end), series.tool_radius);
+  return touch.normal_object.dot(contact.normal_object) > kSameNormal;
+}
 
 /// The frames of an object's longest uninterrupted motion.
 struct Motion {
@@ -102,16 +170,18 @@ Eigen::Vector3d mean_position(std::span<const TrackedPose> tracked, const Eigen:
 
 }  // namespace
 
-TimeOffset camera_offset(const InputSeries& series, std::span<const AttributedContact> contacts) {
+TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurface>& surfaces,
+                         const PathView& tip, std::span<const AttributedContact> contacts) {
+  std::vector<const AttributedContact*> pushes;
+  for (const AttributedContact& contact : contacts) {
+    const bool is_tracked = contact.object && !series.bodies[*contact.object].tracked.empty();
+    if (is_tracked && is_usable(contact, tip, series, surfaces)) pushes.push_back(&contact);
+  }
   TimeOffset result;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Sums sums;
-    for (const AttributedContact& contact : contacts) {
-      const bool is_usable = contact.object && contact.left_out.empty() &&
-                             !contact.episode.slides.empty() &&
-                             std::abs(contact.lever) <= kMaxLever;
-      if (is_usable)
-        sums.add(contact.episode, series.bodies[*contact.object].tracked, result.offset);
+    for (const AttributedContact* push : pushes) {
+      sums.add(*push, tip, series.bodies[*push->object].tracked, result.offset);
     }
     if (sums.count < kMinPoses || sums.speed_squares <= 0.0) return result;
     result.offset +=

@@ -34,8 +34,12 @@ namespace pcavr {
 [[nodiscard]] TimeOffset penetration_offset(const InputSeries& series, const PathView& tip,
                                             const BodyPoses& poses);
 
-/// Delay of the tracked poses against the tool, from slides: there the object moves with the tip.
+/// Delay of the tracked poses against the tool, from slides: there the pushed face moves with the
+/// tip, along its normal. Off the centre of mass, only faces that are flat as far as the tip slides
+/// count.
 [[nodiscard]] TimeOffset camera_offset(const InputSeries& series,
+                                       const std::vector<BodySurface>& surfaces,
+                                       const PathView& tip,
                                        std::span<const AttributedContact> contacts);
 
 /// The same offset without a force, by cross-correlation of a body's longest motion with the tip's.

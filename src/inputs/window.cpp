@@ -90,11 +90,12 @@ void attribute(const Prepared& prepared, const InputOptions& options, BodyPoses&
   result.evidence = gather_evidence(prepared.series, result.contacts, prepared.path(), poses);
 }
 
-TimeOffset find_camera_offset(const Prepared& prepared, const WindowFindings& result) {
+TimeOffset find_camera_offset(const Prepared& prepared, const std::vector<BodySurface>& surfaces,
+                              const WindowFindings& result) {
   // Contacts whose force points elsewhere belong to another body, or have a fault.
   std::vector<AttributedContact> sound = result.contacts;
   leave_out_misdirected(result.evidence, sound);
-  TimeOffset offset = camera_offset(prepared.series, sound);
+  TimeOffset offset = camera_offset(prepared.series, surfaces, prepared.path(), sound);
   if (offset.is_known) return offset;
   for (const InputBody& body : prepared.series.bodies) {
     offset = more_certain(offset, motion_offset(body, prepared.path(), prepared.tip.p_base));
@@ -165,9 +166,9 @@ WindowFindings analyse_window(const InputSeries& measured, const std::vector<Bod
   attribute(prepared, options, *poses, result);
   // Before the tracking's offset, which is wrong where the force's clock is.
   result.clock_fault = find_clock_fault(measured, prepared, *poses);
-  result.tool_to_camera =
-      more_certain(prior.tool_to_camera,
-                   prepared.tip.t.empty() ? TimeOffset{} : find_camera_offset(prepared, result));
+  result.tool_to_camera = more_certain(
+      prior.tool_to_camera,
+      prepared.tip.t.empty() ? TimeOffset{} : find_camera_offset(prepared, surfaces, result));
   result.is_camera_offset_applied =
       is_significant(result.tool_to_camera, options.min_camera_offset, options);
   if (result.is_camera_offset_applied) {

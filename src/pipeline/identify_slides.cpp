@@ -83,6 +83,7 @@ struct SmoothSlide {
   double speed_std = 0.0, acceleration_std = 0.0, force_std = 0.0;
   double compliance_std = 0.0;  ///< relative
   std::vector<SmoothedSample> object, tool, compression, force;
+  std::vector<SmoothedSample> wide;  ///< the object, over twice the width
   std::array<std::vector<SmoothedSample>, 2> force_base;
 };
 
@@ -130,6 +131,7 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
     return smooth(episode.t, values, episode.t, push.half_width);
   };
   push.object = smoothed(object);
+  push.wide = smooth(episode.t, object, episode.t, 2.0 * push.half_width);
   push.tool = smoothed(episode.tool);
   push.compression = smoothed(depth);
   push.force = smoothed(force);
@@ -138,6 +140,12 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
         smoothed(remove_spikes(axis_of(contact.force_base, axis)).values);
   }
   return push;
+}
+
+/// [m/s^2] What smoothing takes from an acceleration grows with the square of its width
+/// [Richardson's extrapolation]: much of it while a contact swings.
+double lost_by_smoothing(const SmoothedSample& narrow, const SmoothedSample& wide) {
+  return wide.is_valid ? (narrow.acceleration - wide.acceleration) / 3.0 : 0.0;
 }
 
 class Slides {
@@ -228,6 +236,7 @@ class Slides {
     sample.force_std = push.force_std;
     sample.speed_std = push.speed_std;
     sample.acceleration_std = push.acceleration_std;
+    sample.acceleration_lost = lost_by_smoothing(push.object[i], push.wide[i]);
     sample.speed_change = push.compliance_std * push.compression[i].rate;
     sample.acceleration_change = push.compliance_std * push.compression[i].acceleration;
     sample.travel = speed * push.half_width;

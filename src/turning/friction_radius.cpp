@@ -22,7 +22,8 @@ constexpr double kMinRotationShare = 0.2;
 constexpr double kUnpredicted = 0.5 * std::numbers::pi;  // [rad] where too few pushes are left
 constexpr std::size_t kMinTurning = 3;                   // samples of such twists
 /// Std of the radius, as a share, by the pressure's distribution, which no push shows in full:
-/// uneven by 60 % from place to place, it differs so much from an even one of the same size.
+/// where it differs by 60 % between patches a quarter of the support wide, radii are found so far
+/// off.
 constexpr double kPressureShare = 0.02;
 
 /// Friction of a turning object by one model.

@@ -212,6 +212,23 @@ TEST(FrictionPosterior, WidensTheCoulombFrictionByAViscousFrictionThatIsNotExcit
   EXPECT_FALSE(found.mass.is_excited);  // given, not identified
 }
 
+TEST(FrictionPosterior, TakesNoViscousFrictionFromTheNoiseOfASteadySpeed) {
+  // Each speed scatters by its noise alone, which would draw the viscous friction to zero.
+  Random random(77);
+  constexpr double kNoise = 2e-3;  // [m/s]
+  const Body body{.viscous = 30.0};
+  FrictionPriors priors;
+  priors.mass = body.mass;
+  std::vector<FrictionSample> samples = pushes_of(body, {0.05, 0.05, 0.05, 0.05}, 0.0, random);
+  for (FrictionSample& sample : samples) {
+    sample.speed += kNoise * random.normal();
+    sample.speed_std = kNoise;
+  }
+  const FrictionPosterior found = infer_friction(samples, priors);
+  EXPECT_GT(found.viscous.std, 0.8 * priors.max_viscous / std::sqrt(12.0));
+  EXPECT_LT(std::abs(found.coulomb.value - body.coulomb), 1.5 * found.coulomb.std);
+}
+
 TEST(FrictionPosterior, IsNeverCertain) {
   std::vector<FrictionSample> exact;
   for (std::size_t i = 0; i < 20; ++i) {

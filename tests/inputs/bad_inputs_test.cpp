@@ -233,6 +233,18 @@ TEST_P(BadInputs, GetTheSameAnswerFromBothCommands) {
   EXPECT_EQ(identify.inputs.contacts, replay.inputs.contacts);
 }
 
+TEST(TrackingOffset, IsThatOfTheClocksWhereTheTipSlidesAlongATurningObject) {
+  IdentificationInput input = identified_case(ToolTask::turn, 804, 14.0).input;
+  const Answer sound = identified(input);
+  ASSERT_TRUE(sound.has_run);
+  EXPECT_TRUE(sound.inputs.tool_to_camera.is_known);
+  EXPECT_DOUBLE_EQ(sound.inputs.camera_shift(), 0.0);
+  delay_tracking(input);
+  const TimeOffset late = identified(input).inputs.tool_to_camera;
+  EXPECT_NEAR(late.offset, 0.1, 2.0 * late.std);
+  EXPECT_LT(late.std, 0.010);
+}
+
 INSTANTIATE_TEST_SUITE_P(Table, BadInputs, testing::Range<std::size_t>(0, bad_inputs().size()),
                          [](const auto& row) {
                            std::string name = bad_inputs()[row.param].name;

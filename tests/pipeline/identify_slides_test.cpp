@@ -104,6 +104,27 @@ TEST(FrictionSamples, StateWhatTheContactsComplianceChanges) {
   }
 }
 
+TEST(FrictionSamples, StateWhatSmoothingTakesFromASwing) {
+  // After the breakaway, the object swings about its speed, four times a second.
+  constexpr double kRate = 8.0 * std::numbers::pi, kAmplitude = 0.0005;  // [1/s], [m]
+  std::vector<double> object, force;
+  for (double t = 0.0; t < 1.5; t += kStep) {
+    const double slid = std::max(t - 0.2, 0.0);
+    object.push_back(0.04 * slid + kAmplitude * std::sin(kRate * slid));
+    force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce);
+  }
+  IdentifiedContact contact = push_of(object, force, 0.2);
+  const std::vector<FrictionSample> samples = samples_of(contact);
+  ASSERT_GE(samples.size(), 10U);
+  double missed = 0.0, unexplained = 0.0;
+  for (const FrictionSample& sample : samples) {
+    const double truth = -kAmplitude * kRate * kRate * std::sin(kRate * (sample.t - 0.2));
+    missed += std::pow(truth - sample.acceleration, 2);
+    unexplained += std::pow(truth - sample.acceleration - sample.acceleration_lost, 2);
+  }
+  EXPECT_LT(unexplained, 0.1 * missed);
+}
+
 /// A box that is pushed beside its centre, and turns: its centre moves at `kSpeed` along x.
 struct TurningPush {
   static constexpr double kSpeed = 0.03, kRate = 0.2;      // [m/s], [rad/s]

@@ -4,10 +4,15 @@
 #include "pcavr/turning/support.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <optional>
+#include <vector>
 
+#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
+#include "pcavr/core/random.hpp"
 #include "pcavr/friction/point_push.hpp"
 #include "pcavr/turning/turning.hpp"
 
@@ -108,6 +113,61 @@ TEST(Turning, WithoutThePressuresMotionTheRadiusIsTooSmall) {
   const Support support = support_of(model);
   const double found = radius_of(model, pushes_of(support, 0.4 * kHalf, {0.0, 0.0}));
   EXPECT_LT(found, 0.93 * support.radius());
+}
+
+/// Shares of pressure that differs by 60 % between patches a quarter of the support wide, and is
+/// centred under the centre of mass.
+std::vector<double> uneven_pressure(const Support& support, Random& random) {
+  double patches[4][4];
+  for (auto& row : patches) {
+    for (double& patch : row) patch = std::max(0.0, 1.0 + 0.6 * random.normal());
+  }
+  std::vector<double> shares;
+  Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d excess = Eigen::Vector3d::Zero();
+  const auto row_of = [](const Eigen::Vector2d& p) { return Eigen::Vector3d(1.0, p.x(), p.y()); };
+  for (const Eigen::Vector2d& p : support.points()) {
+    const Eigen::Array2d at = (p.array() + kHalf) * (2.0 / kHalf);
+    shares.push_back(patches[static_cast<int>(at.x())][static_cast<int>(at.y())] /
+                     static_cast<double>(support.points().size()));
+    sums += row_of(p) * row_of(p).transpose();
+    excess += shares.back() * row_of(p);
+  }
+  const Eigen::Vector3d plane = sums.ldlt().solve(excess - Eigen::Vector3d::UnitX());
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    shares[i] = std::max(0.0, shares[i] - plane.dot(row_of(support.points()[i])));
+  }
+  return shares;
+}
+
+TEST(Turning, MissesTheRadiusOfUnevenPressureByTwoPerCent) {
+  Random random(3);
+  const CadModel model = block();
+  const Support support = support_of(model);
+  double squares = 0.0;
+  constexpr int kSupports = 20;
+  for (int k = 0; k < kSupports; ++k) {
+    const std::vector<double> shares = uneven_pressure(support, random);
+    double sum = 0.0, radius = 0.0;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      sum += shares[i];
+      radius += shares[i] * support.points()[i].norm();
+    }
+    std::vector<PushSample> samples(12);
+    for (PushSample& sample : samples) {
+      const double side = random.uniform(-1.0, 1.0) > 0.0 ? 1.0 : -1.0;
+      sample.twist << random.normal(), random.normal(), side * random.uniform(5.0, 20.0);
+      for (std::size_t i = 0; i < shares.size(); ++i) {
+        const Eigen::Vector2d& p = support.points()[i];
+        sample.wrench += wrench_of(shares[i] * velocity_of(p, sample.twist).normalized(), p);
+      }
+    }
+    const std::optional<Support> found = scaled_to_pushes(support, samples);
+    ASSERT_TRUE(found);
+    squares += std::pow(found->radius() * sum / radius - 1.0, 2);
+  }
+  // friction_radius.cpp: kPressureShare, what the std of a radius has for this.
+  EXPECT_NEAR(std::sqrt(squares / kSupports), 0.02, 0.006);
 }
 
 }  // namespace

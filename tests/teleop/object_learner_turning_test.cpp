@@ -8,6 +8,7 @@
 
 #include "pcavr/core/random.hpp"
 #include "pcavr/friction/point_push.hpp"
+#include "pcavr/turning/turning.hpp"
 
 #include "support/meshes.hpp"
 #include "teleop/object_learner.hpp"
@@ -16,9 +17,10 @@
 namespace pcavr {
 namespace {
 
-constexpr double kTip = 0.01;      // [m] radius
-constexpr double kFriction = 5.0;  // [N] of the object on its support
-constexpr double kRadius = 0.025;  // [m] of that friction: feet near the centre of mass
+constexpr double kTip = 0.01;           // [m] radius
+constexpr double kFriction = 5.0;       // [N] of the object on its support
+constexpr double kRadius = 0.025;       // [m] of that friction: feet near the centre of mass
+constexpr double kEvenRadius = 0.0383;  // [m] of a square of 0.1 m under even pressure
 constexpr double kToolFriction = 0.2;
 constexpr double kStep = 0.002;  // [s]
 constexpr double kSpeed = 0.03;  // [m/s]
@@ -34,9 +36,8 @@ struct OffCentrePush {
   std::vector<Eigen::Vector3d> force, tip;
   std::vector<TrackedPose> tracked;
 
-  OffCentrePush(double beside, double lateral, std::uint64_t seed) {
+  OffCentrePush(double beside, double lateral, const LimitSurface& surface, std::uint64_t seed) {
     Random random(seed);
-    const LimitSurface surface = ellipsoid_surface(kFriction, kFriction * kRadius);
     Eigen::Vector3d pose = Eigen::Vector3d::Zero();  // x, y, heading
     Eigen::Vector2d touched(beside, -0.05);          // in the block's axes
     for (double at = -0.5; at < 2.3; at += kStep) {
@@ -74,8 +75,11 @@ struct OffCentrePush {
   }
 };
 
+LimitSurface on_feet() { return ellipsoid_surface(kFriction, kFriction * kRadius); }
+
 /// What a learner knows after pushes at these places beside the centre [m].
-ObjectParameters learnt_from(const std::vector<double>& places, double lateral, bool is_tracked) {
+ObjectParameters learnt_from(const std::vector<double>& places, double lateral, bool is_tracked,
+                             const LimitSurface& surface_of_friction = on_feet()) {
   const CadModel model = block();
   const BodySurface surface(model);
   ObjectParameters given;
@@ -84,7 +88,7 @@ ObjectParameters learnt_from(const std::vector<double>& places, double lateral, 
   double start = 0.0;
   std::uint64_t seed = 1;
   for (const double beside : places) {
-    OffCentrePush push(beside, lateral, seed++);
+    OffCentrePush push(beside, lateral, surface_of_friction, seed++);
     for (double& t : push.t) t += start;
     for (TrackedPose& pose : push.tracked) pose.t += start;
     ContactRecord record{push.t, push.force, push.t, push.tip};
@@ -105,6 +109,12 @@ TEST(ObjectLearnerTurning, LearnsTheFrictionRadiusOfAnObjectOnFeet) {
 
 TEST(ObjectLearnerTurning, KeepsTheSupportsRadiusAfterFewPushes) {
   EXPECT_FALSE(learnt_from({0.02, -0.025}, 0.0, true).friction_radius);
+}
+
+TEST(ObjectLearnerTurning, KeepsTheSupportsRadiusWhereThePushesDoNotContradictIt) {
+  LimitSurface even = surface_of_support(block(), Pose(), kEvenRadius);
+  even.force = kFriction;
+  EXPECT_FALSE(learnt_from({0.02, -0.025, 0.03}, 0.0, true, even).friction_radius);
 }
 
 TEST(ObjectLearnerTurning, NeedsTracking) {

@@ -32,6 +32,7 @@ struct FrictionSample {
   double force_std = 0.0;     ///< [N] noise; independent between samples
   double speed_std = 0.0;
   double acceleration_std = 0.0;
+  double acceleration_lost = 0.0;  ///< [m/s^2] by smoothing: about its size; no noise
   /// What the true speed [m/s] and acceleration [m/s^2] of the object exceed these by where the
   /// contact is stiffer by one std of its compliance: one cause for all samples.
   double speed_change = 0.0, acceleration_change = 0.0;
