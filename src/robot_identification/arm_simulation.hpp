@@ -16,19 +16,29 @@ struct MotionState {
   Eigen::VectorXd q, dq;
 };
 
-/// Slope of the friction torque over the speed [N m s/rad], not negative.
-[[nodiscard]] inline double friction_slope(const JointFit& joint, double q, double v, double load) {
+/// Change of the friction torque over that of the speed within `dt` [s], [N m s/rad], not negative.
+[[nodiscard]] inline double friction_slope(const JointFit& joint, const FrictionSign& sign,
+                                           double q, double v, double load, double dt) {
   const double step = 0.1 * joint.smoothing_speed;
-  const double change =
-      friction_torque(joint, q, v + step, load) - friction_torque(joint, q, v - step, load);
-  return std::max(0.0, 0.5 * change / step);
+  const auto torque = [&](double speed, double its_sign) {
+    return friction_torque(joint, q, speed, load, its_sign);
+  };
+  const double by_speed =
+      (torque(v + step, sign.at(v + step)) - torque(v - step, sign.at(v - step))) / (2.0 * step);
+  const double by_sign = 0.5 * (torque(v, 1.0) - torque(v, -1.0));
+  return std::max(0.0, by_speed + by_sign * sign.slope(v) * dt);
 }
 
 /// An arm with friction under joint torques. Keeps a reference to the friction.
 class ArmSimulation {
  public:
-  ArmSimulation(const std::vector<JointFit>& friction, const RobotModel& model)
+  /// `signs`: of friction that has a state, at the start; 0 where there are none.
+  ArmSimulation(const std::vector<JointFit>& friction, const RobotModel& model,
+                const Eigen::VectorXd& signs = {})
       : friction_(friction), dynamics_(model), dof_(static_cast<Eigen::Index>(model.dof)) {
+    for (Eigen::Index j = 0; j < dof_; ++j) {
+      signs_.emplace_back(friction[static_cast<std::size_t>(j)], signs.size() > 0 ? signs[j] : 0.0);
+    }
     mass_.resize(dof_, dof_);
     bias_.resize(dof_);
     zero_.setZero(dof_);
@@ -41,17 +51,23 @@ class ArmSimulation {
     dynamics_.inverse_dynamics(state.q, state.dq, zero_, bias_);
     Eigen::VectorXd net = torque - bias_;
     for (Eigen::Index j = 0; j < dof_; ++j) {
-      const JointFit& joint = friction_[static_cast<std::size_t>(j)];
-      net[j] -= friction_torque(joint, state.q[j], state.dq[j], bias_[j]);
-      mass_(j, j) += dt * friction_slope(joint, state.q[j], state.dq[j], bias_[j]);
+      const auto index = static_cast<std::size_t>(j);
+      const JointFit& joint = friction_[index];
+      const FrictionSign& sign = signs_[index];
+      const double q = state.q[j], v = state.dq[j];
+      net[j] -= friction_torque(joint, q, v, bias_[j], sign.at(v));
+      mass_(j, j) += dt * friction_slope(joint, sign, q, v, bias_[j], dt);
     }
     const Eigen::VectorXd change = dt * mass_.ldlt().solve(net);
-    state.q += dt * (state.dq + 0.5 * change);
+    const Eigen::VectorXd moved = dt * (state.dq + 0.5 * change);
+    for (Eigen::Index j = 0; j < dof_; ++j) signs_[static_cast<std::size_t>(j)].move(moved[j]);
+    state.q += moved;
     state.dq += change;
   }
 
  private:
   const std::vector<JointFit>& friction_;
+  std::vector<FrictionSign> signs_;
   RobotDynamics dynamics_;
   Eigen::Index dof_;
   Eigen::MatrixXd mass_;

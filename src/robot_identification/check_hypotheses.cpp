@@ -70,8 +70,7 @@ Trial trial_of(const JointSignals& signals, std::vector<JointRows> joints) {
   for (Eigen::Index j = 0; j < count; ++j) {
     JointRows& joint = joints[static_cast<std::size_t>(j)];
     joint.torque = signals.torque.col(j);
-    joint.library = library_columns(library, {signals.position.col(j), signals.velocity.col(j),
-                                              signals.acceleration.col(j), none, 0.05});
+    joint.library = library_columns(library, {signals, static_cast<std::size_t>(j), none});
     const double power = joint.torque.squaredNorm() / static_cast<double>(joint.torque.size());
     trial.variance[j] = std::max(1e-6, 0.01 * power);
     trial.prior.library_std.emplace_back(Eigen::VectorXd::Constant(joint.library.cols(), 1e3));

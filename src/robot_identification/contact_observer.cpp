@@ -29,6 +29,7 @@ ContactObserver::ContactObserver(const RobotModel& robot, const std::vector<Join
                                   &last_momentum_, &last_rate_, &last_step_, &last_rate_step_}) {
     vector->setZero(dof);
   }
+  for (const JointFit& joint : friction_) signs_.emplace_back(joint);
 }
 
 void ContactObserver::compute_momentum(const Vector& q, const Vector& dq,
@@ -40,6 +41,12 @@ void ContactObserver::compute_momentum(const Vector& q, const Vector& dq,
 
 void ContactObserver::reset(const Vector& q, const Vector& dq) {
   compute_momentum(q, dq, start_);
+  signs_.clear();
+  for (std::size_t j = 0; j < friction_.size(); ++j) {
+    // Moving for long, so far as is known.
+    const double v = dq[static_cast<Eigen::Index>(j)];
+    signs_.emplace_back(friction_[j], std::tanh(v / friction_[j].smoothing_speed));
+  }
   integral_.setZero();
   external_.setZero();
   unresolved_.setZero();
@@ -78,7 +85,9 @@ const Eigen::VectorXd& ContactObserver::update(const Vector& q, const Vector& dq
   dynamics_.inverse_dynamics(q, dq, zero_, bias_);  // C dq + g
   rate_ = tau + (ahead_ - behind_) / (2.0 * kMassStep) - bias_;
   for (Eigen::Index j = 0; j < rate_.size(); ++j) {
-    rate_[j] -= friction_torque(friction_[static_cast<std::size_t>(j)], q[j], dq[j], bias_[j]);
+    const auto index = static_cast<std::size_t>(j);
+    signs_[index].move(dt * dq[j]);
+    rate_[j] -= friction_torque(friction_[index], q[j], dq[j], bias_[j], signs_[index].at(dq[j]));
   }
   update_unresolved(dt);
   integral_ += dt * rate_;

@@ -8,42 +8,55 @@
 namespace pcavr {
 namespace {
 
-Eigen::ArrayXd smoothed_sign(const Eigen::VectorXd& velocity, double smoothing) {
-  return (velocity.array() / smoothing).tanh();
+Eigen::VectorXd sign_column(const SignModel& model, const LibraryInput& in) {
+  JointFit joint;
+  joint.smoothing_speed = model.smoothing_speed;
+  joint.presliding_displacement = model.presliding_displacement;
+  return friction_sign(joint, in.signals, in.joint);
 }
 
-Eigen::VectorXd column(const LibraryColumn& entry, const LibraryInput& in, double smoothing) {
-  const auto v = in.velocity.array();
+Eigen::VectorXd column(const LibraryColumn& entry, const LibraryInput& in,
+                       const Eigen::VectorXd& sign) {
+  const auto j = static_cast<Eigen::Index>(in.joint);
+  const auto v = in.signals.velocity.col(j).array();
   switch (entry.term) {
     case FrictionTerm::offset:
-      return Eigen::VectorXd::Ones(in.velocity.size());
+      return Eigen::VectorXd::Ones(v.size());
     case FrictionTerm::viscous:
-      return in.velocity;
+      return v;
     case FrictionTerm::coulomb:
-      return smoothed_sign(in.velocity, smoothing);
+      return sign;
     case FrictionTerm::motor_inertia:
-      return in.acceleration;
+      return in.signals.acceleration.col(j);
     case FrictionTerm::stribeck:
-      return smoothed_sign(in.velocity, smoothing) *
-             (-(v / kStribeckSpeeds[entry.candidate]).square()).exp();
+      return sign.array() * (-(v / kStribeckSpeeds[entry.candidate]).square()).exp();
     case FrictionTerm::load:
-      return smoothed_sign(in.velocity, smoothing) * in.load.array().abs();
+      return sign.array() * in.load.array().abs();
     case FrictionTerm::quadratic:
       return v * v.abs();
     case FrictionTerm::asymmetric:
       return v.abs();
     case FrictionTerm::ripple_sin:
-      return in.position.array().sin();
+      return in.signals.position.col(j).array().sin();
     case FrictionTerm::ripple_cos:
-      return in.position.array().cos();
+      return in.signals.position.col(j).array().cos();
   }
   PCAVR_REQUIRE(false, static_cast<int>(entry.term));
 }
 
-std::vector<LibraryColumn> make_smoothing_library() {
+std::vector<SignModel> make_sign_models() {
+  std::vector<SignModel> models;
+  for (const double speed : kSmoothingSpeeds) models.push_back({.smoothing_speed = speed});
+  for (const double displacement : kPreslidingDisplacements) {
+    models.push_back({.presliding_displacement = displacement});
+  }
+  return models;
+}
+
+std::vector<LibraryColumn> make_sign_library() {
   std::vector<LibraryColumn> library{
       {FrictionTerm::offset}, {FrictionTerm::viscous}, {FrictionTerm::motor_inertia}};
-  for (std::size_t k = 0; k < kSmoothingSpeeds.size(); ++k) {
+  for (std::size_t k = 0; k < sign_models().size(); ++k) {
     library.push_back({FrictionTerm::coulomb, k});
   }
   return library;
@@ -67,8 +80,13 @@ std::vector<LibraryColumn> make_full_library() {
 
 }  // namespace
 
-const std::vector<LibraryColumn>& smoothing_library() {
-  static const std::vector<LibraryColumn> library = make_smoothing_library();
+const std::vector<SignModel>& sign_models() {
+  static const std::vector<SignModel> models = make_sign_models();
+  return models;
+}
+
+const std::vector<LibraryColumn>& sign_library() {
+  static const std::vector<LibraryColumn> library = make_sign_library();
   return library;
 }
 
@@ -112,12 +130,14 @@ std::vector<JointRows> rigid_rows(const JointSignals& signals, const RobotModel&
 
 Eigen::MatrixXd library_columns(const std::vector<LibraryColumn>& library,
                                 const LibraryInput& input) {
-  Eigen::MatrixXd columns(input.velocity.size(), static_cast<Eigen::Index>(library.size()));
-  const bool is_smoothing_library = &library == &smoothing_library();
+  Eigen::MatrixXd columns(input.signals.velocity.rows(), static_cast<Eigen::Index>(library.size()));
+  const bool is_sign_library = &library == &sign_library();
+  Eigen::VectorXd sign = sign_column(input.sign, input);
   for (std::size_t i = 0; i < library.size(); ++i) {
-    const double smoothing =
-        is_smoothing_library ? kSmoothingSpeeds[library[i].candidate] : input.smoothing;
-    columns.col(static_cast<Eigen::Index>(i)) = column(library[i], input, smoothing);
+    if (is_sign_library && library[i].term == FrictionTerm::coulomb) {
+      sign = sign_column(sign_models()[library[i].candidate], input);
+    }
+    columns.col(static_cast<Eigen::Index>(i)) = column(library[i], input, sign);
   }
   return columns;
 }

@@ -18,17 +18,25 @@ namespace pcavr {
 /// Candidates for the speed over which friction changes its sign [rad/s]: from the resolution of
 /// encoders to the smoothing of the published identifications.
 inline constexpr std::array<double, 6> kSmoothingSpeeds{0.003, 0.01, 0.02, 0.035, 0.05, 0.1};
+/// How a joint's Coulomb friction changes its sign: see JointFit.
+struct SignModel {
+  double smoothing_speed = 0.05;         ///< [rad/s]
+  double presliding_displacement = 0.0;  ///< [rad]
+};
+/// Candidates: each smoothing speed, then each presliding displacement.
+[[nodiscard]] const std::vector<SignModel>& sign_models();
+
 /// Candidates for Stribeck's speed [rad/s].
 inline constexpr std::array<double, 3> kStribeckSpeeds{0.05, 0.15, 0.5};
 
-/// A column of the friction library: a term, and which of the candidate speeds it has.
+/// A column of the friction library: a term, and which of the candidates it has.
 struct LibraryColumn {
   FrictionTerm term;
   std::size_t candidate = 0;
 };
 
-/// Offset, viscous, motor inertia, and Coulomb friction with each smoothing speed.
-[[nodiscard]] const std::vector<LibraryColumn>& smoothing_library();
+/// Offset, viscous, motor inertia, and Coulomb friction with each of the sign models.
+[[nodiscard]] const std::vector<LibraryColumn>& sign_library();
 /// All terms, Stribeck's with each speed.
 [[nodiscard]] const std::vector<LibraryColumn>& full_library();
 /// The first column of a term.
@@ -40,9 +48,10 @@ struct LibraryColumn {
                                                 const RobotModel& model);
 
 struct LibraryInput {
-  Eigen::VectorXd position, velocity, acceleration;
-  Eigen::VectorXd load;     ///< [N m] rigid-body torque; may be empty where not used
-  double smoothing = 0.05;  ///< [rad/s] ignored by the smoothing library
+  const JointSignals& signals;
+  std::size_t joint = 0;
+  Eigen::VectorXd load;  ///< [N m] rigid-body torque; not used by the sign library
+  SignModel sign = {};   ///< not used by the sign library
 };
 [[nodiscard]] Eigen::MatrixXd library_columns(const std::vector<LibraryColumn>& library,
                                               const LibraryInput& input);

@@ -31,10 +31,12 @@ class JointTable {
         joint_(fit.joints[index]),
         index_(static_cast<Eigen::Index>(index)),
         train_(static_cast<Eigen::Index>(fit.train_rows)),
-        residual_(torques.friction.col(index_)) {
+        residual_(torques.friction.col(index_)),
+        sign_(friction_sign(joint_, signals, index)) {
     for (Eigen::Index row = 0; row < residual_.size(); ++row) {
-      residual_[row] -= friction_torque(joint_, signals.position(row, index_),
-                                        signals.velocity(row, index_), torques.rigid(row, index_));
+      residual_[row] -=
+          friction_torque(joint_, signals.position(row, index_), signals.velocity(row, index_),
+                          torques.rigid(row, index_), sign_[row]);
     }
     const auto fitted = signals.position.col(index_).head(train_);
     begin_ = fitted.minCoeff();
@@ -62,8 +64,7 @@ class JointTable {
     return static_cast<std::size_t>(std::clamp(std::floor(place), 0.0, last));
   }
   [[nodiscard]] Eigen::Vector3d columns_at(Eigen::Index row) const {
-    const double v = signals_.velocity(row, index_);
-    return {1.0, v, std::tanh(v / joint_.smoothing_speed)};
+    return {1.0, signals_.velocity(row, index_), sign_[row]};
   }
 
   void solve(const FrictionIntervalOptions& options) {
@@ -105,6 +106,7 @@ class JointTable {
   const JointFit& joint_;
   Eigen::Index index_, train_;
   Eigen::VectorXd residual_;  ///< [N m] that the whole motion's friction leaves
+  Eigen::VectorXd sign_;
   double begin_ = 0.0, width_ = 1.0;
   std::vector<FrictionInterval> intervals_;
   std::vector<Eigen::Vector3d> changes_;

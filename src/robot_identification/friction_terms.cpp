@@ -70,8 +70,43 @@ bool JointFit::is_out_of_step(double usual) const {
              kConfirmed * sliding_lag.std;
 }
 
+Eigen::VectorXd friction_sign(const JointFit& joint, const JointSignals& signals,
+                              std::size_t index) {
+  const auto column = static_cast<Eigen::Index>(index);
+  if (joint.presliding_displacement == 0.0) {
+    return (signals.velocity.col(column).array() / joint.smoothing_speed).tanh();
+  }
+  const auto found = std::find(kPreslidingDisplacements.begin(), kPreslidingDisplacements.end(),
+                               joint.presliding_displacement);
+  PCAVR_REQUIRE(found != kPreslidingDisplacements.end(), joint.presliding_displacement);
+  const auto k = static_cast<std::size_t>(found - kPreslidingDisplacements.begin());
+  return signals.presliding_sign[k].col(column);
+}
+
+FrictionSign::FrictionSign(const JointFit& joint, double start)
+    : smoothing_speed_(joint.smoothing_speed) {
+  if (joint.presliding_displacement > 0.0) {
+    presliding_.emplace(joint.presliding_displacement, std::clamp(start, -1.0, 1.0));
+  }
+}
+
+void FrictionSign::move(double step) {
+  if (presliding_) presliding_->move(step);
+}
+
+double FrictionSign::slope(double towards) const {
+  return presliding_ ? presliding_->slope(towards) : 0.0;
+}
+
+double FrictionSign::at(double v) const {
+  return presliding_ ? presliding_->value() : std::tanh(v / smoothing_speed_);
+}
+
 double friction_torque(const JointFit& joint, double q, double v, double load) {
-  const double sign = std::tanh(v / joint.smoothing_speed);
+  return friction_torque(joint, q, v, load, std::tanh(v / joint.smoothing_speed));
+}
+
+double friction_torque(const JointFit& joint, double q, double v, double load, double sign) {
   double torque = joint.value_of(FrictionTerm::offset) + joint.value_of(FrictionTerm::viscous) * v +
                   joint.value_of(FrictionTerm::coulomb) * sign +
                   joint.value_of(FrictionTerm::load) * std::abs(load) * sign +

@@ -46,9 +46,10 @@ void set_torque_errors(const JointSignals& signals, const FrictionTorques& torqu
   const auto j = static_cast<Eigen::Index>(index);
   const auto train = static_cast<Eigen::Index>(train_rows);
   Eigen::VectorXd residual = torques.friction.col(j);
+  const Eigen::VectorXd sign = friction_sign(joint, signals, index);
   for (Eigen::Index row = 0; row < residual.size(); ++row) {
     residual[row] -= friction_torque(joint, signals.position(row, j), signals.velocity(row, j),
-                                     torques.rigid(row, j));
+                                     torques.rigid(row, j), sign[row]);
   }
   const Eigen::Index rest = residual.size() - train;
   joint.train = torque_error(residual.head(train), torques.measured.col(j).head(train));

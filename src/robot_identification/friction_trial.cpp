@@ -140,7 +140,8 @@ class SingleJointTrial {
     dynamics_.inverse_dynamics(q_, dq_, ddq_, torque_);
     const double net = recorded.torque[joint_] - torque_[joint_] -
                        friction_torque(friction, q_[joint_], v, torque_[joint_]);
-    const double slope = detail::friction_slope(friction, q_[joint_], v, torque_[joint_]);
+    const double slope = detail::friction_slope(friction, FrictionSign(friction), q_[joint_], v,
+                                                torque_[joint_], record_.dt);
     const double change = record_.dt * net / (inertia + record_.dt * slope);
     q += record_.dt * (v + 0.5 * change);
     v += change;

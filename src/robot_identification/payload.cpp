@@ -31,7 +31,12 @@ class PayloadFit {
         fit_(unloaded),
         dynamics_(unloaded.robot(model)),
         dof_(loaded.position.cols()),
-        unknowns_(kLoad + kChanges * dof_) {}
+        unknowns_(kLoad + kChanges * dof_),
+        sign_(loaded.position.rows(), dof_) {
+    for (std::size_t j = 0; j < unloaded.joints.size(); ++j) {
+      sign_.col(static_cast<Eigen::Index>(j)) = friction_sign(unloaded.joints[j], loaded, j);
+    }
+  }
 
   [[nodiscard]] Payload run() {
     Eigen::MatrixXd information = prior();
@@ -86,8 +91,8 @@ class PayloadFit {
     for (Eigen::Index j = 0; j < dof_; ++j) {
       const JointFit& joint = fit_.joints[static_cast<std::size_t>(j)];
       const double armature = joint.value_of(FrictionTerm::motor_inertia) * ddq[j];
-      tau[j] += friction_torque(joint, q[j], dq[j], tau[j] - armature);
-      const double sign = std::tanh(dq[j] / joint.smoothing_speed);
+      const double sign = sign_(row, j);
+      tau[j] += friction_torque(joint, q[j], dq[j], tau[j] - armature, sign);
       rows.regressor.block<1, kChanges>(j, kLoad + kChanges * j) =
           Eigen::RowVector3d(1.0, sign, dq[j]);
     }
@@ -128,6 +133,7 @@ class PayloadFit {
   RobotDynamics dynamics_;
   Eigen::Index dof_;
   Eigen::Index unknowns_;
+  Eigen::MatrixXd sign_;  ///< of Coulomb friction
 };
 
 /// The fit of the unloaded arm without one stretch of its rows.

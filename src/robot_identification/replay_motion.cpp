@@ -116,7 +116,11 @@ MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, con
   const double sign = signals.is_sign_changed ? -1.0 : 1.0;
   const RobotModel robot = fit.robot(model);
   replay.tolerable_torque = tolerable_torque(signals, fit, robot, start, rows);
-  detail::ArmSimulation simulation(fit.joints, robot);
+  Eigen::VectorXd signs(signals.position.cols());
+  for (std::size_t j = 0; j < fit.joints.size(); ++j) {
+    signs[static_cast<Eigen::Index>(j)] = friction_sign(fit.joints[j], signals, j)[start];
+  }
+  detail::ArmSimulation simulation(fit.joints, robot, signs);
   detail::MotionState state{signals.position.row(start).transpose(),
                             signals.velocity.row(start).transpose()};
   const int steps = static_cast<int>(std::ceil(signals.interval / kMaxStep));

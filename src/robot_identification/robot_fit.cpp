@@ -62,7 +62,7 @@ RobotFitter::RobotFitter(const JointSignals& signals, const RobotModel& model,
       joints_(rigid_rows(signals, model)),
       rows_(signals.position.rows()) {
   train_ = static_cast<Eigen::Index>(options.train_share * static_cast<double>(rows_));
-  smoothing_.assign(joints_.size(), kPlainSmoothing);
+  signs_.assign(joints_.size(), {.smoothing_speed = kPlainSmoothing});
   prior_ = rigid_prior(model, options);
 }
 
@@ -72,7 +72,7 @@ RobotFit RobotFitter::run() {
   fit_plainly(fit);
   remove_torque_lag(fit);
   find_joint_lags(fit);
-  choose_smoothing();
+  choose_signs();
   fit_friction_terms();
   finish(fit);
   return fit;
@@ -86,11 +86,7 @@ FitPrior RobotFitter::scaled_prior(double scale) const {
 
 void RobotFitter::set_libraries(const std::vector<LibraryColumn>& library) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    LibraryInput input{signals_.position.col(at(j)),
-                       signals_.velocity.col(at(j)),
-                       signals_.acceleration.col(at(j)),
-                       {},
-                       smoothing_[j]};
+    LibraryInput input{signals_, j, {}, signs_[j]};
     if (solution_.rigid.size() > 0) input.load = joints_[j].rigid * solution_.rigid;
     if (input.load.size() == 0) input.load.setZero(rows_);
     joints_[j].library = library_columns(library, input);
@@ -99,8 +95,11 @@ void RobotFitter::set_libraries(const std::vector<LibraryColumn>& library) {
 
 BlockSystem RobotFitter::train_system() const { return block_system(joints_, train_, kBlocks); }
 
-/// A library parameter may produce up to ten times the joint's torque: left to the data.
-void RobotFitter::set_library_std(const BlockSystem& system) {
+/// A library parameter may produce up to ten times the joint's torque: left to the data. A ripple
+/// of the friction is as large as that: a larger one is an error of the bodies in the fitted
+/// postures, which sin q, cos q and the offset together would continue to others.
+void RobotFitter::set_library_std(const BlockSystem& system,
+                                  const std::vector<LibraryColumn>& library) {
   prior_.library_std.clear();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     NormalEquations sum;
@@ -109,6 +108,9 @@ void RobotFitter::set_library_std(const BlockSystem& system) {
     for (Eigen::Index k = 0; k < system.library; ++k) {
       const double power = sum.gram(system.rigid + k, system.rigid + k);
       std[k] = power > 0.0 ? 10.0 * std::sqrt(sum.power / power) : 1.0;
+      const FrictionTerm term = library[static_cast<std::size_t>(k)].term;
+      const bool is_ripple = term == FrictionTerm::ripple_sin || term == FrictionTerm::ripple_cos;
+      if (is_ripple && plain_coulomb_.size() > 0) std[k] = std::max(1e-9, plain_coulomb_[at(j)]);
     }
   }
 }
@@ -149,6 +151,8 @@ TorqueError RobotFitter::error_of(std::size_t joint, const Eigen::VectorXd& resi
 /// The terms of friction that are used, without stds.
 void RobotFitter::set_friction(const FitSolution& solution, std::size_t index,
                                JointFit& joint) const {
+  joint.smoothing_speed = signs_[index].smoothing_speed;
+  joint.presliding_displacement = signs_[index].presliding_displacement;
   for (const int column : selection_[index]) {
     const LibraryColumn& entry = full_library()[static_cast<std::size_t>(column)];
     joint.friction.push_back({entry.term, solution.library[index][column]});
@@ -198,7 +202,6 @@ void RobotFitter::leave_out(const BlockSystem& system) {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       JointFit& joint = left_out.joints.emplace_back();
       joint.name = model_.joints[j].name;
-      joint.smoothing_speed = smoothing_[j];
       set_friction(solution, j, joint);
     }
   }
@@ -212,7 +215,6 @@ void RobotFitter::finish(RobotFit& fit) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     JointFit& joint = fit.joints[j];
     joint.name = model_.joints[j].name;
-    joint.smoothing_speed = smoothing_[j];
     joint.noise_std = noise_[at(j)];
     joint.correlated_rows = correlated_rows_[at(j)];
     set_friction(solution_, j, joint);

@@ -65,7 +65,7 @@ double correlated_rows(const Eigen::VectorXd& residual) {
 void RobotFitter::fit_plainly(RobotFit& fit) {
   set_libraries(full_library());
   const BlockSystem system = train_system();
-  set_library_std(system);
+  set_library_std(system, full_library());
   const Selection selection(joints_.size(), {column_of(full_library(), FrictionTerm::offset),
                                              column_of(full_library(), FrictionTerm::viscous),
                                              column_of(full_library(), FrictionTerm::coulomb)});
@@ -75,7 +75,10 @@ void RobotFitter::fit_plainly(RobotFit& fit) {
   solution_ = solve(system, std::vector<bool>(kBlocks, true), selection, equal, wide);
   noise_.resize(at(joints_.size()));
   correlated_rows_.setOnes(at(joints_.size()));
+  plain_coulomb_.resize(at(joints_.size()));
   for (std::size_t j = 0; j < joints_.size(); ++j) {
+    plain_coulomb_[at(j)] =
+        std::abs(solution_.library[j][column_of(full_library(), FrictionTerm::coulomb)]);
     const Eigen::VectorXd r = residual(j, solution_);
     fit.joints[j].plain_held_out = error_of(j, r, true);
     noise_[at(j)] = std::max(1e-9, std::sqrt(r.head(train_).squaredNorm() / double(train_)));
@@ -160,7 +163,8 @@ std::vector<EstimatedLag> RobotFitter::joint_lags(const std::vector<JointRows>& 
 
 /// Friction after a reversal may look like a lag, and a lag of friction in proportion to the speed
 /// is motor inertia's torque: the second estimate is of the rows between reversals, with that
-/// inertia.
+/// inertia. Before the signs are chosen: friction that builds up by displacement would take up a
+/// lag.
 void RobotFitter::find_joint_lags(RobotFit& fit) const {
   const auto lag = static_cast<int>(full_library().size());  // its column
   std::vector<JointRows> extended = joints_;
@@ -188,19 +192,27 @@ void RobotFitter::find_joint_lags(RobotFit& fit) const {
   }
 }
 
-void RobotFitter::choose_smoothing() {
+/// By cross-validation; friction that builds up by displacement where it lowers the error of the
+/// best smoothing speed by min_gain.
+void RobotFitter::choose_signs() {
   if (options_.smoothing_speed > 0.0) {
-    smoothing_.assign(joints_.size(), options_.smoothing_speed);
+    signs_.assign(joints_.size(), {.smoothing_speed = options_.smoothing_speed});
     return;
   }
-  const std::vector<LibraryColumn>& library = smoothing_library();
+  const std::vector<LibraryColumn>& library = sign_library();
   set_libraries(library);
   const BlockSystem system = train_system();
-  set_library_std(system);
+  set_library_std(system, library);
   const std::vector<int> common{column_of(library, FrictionTerm::offset),
                                 column_of(library, FrictionTerm::viscous)};
   std::vector<double> best(joints_.size(), std::numeric_limits<double>::max());
-  for (std::size_t k = 0; k < kSmoothingSpeeds.size(); ++k) {
+  for (std::size_t k = 0; k < sign_models().size(); ++k) {
+    const SignModel& model = sign_models()[k];
+    const bool is_first_presliding = k == kSmoothingSpeeds.size();
+    if (is_first_presliding) {
+      const double share = 1.0 - options_.min_gain;
+      for (double& error : best) error *= share * share;  // they are squared
+    }
     Selection selection(joints_.size(), common);
     for (auto& columns : selection) {
       columns.push_back(column_of(library, FrictionTerm::coulomb, k));
@@ -209,7 +221,8 @@ void RobotFitter::choose_smoothing() {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       if (error[at(j)] >= best[j]) continue;
       best[j] = error[at(j)];
-      smoothing_[j] = kSmoothingSpeeds[k];
+      signs_[j].presliding_displacement = model.presliding_displacement;
+      if (k < kSmoothingSpeeds.size()) signs_[j].smoothing_speed = model.smoothing_speed;
     }
   }
 }

@@ -131,7 +131,7 @@ void RobotFitter::fit_friction_terms() {
                                      column_of(library, FrictionTerm::coulomb)});
   set_libraries(library);
   BlockSystem system = train_system();
-  set_library_std(system);
+  set_library_std(system, library);
   choose_prior_scale(system);
   solution_ = solve(system, all, selection_, variance_, scaled_prior(prior_scale_));
   update_noise(solution_, true);

@@ -35,7 +35,7 @@ class RobotFitter {
  private:
   void set_libraries(const std::vector<LibraryColumn>& library);
   [[nodiscard]] BlockSystem train_system() const;
-  void set_library_std(const BlockSystem& system);
+  void set_library_std(const BlockSystem& system, const std::vector<LibraryColumn>& library);
   [[nodiscard]] Eigen::VectorXd residual(std::size_t joint, const FitSolution& solution) const;
   [[nodiscard]] Eigen::VectorXd cross_validate(const BlockSystem& system,
                                                const Selection& selection,
@@ -45,7 +45,7 @@ class RobotFitter {
   [[nodiscard]] std::vector<EstimatedLag> joint_lags(const std::vector<JointRows>& joints,
                                                      const std::vector<int>& columns) const;
   void find_joint_lags(RobotFit& fit) const;
-  void choose_smoothing();
+  void choose_signs();
   void set_variance();
   void fit_friction_terms();
   void update_noise(const FitSolution& solution, bool is_robust);
@@ -68,7 +68,8 @@ class RobotFitter {
   std::vector<JointRows> joints_;
   Eigen::Index rows_;
   Eigen::Index train_ = 0;
-  std::vector<double> smoothing_;
+  std::vector<SignModel> signs_;   ///< by joint
+  Eigen::VectorXd plain_coulomb_;  ///< [N m] by joint, of plain least squares
   FitPrior prior_;
   double prior_scale_ = 1.0;
   Selection selection_;

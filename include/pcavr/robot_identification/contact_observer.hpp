@@ -53,6 +53,7 @@ class ContactObserver {
 
   RobotDynamics dynamics_;
   std::vector<JointFit> friction_;
+  std::vector<FrictionSign> signs_;  ///< of friction, by joint
   double gain_;
   Eigen::VectorXd external_, integral_, momentum_, start_, rate_, ahead_, behind_, zero_, gravity_;
   Eigen::VectorXd bias_, q_shifted_, unresolved_;

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "pcavr/recording/joint_log.hpp"
+#include "pcavr/robot_identification/presliding.hpp"
 
 namespace pcavr {
 
@@ -42,6 +44,8 @@ struct JointSignals {
   Eigen::MatrixXd acceleration;                 ///< [rad/s^2]
   Eigen::MatrixXd torque;                       ///< [N m]
   Eigen::MatrixXd torque_rate;                  ///< [N m/s]
+  /// Signs of friction with each of kPreslidingDisplacements, filtered as the torques are.
+  std::array<Eigen::MatrixXd, kPreslidingDisplacements.size()> presliding_sign;
 };
 
 /// Butterworth low-pass of order 4, forward and backward: no phase, -6 dB at `bandwidth` [Hz]. At

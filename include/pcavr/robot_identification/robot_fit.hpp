@@ -36,10 +36,10 @@ struct RobotFitOptions {
 enum class FrictionTerm {
   offset,         ///< 1
   viscous,        ///< v
-  coulomb,        ///< tanh(v / smoothing)
+  coulomb,        ///< sign: tanh(v / smoothing), or by PreslidingSign
   motor_inertia,  ///< ddq
-  stribeck,       ///< tanh(v / smoothing) exp(-(v / stribeck_speed)^2)
-  load,           ///< |rigid-body torque| tanh(v / smoothing)
+  stribeck,       ///< sign exp(-(v / stribeck_speed)^2)
+  load,           ///< |rigid-body torque| sign
   quadratic,      ///< v |v|
   asymmetric,     ///< |v|: viscous friction that differs by direction
   ripple_sin,     ///< sin q
@@ -70,12 +70,15 @@ struct EstimatedLag {
 struct JointFit {
   std::string name;
   std::vector<FittedTerm> friction;  ///< the terms that were used
-  double smoothing_speed = 0.0;      ///< [rad/s] of tanh
-  double stribeck_speed = 0.0;       ///< [rad/s] where the term is used
-  double noise_std = 0.0;            ///< [N m] of the residual, training part
-  double correlated_rows = 1.0;      ///< rows that count as one independent one
-  EstimatedLag torque_lag;           ///< of its torques after all joints'; not removed
-  EstimatedLag sliding_lag;          ///< the same without the rows about reversals
+  double smoothing_speed = 0.0;      ///< [rad/s] of tanh, for who keeps no state of friction
+  /// [rad] over which friction changes its sign after a reversal (PreslidingSign), where that
+  /// explains the torques better than any speed; else 0.
+  double presliding_displacement = 0.0;
+  double stribeck_speed = 0.0;   ///< [rad/s] where the term is used
+  double noise_std = 0.0;        ///< [N m] of the residual, training part
+  double correlated_rows = 1.0;  ///< rows that count as one independent one
+  EstimatedLag torque_lag;       ///< of its torques after all joints'; not removed
+  EstimatedLag sliding_lag;      ///< the same without the rows about reversals
   TorqueError train, held_out;
   TorqueError plain_held_out;  ///< of plain least squares: unweighted, no prior, plain friction
   /// Offset, viscous and Coulomb friction with a sign that changes at once, next to the fitted
@@ -133,8 +136,29 @@ struct RobotFit {
                                       const std::vector<JointFit>& joints);
 
 /// Friction torque of a joint at position q [rad], speed v [rad/s], without motor inertia. `load`:
-/// the rigid-body torque [N m].
+/// the rigid-body torque [N m]; `sign`: of Coulomb friction, by default that of the speed.
 [[nodiscard]] double friction_torque(const JointFit& joint, double q, double v, double load);
+[[nodiscard]] double friction_torque(const JointFit& joint, double q, double v, double load,
+                                     double sign);
+
+/// The sign of a joint's Coulomb friction, row by row of the signals. `index`: of their column.
+[[nodiscard]] Eigen::VectorXd friction_sign(const JointFit& joint, const JointSignals& signals,
+                                            std::size_t index);
+
+/// The sign of a joint's Coulomb friction while the joint moves.
+class FrictionSign {
+ public:
+  /// `start`: where it has a state, that at the start, -1 to 1.
+  explicit FrictionSign(const JointFit& joint, double start = 0.0);
+
+  void move(double step);                            ///< by `step` [rad]
+  [[nodiscard]] double at(double v) const;           ///< v [rad/s]
+  [[nodiscard]] double slope(double towards) const;  ///< over the displacement [1/rad]
+
+ private:
+  double smoothing_speed_;
+  std::optional<PreslidingSign> presliding_;
+};
 
 /// Fits inertial parameters and friction by weighted, robust least squares with a weak prior about
 /// the model's inertias. The model has exactly the joints of the signals, in their order, without
