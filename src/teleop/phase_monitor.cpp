@@ -57,10 +57,16 @@ void PhaseMonitor::step(const MonitorSample& sample,
     const bool is_above = sample.is_within_reach && size > sensors_.enter_force;
     if (is_above && in_a_row_ == 0) above_since_ = sample.t;
     in_a_row_ = is_above ? in_a_row_ + 1 : 0;
+    if (in_a_row_ == 0) opposite_base_.reset();
     if (in_a_row_ < options_.debounce_samples) return;
     begin_contact(sample);
   }
-  const double tip = sample.p_base_tip.dot(direction_base_);
+  if (has_turned(sample)) {
+    opposite_base_ = -inward_base_;
+    end_contact();
+    return;
+  }
+  const double tip = sample.p_base_tip.dot(advance_base_);
   if (size > options_.leave_ratio * sensors_.enter_force) {
     last_loaded_ = sample.t;
     loaded_tip_ = tip;
@@ -79,6 +85,13 @@ void PhaseMonitor::step(const MonitorSample& sample,
   process({sample.t, tip, without_damping(sample.t, tip, force, damping),
            sample.force_base.head<2>().norm()},
           limiting_friction);
+}
+
+bool PhaseMonitor::has_turned(const MonitorSample& sample) {
+  const double force = sample.force_base.dot(direction_base_);
+  const bool pulls = !is_press_ && force < -sensors_.enter_force;
+  turned_in_a_row_ = pulls ? turned_in_a_row_ + 1 : 0;
+  return turned_in_a_row_ >= options_.debounce_samples;
 }
 
 double PhaseMonitor::without_damping(double t, double tip, double force, double damping) const {
@@ -111,22 +124,27 @@ double PhaseMonitor::resting_force() const {
 
 void PhaseMonitor::begin_contact(const MonitorSample& sample) {
   is_touched_ = true;
-  in_a_row_ = 0;
+  in_a_row_ = turned_in_a_row_ = 0;
   contact_begin_ = above_since_;
   last_loaded_ = last_near_ = sample.t;
-  const Eigen::Vector3d& inward = sample.direction_base;
-  is_press_ = !is_movable_ || std::abs(inward.z()) > inward.head<2>().norm();
-  direction_base_ = inward;
-  if (!is_press_) direction_base_ = Eigen::Vector3d(inward.x(), inward.y(), 0.0).normalized();
+  inward_base_ = opposite_base_.value_or(sample.direction_base);
+  opposite_base_.reset();
+  const double level = inward_base_.head<2>().norm();
+  is_press_ = !is_movable_ || std::abs(inward_base_.z()) > level;
+  direction_base_ = advance_base_ = inward_base_;
+  if (!is_press_) {
+    direction_base_ = Eigen::Vector3d(inward_base_.x(), inward_base_.y(), 0.0) / level;
+    advance_base_ = inward_base_ / level;
+  }
   touch_force_ = std::max(sample.force_base.dot(direction_base_), sensors_.enter_force);
-  line_ = ContactLine(sample.p_base_tip.dot(direction_base_), touch_force_);
+  line_ = ContactLine(sample.p_base_tip.dot(advance_base_), touch_force_);
   is_line_final_ = is_contact_stamped_ = has_slid_ = is_slow_slide_ = false;
   next_for_line_ = 0;
   contact_.clear();
   speed_ = 0.0;
   fast_in_a_row_ = critical_in_a_row_ = 0;
   rest_since_ = above_since_;
-  loaded_tip_ = sample.p_base_tip.dot(direction_base_);
+  loaded_tip_ = sample.p_base_tip.dot(advance_base_);
   change_to(above_since_, MotionPhase::static_contact);
 }
 

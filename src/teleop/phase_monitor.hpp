@@ -39,11 +39,12 @@ struct SensorProperties {
 };
 
 /// Detects an object's phase (free, static, critical, sliding) from force and motion, causally.
-/// Contact: force above its noise while the tip is near. Sliding: the object's displacement, which
-/// is the tip's minus the compression by the push's own contact line, grows [paper C, SMA,
-/// automated]. Critical: the friction force has reached F_M minus the larger of its std and a
-/// tenth. A change is detected some 40 ms late, and then stamped with the onset of the fitted
-/// motion.
+/// Contact: force above its noise while the tip is near; another one once the force has turned
+/// round, as in a hole, where the tip is pulled out along the other wall. Sliding: the object's
+/// displacement, which is the tip's minus the compression by the push's own contact line, grows
+/// [paper C, SMA, automated]. Critical: the friction force has reached F_M minus the larger of its
+/// std and a tenth. A change is detected some 40 ms late, and then stamped with the onset of the
+/// fitted motion.
 class PhaseMonitor {
  public:
   /// An object that is not movable never slides: each of its contacts is a press.
@@ -71,7 +72,12 @@ class PhaseMonitor {
   [[nodiscard]] MotionPhase phase() const { return changes_.back().phase; }
   [[nodiscard]] bool is_touched() const { return is_touched_; }
   [[nodiscard]] double contact_begin() const { return contact_begin_; }
+  /// Of the push, level; of a press, into the face.
   [[nodiscard]] const Eigen::Vector3d& direction_base() const { return direction_base_; }
+  /// The tip's coordinate along it [m] is how far the object has to give way in the direction of
+  /// the push for the tip to be as deep in the face as before: below an inclined face a tip that
+  /// goes down advances, too.
+  [[nodiscard]] const Eigen::Vector3d& advance_base() const { return advance_base_; }
   [[nodiscard]] bool is_press() const { return is_press_; }
   /// In the current or the last contact, by force and motion.
   [[nodiscard]] bool has_slid() const { return has_slid_; }
@@ -92,11 +98,13 @@ class PhaseMonitor {
  private:
   struct Point {
     double t = 0.0;
-    double tip = 0.0;       ///< [m]
+    double tip = 0.0;       ///< [m] along advance_base()
     double force = 0.0;     ///< without damping [N]
     double friction = 0.0;  ///< at the support [N]
   };
   void begin_contact(const MonitorSample& sample);
+  /// Whether the object pushes the tip back no longer, but the opposite wall does.
+  [[nodiscard]] bool has_turned(const MonitorSample& sample);
   [[nodiscard]] double without_damping(double t, double tip, double force, double damping) const;
   void end_contact();
   void stamp_contact();
@@ -126,14 +134,17 @@ class PhaseMonitor {
   std::vector<MonitoredPhase> changes_;
   bool is_touched_ = false;
   bool is_press_ = false;
-  int in_a_row_ = 0;
+  int in_a_row_ = 0, turned_in_a_row_ = 0;
   double above_since_ = 0.0;
   double last_loaded_ = 0.0;  ///< [s]
   double last_near_ = 0.0;    ///< [s] when the tip was last at its last loaded position
   double loaded_tip_ = 0.0;   ///< [m] last tip coordinate under load
   double contact_begin_ = 0.0;
   bool is_contact_stamped_ = false;
+  Eigen::Vector3d inward_base_ = Eigen::Vector3d::UnitX();  ///< of the touched face
+  std::optional<Eigen::Vector3d> opposite_base_ = {};       ///< inward, after the force has turned
   Eigen::Vector3d direction_base_ = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d advance_base_ = Eigen::Vector3d::UnitX();
   ContactLine line_;
   bool is_line_final_ = false;
   bool has_slid_ = false;

@@ -166,7 +166,7 @@ void RobotObject::detect_slow_slide(const TrackedPose& seen) {
   if (slow_contact_begin_ != monitor.contact_begin()) {
     slow_contact_begin_ = monitor.contact_begin();
     touched_object_ = before_contact_.T_base_object.inverse() * p_base_tip_;
-    slow_slide_.restart(p_base_tip_.dot(direction));
+    slow_slide_.restart(p_base_tip_.dot(monitor.advance_base()));
   }
   if (slides(monitor.phase()) && !monitor.is_slow_slide()) {
     slow_slide_.restart();
@@ -176,7 +176,7 @@ void RobotObject::detect_slow_slide(const TrackedPose& seen) {
   const double arm = (p_base_touched - seen.T_base_object.translation()).head<2>().norm();
   slow_slide_.add({seen.t, p_base_touched.dot(direction),
                    std::hypot(seen.position_std / std::sqrt(3.0), seen.rotation_std * arm),
-                   p_base_tip_.dot(direction)});
+                   p_base_tip_.dot(monitor.advance_base())});
   if (monitor.is_slow_slide()) {
     if (!slow_slide_.is_at_rest()) return;
     monitor.end_slow_slide();

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -111,6 +113,62 @@ TEST(PhaseMonitor, EndsTheContactOfATipThatGoesOnWithoutAForce) {
   EXPECT_EQ(monitor.phase(), MotionPhase::free);
   EXPECT_FALSE(monitor.is_touched());
   EXPECT_NEAR(monitor.changes().back().t, kSlip, 0.02);
+}
+
+/// The tip goes down at 50 mm/s along a wall that leans by 20 degrees, which gives way, and up
+/// again from `t_up` on, along the opposite one.
+constexpr double kLean = 0.35;  // [rad]
+constexpr double kTurns = 1.5;  // [s]
+std::vector<MonitorSample> made_oblique_slide() {
+  const Eigen::Vector3d inward(std::cos(kLean), 0.0, -std::sin(kLean));
+  constexpr double kLaw = 8e3;  // [N/m]
+  constexpr double kMaxForce = 8.0;
+  std::vector<MonitorSample> samples;
+  Random random(12);
+  double wall = 0.0;  // [m] of the wall along x; from the first touch on
+  for (double t = 0.0; t < 2.5; t += kInterval) {
+    MonitorSample sample;
+    sample.t = t;
+    sample.is_within_reach = true;
+    sample.direction_base = inward;
+    sample.p_base_tip.z() = t < kTurns ? 0.02 - 0.05 * t : 0.02 - 0.05 * (2.0 * kTurns - t);
+    if (t < 0.4) wall = sample.p_base_tip.dot(inward) / inward.x();
+    const double depth = sample.p_base_tip.dot(inward) - wall * inward.x();
+    const double deepest = kMaxForce / kLaw;
+    if (std::abs(depth) > deepest) {
+      wall += (depth - std::copysign(deepest, depth)) / inward.x();
+    }
+    const double force = kLaw * std::clamp(depth, -deepest, deepest);
+    sample.force_base = force * inward;
+    for (int axis = 0; axis < 3; ++axis) sample.force_base[axis] += 0.05 * random.normal();
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+TEST(PhaseMonitor, SeesTheSlideOfAnObjectThatATipDrivesAsideFromAbove) {
+  PhaseMonitor monitor(0.0, {});
+  std::optional<double> before, after;
+  for (const MonitorSample& sample : made_oblique_slide()) {
+    monitor.step(sample, std::nullopt, 0.0);
+    if (std::abs(sample.t - 0.9) < 1e-9) before = monitor.displacement_at(sample.t);
+    if (std::abs(sample.t - 1.3) < 1e-9) {
+      after = monitor.displacement_at(sample.t);
+      EXPECT_EQ(monitor.phase(), MotionPhase::sliding);
+      EXPECT_NEAR(monitor.speed(), 0.05 * std::tan(kLean), 0.001);
+    }
+  }
+  ASSERT_TRUE(before && after);
+  EXPECT_NEAR(*after - *before, 0.4 * 0.05 * std::tan(kLean), 3e-4);
+}
+
+TEST(PhaseMonitor, BeginsAnotherContactWhenTheForceTurnsRound) {
+  PhaseMonitor monitor(0.0, {});
+  for (const MonitorSample& sample : made_oblique_slide()) monitor.step(sample, std::nullopt, 0.0);
+  EXPECT_TRUE(monitor.is_touched());
+  EXPECT_NEAR(monitor.contact_begin(), kTurns + 0.06, 0.03);  // when the load has turned round
+  EXPECT_NEAR(monitor.direction_base().x(), -1.0, 1e-9);
+  EXPECT_EQ(monitor.phase(), MotionPhase::sliding);
 }
 
 TEST(PhaseMonitor, UsesTheCameraWithoutForce) {

@@ -107,6 +107,43 @@ test('starting over can be undone until a body is touched', limit, async () => {
   await page.close();
 });
 
+test('buttons slow the time down, and the hand feels forces as much smaller', limit, async () => {
+  const { page, seen } = await stage.open();
+  await loaded(page);
+  await openPanel(page);
+  const isAt = async (scale) => {
+    await page.waitForFunction((wanted) => window.__pcavr.state?.timeScale === wanted, scale);
+    await page.locator('#time-scale', { hasText: `${100 * scale} %` }).waitFor();
+    const inHud = page.getByText(`time × ${scale}`);
+    await inHud.waitFor({ state: scale < 1 ? 'visible' : 'detached' });
+  };
+  for (const scale of [0.5, 0.25, 0.1]) {
+    await page.click('#slower');
+    await isAt(scale);
+  }
+  const before = world.state.time;
+  await page.waitForTimeout(1000);
+  const passed = world.state.time - before;
+  assert.ok(passed > 0.05 && passed < 0.3, `${passed} s of the world in a second`);
+  await page.click('#slower'); // no slower than that
+  for (const scale of [0.25, 0.5]) {
+    await page.click('#faster');
+    await isAt(scale);
+  }
+  const feelsHalf = () => {
+    const onBox = Math.hypot(...world.state.objects[0].force);
+    const felt = Math.hypot(...world.state.force);
+    return onBox > 0.5 && Math.abs(felt / onBox - 0.5) < 0.05;
+  };
+  await Promise.all([pushBox(page), until(feelsHalf, 'half of the force felt')]);
+  await screenshot(page, 'time-slowed');
+  await page.mouse.up();
+  await until(() => !world.state.isEngaged, 'the clutch open');
+  await page.click('#faster');
+  await isAt(1);
+  assert.deepEqual(seen.errors, []);
+});
+
 test('keys move the tool while Space is held, and hold stops it', limit, async () => {
   const { page } = await stage.open();
   await loaded(page);

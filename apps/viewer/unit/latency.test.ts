@@ -113,6 +113,7 @@ test('a state at rest looks like the previous one, a moved one does not', () => 
   assert.equal(looksDifferent(still, moved(1e-4) as LiveState), true);
   assert.equal(looksDifferent(still, moved(NaN) as LiveState), true);
   assert.equal(looksDifferent(still, { ...still, pulses: 1 }), true);
+  assert.equal(looksDifferent(still, { ...still, timeScale: 0.5 }), true);
   assert.equal(looksDifferent(still, { ...still, isEngaged: true }), true);
   assert.equal(looksDifferent(still, { ...still, objects: [] }), true);
 });

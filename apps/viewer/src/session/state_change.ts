@@ -10,6 +10,7 @@ const minForce = 1e-2; // [N]
 export function looksDifferent(a: LiveState, b: LiveState): boolean {
   if (a.objects.length !== b.objects.length || a.pulses !== b.pulses) return true;
   if (a.isEngaged !== b.isEngaged || a.isOnHold !== b.isOnHold) return true;
+  if (a.timeScale !== b.timeScale) return true;
   if (a.isStopped !== b.isStopped || a.link?.isConnected !== b.link?.isConnected) return true;
   if (a.hasTool !== b.hasTool || a.isToolTaken !== b.isToolTaken) return true;
   if (a.canUndoReset !== b.canUndoReset) return true;
