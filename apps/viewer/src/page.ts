@@ -176,7 +176,6 @@ export class Page {
 
   private connectSession(): void {
     const { session, view } = this.app;
-    const status = byId('connection', HTMLSpanElement);
     session.onWelcome((welcome) => {
       void this.restart.onWelcome(welcome);
       view.setObjectOrder(welcome.objects);
@@ -184,22 +183,28 @@ export class Page {
     });
     session.onNotice((notice) => this.messages.show(notice));
     session.onConnection((connection, reason) => {
-      status.dataset.state = connection;
+      this.showConnection();
       this.app.invalidate(); // the state of the tool's buttons may have changed
-      setText(
-        status,
-        {
-          open: 'connected',
-          lost: 'disconnected, reconnecting',
-          refused: 'refused',
-          connecting: 'connecting',
-        }[connection],
-      );
       if (reason && connection === 'refused') this.messages.show({ level: 'error', text: reason });
       this.showLost(connection === 'lost');
       // A restarted server has a new pairing code; while it is down, the worker keeps reconnecting.
       if (connection === 'lost') pair().catch(() => undefined);
     });
+  }
+
+  /// Of the page with its server, and of an operator's site with the robot's.
+  private showConnection(): void {
+    const { connection } = this.app.session;
+    const isRobotLost = connection === 'open' && (this.linkPanel?.isLost ?? false);
+    const status = byId('connection', HTMLSpanElement);
+    status.dataset.state = isRobotLost ? 'lost' : connection;
+    const texts = {
+      open: isRobotLost ? "no link to the robot's site" : 'connected',
+      lost: 'disconnected, reconnecting',
+      refused: 'refused',
+      connecting: 'connecting',
+    };
+    setText(status, texts[connection]);
   }
 
   /// Dims the scene, and shows that phases and forces are not known. A replay goes on.
@@ -276,7 +281,7 @@ export class Page {
     this.navigation.update(seconds);
     this.tool?.update(seconds);
     if (this.isLinkRestored) this.link.update(time);
-    this.linkPanel?.update();
+    if (this.linkPanel?.update()) this.showConnection();
     const state = this.app.session.latest();
     if (state) {
       if (!this.hadState) this.showFirstState();

@@ -136,10 +136,13 @@ test('silence is shown within 0.5 s, the clutch opens, and the link resumes', li
   robot.signal('SIGSTOP');
   const silence = await shownSilence(page);
   await screenshot(page, 'link-silent');
+  const headerText = () => page.locator('#connection').textContent();
+  assert.equal(await headerText(), "no link to the robot's site");
   assert.ok(silence > 0.2 && silence < 0.5, `shown after ${silence} s`);
   assert.equal((await stateOf(page)).isEngaged, false);
   robot.signal('SIGCONT');
   await resumed(page);
+  assert.equal(await headerText(), 'connected');
   // The robot's site ends, and starts again.
   await robot.stop();
   await shownSilence(page);

@@ -32,6 +32,7 @@ export class LinkPanel {
   private readonly text = create('span');
   private readonly alert = create('div', { id: 'link-alert', hidden: true });
   private stages: number[] | null = null;
+  private isLinkLost = false;
 
   constructor(
     private readonly app: App,
@@ -60,9 +61,21 @@ export class LinkPanel {
     ];
   }
 
-  /// Once a frame, drawn or not.
-  update(): void {
+  /// Whether this is an operator's site without a link to the robot's.
+  get isLost(): boolean {
+    return this.isLinkLost;
+  }
+
+  /// Once a frame, drawn or not; whether isLost has changed.
+  update(): boolean {
     const state = this.app.session.latest();
+    const wasLost = this.isLinkLost;
+    this.isLinkLost = state?.link ? !state.link.isConnected : false;
+    this.show(state);
+    return this.isLinkLost !== wasLost;
+  }
+
+  private show(state: LiveState | null): void {
     this.stop.disabled = !state;
     const link = state?.link ?? null;
     this.showAlert(state);
@@ -86,8 +99,7 @@ export class LinkPanel {
   }
 
   private showAlert(state: LiveState | null): void {
-    const isLost = state?.link ? !state.link.isConnected : false;
-    this.alert.hidden = !state || (!state.isStopped && !isLost);
+    this.alert.hidden = !state || (!state.isStopped && !this.isLinkLost);
     this.release.hidden = !state?.isStopped;
     if (this.alert.hidden) return;
     setText(this.title, state?.isStopped ? 'Emergency stop' : "No link to the robot's site");
