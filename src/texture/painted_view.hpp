@@ -17,6 +17,7 @@ namespace pcavr {
 struct Sighting {
   Eigen::Vector2f pixel;  ///< of the colour image
   float weight = 0.0F;    ///< > 0
+  bool is_mixed = false;  ///< next to a nearer surface, whose colour the pixel may have
 };
 
 /// A view with what is needed to look up surface points in it. const members are thread-safe.
@@ -41,8 +42,14 @@ class PaintedView {
   [[nodiscard]] std::optional<Sighting> look_up(const Eigen::Vector3f& p_base,
                                                 const Eigen::Vector3f& normal_base) const;
 
-  /// The colour at a pixel inside the image, bilinear, with the view's gain and offset.
+  /// The colour at a pixel inside the image, bilinear, with the view's vignetting, gain and offset.
   [[nodiscard]] Eigen::Vector3f color_at(const Eigen::Vector2f& pixel) const;
+  /// The same by cubic convolution, which does not blur [Keys 1981]; a pixel from the border.
+  [[nodiscard]] Eigen::Vector3f sharp_color_at(const Eigen::Vector2f& pixel) const;
+  /// Factor by which the vignetting's loss at a pixel is made up for.
+  [[nodiscard]] float brightening(const Eigen::Vector2f& pixel) const;
+  /// Of the pixel's distance from the principal point, in focal lengths.
+  [[nodiscard]] float squared_slope(const Eigen::Vector2f& pixel) const;
   /// Whether the sensor was saturated there: the surface is at least as bright as the colour.
   [[nodiscard]] bool is_overexposed(const Eigen::Vector2f& pixel) const;
 
@@ -53,16 +60,18 @@ class PaintedView {
   [[nodiscard]] float focal() const { return static_cast<float>(registration_.camera.fx); }
   [[nodiscard]] Eigen::Vector3f position_base() const { return position_base_; }
 
-  /// By channel: an evened out colour is gain * color + offset, of 255.
+  /// The camera's: see ColorRegistration.
+  float vignetting = 0.0F;
+  /// By channel: an evened out colour is gain * brightening * color + offset, of 255.
   Eigen::Vector3f gain = Eigen::Vector3f::Ones();
   Eigen::Vector3f offset = Eigen::Vector3f::Zero();
   float sharpness_weight = 1.0F;
 
  private:
   void update_color_pose();
-  /// How much of its weight a sighting keeps for what lies in front of the point in the colour
-  /// image; 0 where that hides it. `tolerance` in m.
-  [[nodiscard]] float share_seen(const Eigen::Vector2f& pixel, float depth, float tolerance) const;
+  /// What lies in front of a point in the colour image, nearer than `depth` by `tolerance` [m].
+  enum class InFront { nothing, beside, hides };
+  [[nodiscard]] InFront in_front(const Eigen::Vector2f& pixel, float depth, float tolerance) const;
 
   const TextureView* view_;
   ColorRegistration registration_;
