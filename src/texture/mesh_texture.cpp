@@ -28,13 +28,6 @@ struct Texel {
   Eigen::Vector3f fused;  ///< colour by the vertices
 };
 
-/// A texel that every view sees next to a nearer surface only.
-struct MixedTexel {
-  int x;
-  int y;
-  Eigen::Vector3f color;
-};
-
 /// What a view says of a texel.
 struct Sample {
   Eigen::Vector3f color;
@@ -78,12 +71,11 @@ Eigen::Vector3f blend(std::vector<Sample>& samples, const TextureOptions& option
 
 class AtlasPainter {
  public:
-  AtlasPainter(const std::vector<TriangleMesh>& levels, const ChartSet& charts,
+  AtlasPainter(const std::vector<TriangleMesh>& levels,
                const std::vector<TextureCoordinates>& coordinates,
                const Image<std::uint32_t>& triangles, const std::vector<PaintedView>& views,
                const TextureOptions& options)
       : levels_(levels),
-        charts_(charts),
         coordinates_(coordinates),
         triangles_(triangles),
         views_(views),
@@ -97,14 +89,12 @@ class AtlasPainter {
     const auto blocks = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
     seen_.assign(blocks, 0);
     used_.assign(blocks, 0);
-    mixed_.assign(blocks, {});
     parallel_for(parallelism, blocks, 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto block = static_cast<int>(i);
         paint_block(block % columns * kBlock, block / columns * kBlock, i);
       }
     });
-    fill_mixed();
     fill_gaps(image_, is_known_);
   }
 
@@ -118,23 +108,11 @@ class AtlasPainter {
   }
 
  private:
-  struct TriangleOfLevel {
-    std::size_t level;
-    std::size_t triangle;
-  };
-  [[nodiscard]] TriangleOfLevel triangle_at(int x, int y) const {
-    TriangleOfLevel found{0, triangles_(x, y)};
-    while (found.triangle >= levels_[found.level].triangles.size())
-      found.triangle -= levels_[found.level++].triangles.size();
-    return found;
-  }
-  [[nodiscard]] std::uint32_t chart_at(int x, int y) const {
-    const auto [level, triangle] = triangle_at(x, y);
-    return charts_.chart_of_triangle[level][triangle];
-  }
-
   [[nodiscard]] Texel texel_at(int x, int y) const {
-    const auto [level, triangle] = triangle_at(x, y);
+    std::size_t triangle = triangles_(x, y);
+    std::size_t level = 0;
+    while (triangle >= levels_[level].triangles.size())
+      triangle -= levels_[level++].triangles.size();
     const TriangleMesh& mesh = levels_[level];
     const std::uint32_t a = mesh.triangles[triangle][0];
     const std::uint32_t b = mesh.triangles[triangle][1];
@@ -191,59 +169,17 @@ class AtlasPainter {
     std::vector<Sample> samples;
     for (const Entry& entry : entries) {
       samples.clear();
-      bool is_mixed = true;
       for (const PaintedView* view : views) {
         const auto sighting = view->look_up(entry.texel.p_base, entry.texel.normal_base);
         if (!sighting) continue;
-        is_mixed = is_mixed && sighting->is_mixed;
         const Eigen::Vector3f color = view->sharp_color_at(sighting->pixel);
         samples.push_back(
             {color, sighting->weight, 0.3F * color.x() + 0.6F * color.y() + 0.1F * color.z()});
       }
       seen_[block] += samples.empty() ? 0U : 1U;
-      const Eigen::Vector3f color = samples.empty() ? entry.texel.fused : blend(samples, options_);
-      if (is_mixed && !samples.empty()) {
-        mixed_[block].push_back({entry.x, entry.y, color});
-      } else {
-        set(entry.x, entry.y, color);
-      }
+      set(entry.x, entry.y, samples.empty() ? entry.texel.fused : blend(samples, options_));
     }
     used_[block] = entries.size();
-  }
-
-  /// Continues the colours of a chart over its mixed texels, step by step from where they are
-  /// known.
-  void fill_mixed() {
-    std::vector<MixedTexel> left;
-    for (const std::vector<MixedTexel>& of_block : mixed_)
-      left.insert(left.end(), of_block.begin(), of_block.end());
-    std::vector<MixedTexel> filled;
-    do {
-      filled.clear();
-      std::erase_if(left, [&](const MixedTexel& texel) {
-        const std::optional<Eigen::Vector3f> color = mean_around(texel.x, texel.y);
-        if (color) filled.push_back({texel.x, texel.y, *color});
-        return color.has_value();
-      });
-      for (const MixedTexel& texel : filled) set(texel.x, texel.y, texel.color);
-    } while (!filled.empty());
-    for (const MixedTexel& texel : left) set(texel.x, texel.y, texel.color);
-  }
-
-  /// Of the known texels of the same chart beside one.
-  [[nodiscard]] std::optional<Eigen::Vector3f> mean_around(int x, int y) const {
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    float count = 0.0F;
-    for (const auto& [dx, dy] :
-         {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
-      if (!is_known_.contains(x + dx, y + dy) || is_known_(x + dx, y + dy) == 0) continue;
-      if (chart_at(x + dx, y + dy) != chart_at(x, y)) continue;
-      const Rgb8& c = image_(x + dx, y + dy);
-      sum += Eigen::Vector3f(c.r, c.g, c.b);
-      count += 1.0F;
-    }
-    if (count == 0.0F) return std::nullopt;
-    return sum / count;
   }
 
   void set(int x, int y, const Eigen::Vector3f& color) {
@@ -255,16 +191,14 @@ class AtlasPainter {
   }
 
   const std::vector<TriangleMesh>& levels_;
-  const ChartSet& charts_;
   const std::vector<TextureCoordinates>& coordinates_;
   const Image<std::uint32_t>& triangles_;
   const std::vector<PaintedView>& views_;
   const TextureOptions& options_;
   ColorImage image_;
   MaskImage is_known_;
-  std::vector<std::size_t> seen_;               ///< by block: texels with a colour from an image
-  std::vector<std::size_t> used_;               ///< by block: texels
-  std::vector<std::vector<MixedTexel>> mixed_;  ///< by block
+  std::vector<std::size_t> seen_;  ///< by block: texels with a colour from an image
+  std::vector<std::size_t> used_;  ///< by block: texels
 };
 
 bool has_surface_and_colors(const std::vector<TriangleMesh>& levels) {
@@ -316,7 +250,7 @@ MeshTexture paint_texture(std::vector<TriangleMesh>& levels_base,
         split_by_charts(levels_base[i], set.chart_of_triangle[i], set.charts, layout));
   }
   const Image<std::uint32_t> triangles = draw_triangles(levels_base, texture.coordinates, layout);
-  AtlasPainter painter(levels_base, set, texture.coordinates, triangles, painted, options);
+  AtlasPainter painter(levels_base, texture.coordinates, triangles, painted, options);
   painter.paint(parallelism);
   texture.image = painter.take_image();
   texture.seen_fraction = painter.seen_fraction();

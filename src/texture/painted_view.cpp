@@ -126,15 +126,14 @@ void PaintedView::set_surface(const SurfaceQuery& surface_base) {
   nearest_surface_ = minimum_around(surface_, kEdgeRadius);
 }
 
-PaintedView::InFront PaintedView::in_front(const Eigen::Vector2f& pixel, float depth,
-                                           float tolerance) const {
-  if (surface_.empty()) return InFront::nothing;
+float PaintedView::share_seen(const Eigen::Vector2f& pixel, float depth, float tolerance) const {
+  if (surface_.empty()) return 1.0F;
   const int x = static_cast<int>(pixel.x()) / 2;
   const int y = static_cast<int>(pixel.y()) / 2;
-  if (!surface_.contains(x, y)) return InFront::nothing;
+  if (!surface_.contains(x, y)) return 1.0F;
   const auto hides = [&](float nearer) { return nearer > 0.0F && nearer < depth - tolerance; };
-  if (hides(surface_(x, y))) return InFront::hides;
-  return hides(nearest_surface_(x, y)) ? InFront::beside : InFront::nothing;
+  if (hides(surface_(x, y))) return 0.0F;
+  return hides(nearest_surface_(x, y)) ? kDoubtful : 1.0F;
 }
 
 bool PaintedView::may_see(const Eigen::Vector3f& center_base, float radius) const {
@@ -195,11 +194,10 @@ std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
       std::min(std::min(pixel.x(), static_cast<float>(camera.width - 1) - pixel.x()),
                std::min(pixel.y(), static_cast<float>(camera.height - 1) - pixel.y()));
   if (!(border > 1.0F)) return std::nullopt;
-  const InFront in_color_image = in_front(pixel, in_color.z(), 2.0F * tilted);
-  if (in_color_image == InFront::hides) return std::nullopt;
-  if (in_color_image == InFront::beside) weight *= kDoubtful;
+  weight *= share_seen(pixel, in_color.z(), 2.0F * tilted);
+  if (!(weight > 0.0F)) return std::nullopt;
   weight *= std::min(1.0F, border / kBorder);
-  return Sighting{pixel, weight, is_beside_nearer || in_color_image == InFront::beside};
+  return Sighting{pixel, weight};
 }
 
 Eigen::Vector3f PaintedView::color_at(const Eigen::Vector2f& pixel) const {

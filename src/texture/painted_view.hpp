@@ -17,7 +17,6 @@ namespace pcavr {
 struct Sighting {
   Eigen::Vector2f pixel;  ///< of the colour image
   float weight = 0.0F;    ///< > 0
-  bool is_mixed = false;  ///< next to a nearer surface, whose colour the pixel may have
 };
 
 /// A view with what is needed to look up surface points in it. const members are thread-safe.
@@ -69,9 +68,9 @@ class PaintedView {
 
  private:
   void update_color_pose();
-  /// What lies in front of a point in the colour image, nearer than `depth` by `tolerance` [m].
-  enum class InFront { nothing, beside, hides };
-  [[nodiscard]] InFront in_front(const Eigen::Vector2f& pixel, float depth, float tolerance) const;
+  /// How much of its weight a sighting keeps for what lies in front of the point in the colour
+  /// image; 0 where that hides it. `tolerance` in m.
+  [[nodiscard]] float share_seen(const Eigen::Vector2f& pixel, float depth, float tolerance) const;
 
   const TextureView* view_;
   ColorRegistration registration_;
