@@ -29,7 +29,7 @@ struct VignettedSample {
 };
 
 void collect_in_logarithms(const SeenPoint& point, const std::vector<PaintedView>& views,
-             std::vector<VignettedSample>& samples) {
+                           std::vector<VignettedSample>& samples) {
   samples.clear();
   for (const std::uint32_t i : point.views) {
     const PaintedView& view = views[i];
@@ -46,8 +46,9 @@ void collect_in_logarithms(const SeenPoint& point, const std::vector<PaintedView
 /// Huber's weights around the median [Huber 1964].
 void weigh_around_median(std::vector<VignettedSample>& samples) {
   const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-  std::nth_element(samples.begin(), middle, samples.end(),
-                   [](const VignettedSample& a, const VignettedSample& b) { return a.log_gray < b.log_gray; });
+  std::nth_element(
+      samples.begin(), middle, samples.end(),
+      [](const VignettedSample& a, const VignettedSample& b) { return a.log_gray < b.log_gray; });
   const double median = middle->log_gray;
   for (VignettedSample& sample : samples)
     sample.weight = kRelativeNoise / std::max(kRelativeNoise, std::abs(sample.log_gray - median));
@@ -92,7 +93,8 @@ class VignettingEquations {
     const Eigen::Index last = g_.size() - 1;
     Eigen::MatrixXd H = H_;
     H.diagonal().array() += 1.0;  // the mean of the gains is free
-    const double prior = (1.0 + count_ / kCorrelatedSamples) * std::pow(kRelativeNoise / kVignettingStd, 2);
+    const double prior =
+        (1.0 + count_ / kCorrelatedSamples) * std::pow(kRelativeNoise / kVignettingStd, 2);
     H(last, last) += prior;
     Eigen::VectorXd g = g_;
     g[last] += prior * vignetting;
