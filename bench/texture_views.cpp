@@ -68,6 +68,13 @@ struct Colours {
   ColorImage atlas;
   pcavr::CameraModel camera;
   pcavr::Pose T_color_depth;
+  double vignetting = 0.0;
+  /// What the camera leaves of a colour there.
+  [[nodiscard]] double share_at(int x, int y) const {
+    return 1.0 -
+           vignetting * (Eigen::Vector2d((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy))
+                            .squaredNorm();
+  }
 };
 
 /// Whether the depth image has a point of the surface, which the depth camera sees elsewhere than
@@ -106,13 +113,17 @@ Rendered render(const pcavr::Scene& scene, const pcavr::SurfaceQuery& query, std
       rendered.p_base(x, y) = T_base_camera * p_color;
       const auto& [a, b, c] = mesh.triangles[hit->triangle];
       const float w = 1.0F - hit->u - hit->v;
-      rendered.by_vertices(x, y) = static_cast<double>(w) * vector_of(mesh.colors[a]) +
-                                   static_cast<double>(hit->u) * vector_of(mesh.colors[b]) +
-                                   static_cast<double>(hit->v) * vector_of(mesh.colors[c]);
+      const double share = colours.share_at(x, y);
+      rendered.by_vertices(x, y) =
+          share * (static_cast<double>(w) * vector_of(mesh.colors[a]) +
+                   static_cast<double>(hit->u) * vector_of(mesh.colors[b]) +
+                   static_cast<double>(hit->v) * vector_of(mesh.colors[c]));
       if (!scene.texture) continue;
       const auto& uv = scene.texture->coordinates[level];
-      rendered.textured(x, y) = bilinear(
-          atlas, ((w * uv[a] + hit->u * uv[b] + hit->v * uv[c]).array() * size - 0.5F).matrix());
+      rendered.textured(x, y) =
+          share *
+          bilinear(atlas,
+                   ((w * uv[a] + hit->u * uv[b] + hit->v * uv[c]).array() * size - 0.5F).matrix());
     }
   }
   return rendered;
@@ -329,19 +340,20 @@ HeldOutFrames hold_out(const char* folder, std::size_t every) {
 }
 
 Colours colours_of(const pcavr::Scene& scene, const pcavr::CameraModel& camera) {
-  if (!scene.texture) return {{}, camera, {}};
+  if (!scene.texture) return {{}, camera, {}, 0.0};
   const pcavr::SceneTexture& texture = *scene.texture;
   pcavr::ImageDecoder decoder;
   Colours colours{
       value_or_exit(decoder.color(texture.jpeg, {"texture", texture.width, texture.height})),
-      texture.color_camera, texture.T_color_depth};
+      texture.color_camera, texture.T_color_depth, texture.vignetting};
   std::printf("texture %d x %d, %.1f kB, texel %.2f mm, %zu views, %.1f %% seen\n", texture.width,
               texture.height, 1e-3 * double(texture.jpeg.size()), 1e3 * texture.texel,
               texture.views, 100.0 * texture.seen_fraction);
   const Eigen::Vector3d t = 1e3 * texture.T_color_depth.translation();
-  std::printf("colour camera: f %.1f %.1f, c %.1f %.1f, offset %.1f %.1f %.1f mm\n",
-              colours.camera.fx, colours.camera.fy, colours.camera.cx, colours.camera.cy, t.x(),
-              t.y(), t.z());
+  std::printf(
+      "colour camera: f %.1f %.1f, c %.1f %.1f, offset %.1f %.1f %.1f mm, vignetting %.3f\n",
+      colours.camera.fx, colours.camera.fy, colours.camera.cx, colours.camera.cy, t.x(), t.y(),
+      t.z(), colours.vignetting);
   return colours;
 }
 
@@ -350,7 +362,7 @@ void compare_level(const pcavr::Scene& scene, std::size_t level, const Colours& 
                    const HeldOutFrames& frames, const pcavr::Trajectory& poses) {
   const pcavr::SurfaceQuery query(scene.levels_of_detail_base[level]);
   const pcavr::CameraModel& given_camera = *frames.whole.manifest.camera;
-  const Colours given{colours.atlas, given_camera, {}};
+  const Colours given{colours.atlas, given_camera, {}, 0.0};
   std::array<Comparison, 5> sums;
   NoiseSum noise;
   for (const std::size_t i : frames.held_out) {

@@ -65,7 +65,7 @@ std::vector<std::string> error_cells(const ErrorRow& row, bool is_brief) {
 }
 
 ReportTable error_table(const ReportSection& section) {
-  ReportTable table{.title = "", .columns = {"error", "unit"}};
+  ReportTable table{.title = "Errors", .columns = {"error", "unit"}};
   for (const ErrorColumn& column : kErrorColumns) {
     if (!section.is_brief || column.is_brief) table.columns.emplace_back(column.name);
   }
@@ -97,7 +97,7 @@ PageSection page_section(const ReportSection& section) {
 
 PageSection placement_section(const std::vector<PlacementFindings>& placements) {
   ReportTable table{
-      .title = "",
+      .title = "Errors of the poses",
       .columns = {"object", "when", "position (mm)", "rotation (deg)", "ADD (mm)", "MSSD (mm)"}};
   for (const PlacementFindings& placed : placements) {
     table.rows.push_back({placed.name, placed.when, readable(placed.translation * kMillimetres),

@@ -101,6 +101,14 @@ std::vector<Plot> path_plots(const std::string& title, const Trajectory& referen
   return {std::move(map)};
 }
 
+/// A fixed camera has one pose, and one error at all times: the table states it.
+bool has_one_pose(const Trajectory& trajectory) {
+  const std::vector<TimedPose>& poses = trajectory.poses();
+  return std::all_of(poses.begin(), poses.end(), [&](const TimedPose& timed) {
+    return timed.pose.matrix() == poses.front().pose.matrix();
+  });
+}
+
 std::vector<Plot> with_path(Plot translation, std::vector<Plot> path, Plot rotation) {
   std::vector<Plot> plots{std::move(translation)};
   plots.insert(plots.end(), path.begin(), path.end());
@@ -162,6 +170,7 @@ PlotSeries histogram(const std::vector<double>& ascending, double bin, const std
 }  // namespace
 
 std::vector<Plot> plots_of(const CameraFindings& camera, Stamp origin) {
+  if (has_one_pose(camera.reference) && has_one_pose(camera.estimate)) return {};
   const TrajectoryErrors& errors = camera.errors;
   Plot translation = error_plot("Camera position error", "position error (mm)");
   Plot rotation = error_plot("Camera rotation error", "rotation error (deg)");

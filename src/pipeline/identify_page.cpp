@@ -33,7 +33,7 @@ UncertainText text_of(const ParameterFinding& row) {
 }
 
 ReportTable findings_table(const ObjectIdentification& object) {
-  ReportTable table{.title = "",
+  ReportTable table{.title = "Values",
                     .columns = {"parameter", "value", "± std", "unit", "identified",
                                 "source, or the motion that would identify it"}};
   for (const ParameterFinding& row : object.findings) {

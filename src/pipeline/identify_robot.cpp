@@ -60,19 +60,22 @@ std::vector<std::string> fit_notes(const RobotIdentification& found) {
   if (std::abs(fit.torque_lag) > 3.0 * fit.torque_lag_std) {
     notes.push_back(lag_text(fit) + "; removed");
   }
-  const std::size_t weak = fit.base_parameters.size() - fit.excited_base_parameters();
-  if (weak > 0) {
-    notes.push_back(
-        fmt::format("{} of {} base parameters are not excited by the fitted part of the motion: "
-                    "their values are the prior's",
-                    weak, fit.base_parameters.size()));
-  }
   if (!found.model.has_inertia()) {
     notes.emplace_back(
         "the robot description has no masses: bodies of 3 kg are the prior, and currents in place "
         "of torques can't be detected");
   }
   return notes;
+}
+
+/// Of the fit that is reported: the one of all rows.
+void note_unexcited(RobotIdentification& found) {
+  const std::size_t all = found.fit.base_parameters.size();
+  const std::size_t unexcited = all - found.fit.excited_base_parameters();
+  if (unexcited == 0) return;
+  found.notes.push_back(fmt::format(
+      "{} of {} base parameters are not excited by the motion: their values are the prior's",
+      unexcited, all));
 }
 
 using Clock = std::chrono::steady_clock;
@@ -263,6 +266,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
     }
   }
   fit_all_rows(options, found);
+  note_unexcited(found);
   return found;
 }
 

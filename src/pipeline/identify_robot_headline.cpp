@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "identify_robot_headline.hpp"
 
-#include <algorithm>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -69,10 +68,9 @@ ReportTable robot_headline(const RobotIdentification& found) {
     table.rows.push_back({"Smallest force on the tip that is found",
                           readable(found.contacts->detectable_force), "N"});
   }
-  const auto excited = std::ranges::count_if(
-      fit.base_parameters, [](const BaseParameter& entry) { return entry.is_excited; });
-  table.rows.push_back({"Base parameters excited, of " + std::to_string(fit.base_parameters.size()),
-                        std::to_string(excited), ""});
+  table.rows.push_back(
+      {"Base parameters excited",
+       fmt::format("{} of {}", fit.excited_base_parameters(), fit.base_parameters.size()), ""});
   return table;
 }
 

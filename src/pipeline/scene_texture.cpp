@@ -55,7 +55,8 @@ std::optional<SceneTexture> texture_of(const std::vector<TextureView>& views,
                       .views = texture.views,
                       .seen_fraction = texture.seen_fraction,
                       .color_camera = texture.registration.camera,
-                      .T_color_depth = texture.registration.T_color_depth};
+                      .T_color_depth = texture.registration.T_color_depth,
+                      .vignetting = texture.registration.vignetting};
 }
 
 }  // namespace

@@ -300,9 +300,11 @@ class Alignment {
       const Eigen::Vector3d p = view.in_color_camera(point.p_base);
       if (!(p.z() > 0.05)) continue;
       const CameraModel& camera = view.color_camera();
-      const auto value = levels_[i]->at(camera.project(p));
+      const Eigen::Vector2d pixel = camera.project(p);
+      const auto value = levels_[i]->at(pixel);
       if (!value) continue;
-      const double gain = static_cast<double>(view.gain.mean());
+      const auto gain =
+          static_cast<double>(view.gain.mean() * view.brightening(pixel.cast<float>()));
       const Eigen::RowVector3d by_point = gain * value->gradient * camera.projection_jacobian(p);
       const double pixels = given_.camera.width / 640.0;
       Look look;
@@ -385,7 +387,11 @@ ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMe
                                Parallelism parallelism) {
   const std::vector<SeenPoint> points = sample_points(views, mesh_base, parallelism);
   even_out_exposures(views, points);
-  if (!with_poses || views.size() < 3 || points.size() < 100) return given;
+  const auto with_vignetting = [&](ColorRegistration registration) {
+    if (!views.empty()) registration.vignetting = static_cast<double>(views.front().vignetting);
+    return registration;
+  };
+  if (!with_poses || views.size() < 3 || points.size() < 100) return with_vignetting(given);
   Alignment alignment(views, points, given, parallelism);
   const ColorRegistration registration = alignment.mean_motion() < kMinMotion * given.camera.width
                                              ? given
@@ -395,7 +401,7 @@ ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMe
     for (int i = 0; i < 3; ++i) alignment.step_poses();
   }
   even_out_exposures(views, points);
-  return registration;
+  return with_vignetting(registration);
 }
 
 }  // namespace pcavr

@@ -12,12 +12,16 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/core/median.hpp"
+
 namespace pcavr {
 namespace {
 
-constexpr int kSmooth = 5;      ///< [px] radius of the mean that the grain is the difference from
-constexpr int kRing = 4;        ///< [px] around a gap, where the grain is compared
-constexpr int kMaxOffset = 80;  ///< [px] along each axis
+constexpr int kSmooth = 5;  ///< [px] radius of the mean that the grain is the difference from
+/// Of the grain's robust std: a larger difference is a shadow's or a print's edge.
+constexpr float kStep = 2.5F;
+constexpr int kRing = 4;              ///< [px] around a gap, where the grain is compared
+constexpr int kMaxOffset = 80;        ///< [px] along each axis
 constexpr float kMinCompared = 0.6F;  ///< share of the ring that has to be known at the offset
 constexpr float kMaxContrast =
     2.0F;  ///< grain's square at the offset over that of the ring: a print, not grain
@@ -54,6 +58,45 @@ Grain grain_of(const ColorImage& image, const MaskImage& is_known) {
     for (int x = 0; x < image.width(); ++x) {
       const Eigen::Vector4f& sum = sums(x, y);
       if (is_known(x, y) != 0) grain(x, y) = vector_of(image(x, y)) - sum.head<3>() / sum.w();
+    }
+  }
+  return grain;
+}
+
+/// Standard deviation by the median, of the known pixels.
+float robust_std(const Grain& grain, const MaskImage& is_known) {
+  std::vector<double> sizes;
+  for (int y = 0; y < grain.height(); ++y) {
+    for (int x = 0; x < grain.width(); ++x) {
+      if (is_known(x, y) != 0) sizes.push_back(static_cast<double>(grain(x, y).norm()));
+    }
+  }
+  return static_cast<float>(1.4826 * median(std::move(sizes)));
+}
+
+/// The difference from the mean of the pixels around that differ by less than a step [Lee 1983]:
+/// what is at a shadow's edge has the grain of its own side.
+Grain grain_beside_steps(const ColorImage& image, const MaskImage& is_known, float step) {
+  Grain grain(image.width(), image.height(), Eigen::Vector3f::Zero());
+  const auto difference_at = [&](int x, int y) {
+    const Eigen::Vector3f own = vector_of(image(x, y));
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    float count = 0.0F;
+    for (int at_y = std::max(0, y - kSmooth); at_y <= std::min(image.height() - 1, y + kSmooth);
+         ++at_y) {
+      for (int at_x = std::max(0, x - kSmooth); at_x <= std::min(image.width() - 1, x + kSmooth);
+           ++at_x) {
+        const Eigen::Vector3f other = vector_of(image(at_x, at_y));
+        if (is_known(at_x, at_y) == 0 || (other - own).squaredNorm() > step * step) continue;
+        sum += other;
+        count += 1.0F;
+      }
+    }
+    return Eigen::Vector3f(own - sum / count);
+  };
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      if (is_known(x, y) != 0) grain(x, y) = difference_at(x, y);
     }
   }
   return grain;
@@ -152,7 +195,8 @@ class Continuation {
 }  // namespace
 
 void continue_grain(ColorImage& image, const MaskImage& is_known, const MaskImage& is_gap) {
-  const Grain grain = grain_of(image, is_known);
+  const float std = robust_std(grain_of(image, is_known), is_known);
+  const Grain grain = grain_beside_steps(image, is_known, kStep * std);
   MaskImage left = is_gap;
   for (int y = 0; y < left.height(); ++y) {
     for (int x = 0; x < left.width(); ++x) left(x, y) = is_known(x, y) != 0 ? 0 : left(x, y);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "vignetting.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -133,6 +135,7 @@ void even_out_exposures(std::vector<PaintedView>& views, const std::vector<SeenP
       for (std::size_t i = 0; i < views.size(); ++i) adjust(views[i], moments[i], with_offset);
       normalise(views);
     }
+    if (!with_offset) estimate_vignetting(views, points);
   }
 }
 

@@ -19,7 +19,8 @@ struct SeenPoint {
 
 /// Sets each view's gain and offset by channel, so that it agrees with the median over the views:
 /// automatic exposure and white balance change the gain, stray light and the black level the
-/// offset. Over the views, the geometric mean of the gains is 1, the mean of the offsets 0.
+/// offset. The vignetting, which is the camera's, is estimated too (vignetting.hpp). Over the
+/// views, the geometric mean of the gains is 1, the mean of the offsets 0.
 void even_out_exposures(std::vector<PaintedView>& views, const std::vector<SeenPoint>& points);
 
 }  // namespace pcavr

@@ -172,7 +172,7 @@ class AtlasPainter {
       for (const PaintedView* view : views) {
         const auto sighting = view->look_up(entry.texel.p_base, entry.texel.normal_base);
         if (!sighting) continue;
-        const Eigen::Vector3f color = view->color_at(sighting->pixel);
+        const Eigen::Vector3f color = view->sharp_color_at(sighting->pixel);
         samples.push_back(
             {color, sighting->weight, 0.3F * color.x() + 0.6F * color.y() + 0.1F * color.z()});
       }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/geometry/pixel.hpp"
@@ -67,6 +68,12 @@ Image<std::uint8_t> distance_from(const MaskImage& mask) {
     }
   }
   return distance;
+}
+
+/// Of the four samples around an offset from the second one, in [0, 1].
+Eigen::Array4f cubic_weights(float u) {
+  return {((1.0F - 0.5F * u) * u - 0.5F) * u, (1.5F * u - 2.5F) * u * u + 1.0F,
+          ((2.0F - 1.5F * u) * u + 0.5F) * u, 0.5F * (u - 1.0F) * u * u};
 }
 
 }  // namespace
@@ -205,7 +212,38 @@ Eigen::Vector3f PaintedView::color_at(const Eigen::Vector2f& pixel) const {
   };
   const Eigen::Vector3f above = (1.0F - u) * at(0, 0) + u * at(1, 0);
   const Eigen::Vector3f below = (1.0F - u) * at(0, 1) + u * at(1, 1);
-  return gain.cwiseProduct((1.0F - v) * above + v * below) + offset;
+  return brightening(pixel) * gain.cwiseProduct((1.0F - v) * above + v * below) + offset;
+}
+
+Eigen::Vector3f PaintedView::sharp_color_at(const Eigen::Vector2f& pixel) const {
+  const ColorImage& image = view_->color;
+  const int x = std::clamp(static_cast<int>(pixel.x()), 1, image.width() - 3);
+  const int y = std::clamp(static_cast<int>(pixel.y()), 1, image.height() - 3);
+  const Eigen::Array4f along_x = cubic_weights(pixel.x() - static_cast<float>(x));
+  const Eigen::Array4f along_y = cubic_weights(pixel.y() - static_cast<float>(y));
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (int dy = 0; dy < 4; ++dy) {
+    const std::span<const Rgb8> row = image.row(y - 1 + dy);
+    Eigen::Vector3f of_row = Eigen::Vector3f::Zero();
+    for (int dx = 0; dx < 4; ++dx) {
+      const Rgb8& c = row[static_cast<std::size_t>(x - 1 + dx)];
+      of_row += along_x[dx] * Eigen::Vector3f(c.r, c.g, c.b);
+    }
+    sum += along_y[dy] * of_row;
+  }
+  return brightening(pixel) * gain.cwiseProduct(sum) + offset;
+}
+
+float PaintedView::squared_slope(const Eigen::Vector2f& pixel) const {
+  const CameraModel& camera = registration_.camera;
+  const float x = (pixel.x() - static_cast<float>(camera.cx)) / static_cast<float>(camera.fx);
+  const float y = (pixel.y() - static_cast<float>(camera.cy)) / static_cast<float>(camera.fy);
+  return x * x + y * y;
+}
+
+float PaintedView::brightening(const Eigen::Vector2f& pixel) const {
+  constexpr float kMinShare = 0.3F;  // of the light
+  return 1.0F / std::max(kMinShare, 1.0F - vignetting * squared_slope(pixel));
 }
 
 bool PaintedView::is_overexposed(const Eigen::Vector2f& pixel) const {

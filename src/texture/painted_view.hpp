@@ -41,8 +41,14 @@ class PaintedView {
   [[nodiscard]] std::optional<Sighting> look_up(const Eigen::Vector3f& p_base,
                                                 const Eigen::Vector3f& normal_base) const;
 
-  /// The colour at a pixel inside the image, bilinear, with the view's gain and offset.
+  /// The colour at a pixel inside the image, bilinear, with the view's vignetting, gain and offset.
   [[nodiscard]] Eigen::Vector3f color_at(const Eigen::Vector2f& pixel) const;
+  /// The same by cubic convolution, which does not blur [Keys 1981]; a pixel from the border.
+  [[nodiscard]] Eigen::Vector3f sharp_color_at(const Eigen::Vector2f& pixel) const;
+  /// Factor by which the vignetting's loss at a pixel is made up for.
+  [[nodiscard]] float brightening(const Eigen::Vector2f& pixel) const;
+  /// Of the pixel's distance from the principal point, in focal lengths.
+  [[nodiscard]] float squared_slope(const Eigen::Vector2f& pixel) const;
   /// Whether the sensor was saturated there: the surface is at least as bright as the colour.
   [[nodiscard]] bool is_overexposed(const Eigen::Vector2f& pixel) const;
 
@@ -53,7 +59,9 @@ class PaintedView {
   [[nodiscard]] float focal() const { return static_cast<float>(registration_.camera.fx); }
   [[nodiscard]] Eigen::Vector3f position_base() const { return position_base_; }
 
-  /// By channel: an evened out colour is gain * color + offset, of 255.
+  /// The camera's: see ColorRegistration.
+  float vignetting = 0.0F;
+  /// By channel: an evened out colour is gain * brightening * color + offset, of 255.
   Eigen::Vector3f gain = Eigen::Vector3f::Ones();
   Eigen::Vector3f offset = Eigen::Vector3f::Zero();
   float sharpness_weight = 1.0F;

@@ -28,7 +28,7 @@ constexpr int kGap = 3;
 /// Of a triangle's normal and the plane's: steeper ones are the foot of something on the plane.
 constexpr float kMinCosine = 0.9F;
 /// Squares beside what is not the plane whose colours are not continued: fused ones are mixed.
-constexpr int kMixed = 3;
+constexpr int kMixed = 5;
 /// Squares per side of an area; larger areas get larger squares.
 constexpr int kMaxSide = 1000;
 

@@ -223,6 +223,26 @@ TEST_F(Evaluate, WritesTheReportThatItReturnsAndItsPage) {
   EXPECT_EQ(section["blocks"][1]["tables"][0]["columns"][0], "error");
 }
 
+TEST_F(Evaluate, ShowsNoPlotOfAFixedCamerasConstantError) {
+  const auto fixed = [](double x) {
+    Trajectory camera;
+    for (int i = 0; i <= 60; ++i)
+      camera.append(Stamp::from_seconds(0.05 * i), Pose::from_translation({x, 0, 1.0}));
+    return format_trajectory(camera);
+  };
+  write(truth() / "camera.txt", fixed(0.0));
+  write_a_scene("scene", the_floor(0.0F), {0, 0, 0});
+  write(folder_.path() / "scene/camera_trajectory.txt", fixed(0.001));
+  ASSERT_TRUE(evaluate_against_truth(folder_.path() / "scene").has_value());
+  const Json data = Json::parse(report_data(report()));
+  const Json& section = data["sections"].front();
+  EXPECT_EQ(section["title"], "Camera in base");
+  ASSERT_EQ(section["blocks"].size(), 1U);
+  const Json& table = section["blocks"][0]["tables"][0];
+  EXPECT_EQ(table["title"], "Errors");
+  EXPECT_EQ(table["rows"][0][0], "position, absolute");
+}
+
 TEST_F(Evaluate, KeepsNamesThatAreMarkup) {
   write(truth() / "objects/<b>&.txt", format_trajectory(a_pushed_cube()));
   write_run("run", a_pushed_cube());

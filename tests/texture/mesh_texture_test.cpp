@@ -28,6 +28,13 @@ MeshTexture paint(std::vector<TriangleMesh>& levels, const std::vector<TextureVi
   return paint_texture(levels, views, wall_camera(), DepthNoise(), options, {threads});
 }
 
+/// Without the offset of colour from depth, whose search takes the time.
+TextureOptions without_registration() {
+  TextureOptions options;
+  options.register_color = false;
+  return options;
+}
+
 /// Blobs of different sizes: there is something to align everywhere.
 Eigen::Vector3d blobs(double x, double y) {
   const double a = std::sin(90.0 * x) * std::sin(80.0 * y);
@@ -127,6 +134,58 @@ TEST(MeshTexture, ExposuresAreEvenedOut) {
 TEST(MeshTexture, StrayLightIsEvenedOut) {
   // The images differ by 30 of 255 everywhere.
   EXPECT_LT(unevenness(0.0, 5.0), 1.06);
+}
+
+/// The view as a camera takes it that loses this share of the light times the squared slope.
+TextureView vignetted(TextureView view, double vignetting) {
+  const CameraModel camera = wall_camera();
+  for (int y = 0; y < view.color.height(); ++y) {
+    for (int x = 0; x < view.color.width(); ++x) {
+      const Eigen::Vector2d slope((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy);
+      const double share = 1.0 - vignetting * slope.squaredNorm();
+      Rgb8& c = view.color(x, y);
+      for (std::uint8_t* channel : {&c.r, &c.g, &c.b})
+        *channel = static_cast<std::uint8_t>(std::lround(share * *channel));
+    }
+  }
+  return view;
+}
+
+TEST(MeshTexture, TheVignettingOfTheCameraIsFound) {
+  // Of the light in the corners, 22 % are lost.
+  constexpr double kVignetting = 0.5;
+  std::vector<TextureView> views = take_views(blobs);
+  for (TextureView& view : views) view = vignetted(std::move(view), kVignetting);
+  std::vector<TriangleMesh> levels = wall_levels();
+  EXPECT_NEAR(paint(levels, views, without_registration()).registration.vignetting, kVignetting,
+              0.05);
+}
+
+TEST(MeshTexture, WithoutMotionNoVignettingIsFound) {
+  const TextureView view = vignetted(take_view(wall_views()[1], blobs), 0.5);
+  std::vector<TriangleMesh> levels = wall_levels();
+  EXPECT_NEAR(paint(levels, {7, view}, without_registration()).registration.vignetting, 0.0, 1e-3);
+}
+
+TEST(MeshTexture, FineDetailKeepsItsContrast) {
+  // Six pixels of the nearest view a period.
+  const auto wave = [](double x, double y) { return std::sin(600.0 * x) * std::sin(600.0 * y); };
+  std::vector<TriangleMesh> levels = wall_levels();
+  const std::vector<TextureView> views = take_views([&](double x, double y) -> Eigen::Vector3d {
+    return Eigen::Vector3d::Constant(128.0 + 80.0 * wave(x, y));
+  });
+  const MeshTexture texture = paint(levels, views, without_registration());
+  ASSERT_FALSE(texture.empty());
+  double products = 0.0;
+  double squares = 0.0;
+  for (double x = -0.1; x < 0.1; x += 0.0017) {
+    for (double y = -0.1; y < 0.1; y += 0.0013) {
+      products += wave(x, y) * (texture_at(texture, levels.back(), 2, x, y).x() - 128.0);
+      squares += 80.0 * wave(x, y) * wave(x, y);
+    }
+  }
+  // Bilinear interpolation leaves 0.55; the pixels' and the texels' own areas take the rest.
+  EXPECT_GT(products / squares, 0.63);
 }
 
 TEST(MeshTexture, WhatOnlyDynamicPixelsShowKeepsTheVerticesColour) {

@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/texture/unseen_support.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/model/cad_model.hpp"
 
+#include "texture/continue_grain.hpp"
 #include "texture/painted_wall.hpp"
 
 namespace pcavr {
@@ -86,6 +89,42 @@ TEST(UnseenSupport, ContinuesTheGrainOfThePlane) {
   }
   // Of the stripes' contrast; smooth colours have none.
   EXPECT_GT(products / squares, 0.6);
+}
+
+/// Its grain changes from pixel to pixel by up to 12 of 255.
+std::uint8_t gray_with_grain(int x, int y) {
+  return static_cast<std::uint8_t>(110 + (x * 37 + y * 101 + x * y * 13) % 25 - 12);
+}
+
+TEST(ContinueGrain, DoesNotCopyAShadow) {
+  constexpr int kWidth = 50;
+  constexpr int kHeight = 30;
+  ColorImage image(kWidth, kHeight);
+  MaskImage is_known(kWidth, kHeight, 1);
+  MaskImage is_gap(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      // Wherever the gap's grain is copied from, the shadow is in it.
+      const bool is_shadow = x >= 31 && x < 40 && y >= 10 && y < 19;
+      const auto gray = static_cast<std::uint8_t>(gray_with_grain(x, y) - (is_shadow ? 45 : 0));
+      image(x, y) = {gray, gray, gray};
+      if (x < 4 || x >= 24 || y < 5 || y >= 25) continue;
+      image(x, y) = {110, 110, 110};
+      is_known(x, y) = 0;
+      is_gap(x, y) = 1;
+    }
+  }
+  continue_grain(image, is_known, is_gap);
+  int lowest = 255;
+  int highest = 0;
+  for (int y = 5; y < 25; ++y) {
+    for (int x = 4; x < 24; ++x) {
+      lowest = std::min<int>(lowest, image(x, y).g);
+      highest = std::max<int>(highest, image(x, y).g);
+    }
+  }
+  EXPECT_GT(highest, 115);  // there is grain
+  EXPECT_GT(lowest, 90);
 }
 
 // A green wall stands on the table beside the hole; the colours at its foot are mixed.

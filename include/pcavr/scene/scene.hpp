@@ -101,6 +101,7 @@ struct SceneTexture {
   double seen_fraction = 0.0;  ///< of the texels: with colours from an image
   CameraModel color_camera;    ///< that took the colour images
   Pose T_color_depth;          ///< its offset from the depth camera
+  double vignetting = 0.0;     ///< its: see ColorRegistration
 };
 
 /// A point-cloud augmented VR scene in the robot's base frame.

@@ -30,6 +30,9 @@ struct TextureView {
 struct ColorRegistration {
   CameraModel camera;
   Pose T_color_depth;
+  /// The images are darker by this share of their colours times the squared distance from the
+  /// principal point in focal lengths.
+  double vignetting = 0.0;
   /// False: the colours were found where the recording states them.
   bool is_estimated = false;
 };
