@@ -70,7 +70,7 @@ struct EstimatedLag {
 struct JointFit {
   std::string name;
   std::vector<FittedTerm> friction;  ///< the terms that were used
-  double smoothing_speed = 0.0;      ///< [rad/s] of tanh, for who keeps no state of friction
+  double smoothing_speed = 0.0;      ///< [rad/s] of tanh, where friction's state is not kept
   /// [rad] over which friction changes its sign after a reversal (PreslidingSign), where that
   /// explains the torques better than any speed; else 0.
   double presliding_displacement = 0.0;

@@ -109,9 +109,9 @@ class LiveOperatorSite {
   void step(const Eigen::Vector3d& p_base_tip,
             const Eigen::Vector3d& a_base_tip = Eigen::Vector3d::Zero());
 
-  /// Places an object at rest, for the start of a session; it stays upright on its support.
   /// What the robot's site has found [m/N], see LinkState.
   void set_tool_compliance(double compliance);
+  /// Places an object at rest, for the start of a session; it stays upright on its support.
   void place(std::size_t object, const Pose& T_base_object);
 
   [[nodiscard]] double now() const;
