@@ -245,11 +245,14 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
     if (Expected<void> tried = add_trial(options.trial, file, found); !tried) return tried.error();
   }
   const std::size_t first = std::min(found.fit.train_rows, found.signals.t.size() - std::size_t{2});
-  const bool is_excited = found.fit.excited_base_parameters() > 0;
+  const std::size_t excited = found.fit.excited_base_parameters();
+  const std::size_t all = found.fit.base_parameters.size();
+  const bool is_excited = excited > 0 && excited >= all / 4;  // else the model is the prior's
   if (!is_excited) {
-    found.notes.emplace_back(
-        "contacts are not looked for: the motion excites no base parameter, so that no torque is "
-        "predicted");
+    found.notes.push_back(
+        fmt::format("contacts are not looked for: the motion excites {} of {} base parameters, too "
+                    "few to predict torques",
+                    excited, all));
   }
   if (found.fit.is_physical && is_excited) {
     found.contacts =

@@ -29,7 +29,7 @@ TEST(RobotHeadline, NamesTheMedianAndTheWorstJoint) {
   ASSERT_EQ(table.rows.size(), 3U);  // nothing was replayed, no contact observed
   EXPECT_EQ(table.rows[0][1], "4.00");
   EXPECT_EQ(table.rows[1][0], "Torque error, held out, worst joint, joint_2");
-  EXPECT_EQ(table.rows[2][1], "1");
+  EXPECT_EQ(table.rows[2][1], "1 of 3");
 }
 
 TEST(RobotHeadline, HasThePositionOfAReplay) {
