@@ -226,7 +226,7 @@ Eigen::Vector3f PaintedView::sharp_color_at(const Eigen::Vector2f& pixel) const 
     const std::span<const Rgb8> row = image.row(y - 1 + dy);
     Eigen::Vector3f of_row = Eigen::Vector3f::Zero();
     for (int dx = 0; dx < 4; ++dx) {
-      const Rgb8& c = row[static_cast<std::size_t>(x - 1 + dx)];
+      const Rgb8& c = row[static_cast<std::size_t>(x) - 1 + static_cast<std::size_t>(dx)];
       of_row += along_x[dx] * Eigen::Vector3f(c.r, c.g, c.b);
     }
     sum += along_y[dy] * of_row;
