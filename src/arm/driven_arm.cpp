@@ -24,7 +24,7 @@ RobotModel with_rotors(RobotModel robot, double inertia_per_torque) {
 }
 
 double slope_of_friction(const JointFit& joint, double q, double v, double load) {
-  const double step = 0.1 * joint.smoothing_speed;
+  const double step = 0.1 * joint.sign.smoothing_speed;
   const double change =
       friction_torque(joint, q, v + step, load) - friction_torque(joint, q, v - step, load);
   return std::max(0.0, 0.5 * change / step);
@@ -35,7 +35,7 @@ double slope_of_friction(const JointFit& joint, double q, double v, double load)
 JointFit described_friction(const RobotJoint& joint) {
   JointFit fit;
   fit.name = joint.name;
-  fit.smoothing_speed = kDescribedSmoothing;
+  fit.sign.smoothing_speed = kDescribedSmoothing;
   fit.friction = {{.term = FrictionTerm::coulomb, .value = joint.friction},
                   {.term = FrictionTerm::viscous, .value = joint.damping}};
   return fit;

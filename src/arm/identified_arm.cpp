@@ -54,7 +54,7 @@ Expected<JointFit> joint_of(const ReportJson& json, const std::string& name, con
   joint.name = name;
   const std::optional<double> smoothing = number_of(json, key + "smoothing_speed");
   if (!smoothing || *smoothing <= 0.0) return bad_report(file, "has no friction of joint " + name);
-  joint.smoothing_speed = *smoothing;
+  joint.sign.smoothing_speed = *smoothing;
   joint.stribeck_speed = number_of(json, key + "stribeck_speed").value_or(0.0);
   for (int i = 0; i < kFrictionTerms; ++i) {
     const auto term = static_cast<FrictionTerm>(i);

@@ -112,7 +112,7 @@ class WorldFit {
   }
   static double spread_of(std::vector<double> values) {
     for (double& value : values) value = std::abs(value);
-    return 1.4826 * median(std::move(values));
+    return kStdOverMad * median(std::move(values));
   }
 
   /// Between the tip's surface and the object's side [m]; as far as the fit's scale where the tip's

@@ -42,8 +42,7 @@ Indices reject_outliers(std::span<const Breakaway> pushes, const Indices& found,
   for (const std::size_t i : found) forces.push_back(pushes[i].force);
   const double middle = median(forces);
   for (const double force : forces) distances.push_back(std::abs(force - middle));
-  // 1.4826: from the median absolute deviation (MAD) to a standard deviation.
-  const double max_distance = std::max(options.outlier_stds * 1.4826 * median(distances),
+  const double max_distance = std::max(options.outlier_stds * kStdOverMad * median(distances),
                                        options.min_outlier_share * middle);
   Indices kept;
   for (const std::size_t i : found) {

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/core/median.hpp"
 #include "pcavr/identification/signals.hpp"
 
 #include "identification/small_solve.hpp"
@@ -155,7 +156,7 @@ std::optional<CausalFilter::Output> CausalFilter::step(double t, double position
   const double middle = five[2];
   for (double& value : five) value = std::abs(value - middle);
   std::nth_element(five, five + 2, five + 5);
-  const double local_std = std::max(1.4826 * five[2], force_noise_);
+  const double local_std = std::max(kStdOverMad * five[2], force_noise_);
   if (std::abs(force_end[-3] - middle) > spike_threshold_ * local_std) force_end[-3] = middle;
   const std::size_t ready = count_ - 2;
   const double at = t_[ready - 1] - half_width_;

@@ -8,20 +8,13 @@
 #include "pcavr/identification/signals.hpp"
 
 namespace pcavr {
-namespace {
-
-// A normal distribution's standard deviation over its median absolute deviation (MAD).
-constexpr double kFromMedian = 1.4826;
-
-}  // namespace
-
 double estimate_noise_std(std::span<const double> values) {
   std::vector<double> second;
   for (std::size_t i = 2; i < values.size(); ++i) {
     second.push_back(std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]));
   }
   // The second difference of white noise has the variance 1 + 4 + 1.
-  return kFromMedian * median(std::move(second)) / std::sqrt(6.0);
+  return kStdOverMad * median(std::move(second)) / std::sqrt(6.0);
 }
 
 DespikedSignal remove_spikes(std::span<const double> values, const SpikeOptions& options) {
@@ -38,7 +31,7 @@ DespikedSignal remove_spikes(std::span<const double> values, const SpikeOptions&
                                values.begin() + static_cast<std::ptrdiff_t>(end));
     const double middle = median(window);
     for (double& value : window) value = std::abs(value - middle);
-    const double local_std = std::max(kFromMedian * median(std::move(window)), noise);
+    const double local_std = std::max(kStdOverMad * median(std::move(window)), noise);
     if (std::abs(values[i] - middle) > options.threshold * local_std) {
       result.values[i] = middle;
       result.spikes.push_back(i);

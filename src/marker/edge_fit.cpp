@@ -10,6 +10,8 @@
 
 #include <Eigen/Dense>
 
+#include "pcavr/core/median.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -61,7 +63,7 @@ double estimate_noise_std(std::vector<double>& magnitudes) {
   const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
   std::nth_element(magnitudes.begin(), middle, magnitudes.end());
   constexpr double kQuantisation = 0.5;  // [grey] of 8 bits
-  return std::max(kQuantisation, 1.4826 * *middle);
+  return std::max(kQuantisation, kStdOverMad * *middle);
 }
 
 }  // namespace

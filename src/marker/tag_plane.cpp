@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "pcavr/core/median.hpp"
 #include "pcavr/geometry/pixel.hpp"
 
 namespace pcavr {
@@ -102,7 +103,7 @@ double residual_scale(const std::vector<InverseDepth>& samples, const Eigen::Vec
   }
   const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
   std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  return std::max(1.0, 1.4826 * *middle);
+  return std::max(1.0, kStdOverMad * *middle);
 }
 
 }  // namespace

@@ -27,7 +27,6 @@ constexpr double kHertzExponent = 1.5;
 constexpr double kHertzExponentStd = 0.289;  // 1 / sqrt(12)
 /// Std of a stiffness over its value above which the pulse's width does not identify it.
 constexpr double kMaxStiffnessShare = 0.5;
-constexpr double kMadToStd = 1.4826;  // of a normal distribution
 /// Stiffnesses of presses and of impacts contradict each other from here on.
 constexpr double kContradictionStds = 4.0;
 
@@ -67,7 +66,7 @@ double averaging_probability(const std::vector<const ImpactMotion*>& motions) {
     ratios.push_back(motion->width / (motion->sample_width * std::sqrt(12.0)));
   }
   const double middle = median(logs);
-  for (const double value : logs) deviations.push_back(kMadToStd * std::abs(value - middle));
+  for (const double value : logs) deviations.push_back(kStdOverMad * std::abs(value - middle));
   const double scatter = median(std::move(deviations));
   const double averaged = std::max(kMinScatter, median(std::move(shares)));
   // The first alias of a Gaussian pulse of that width, at an unknown phase.
@@ -186,7 +185,7 @@ IdentifiedParameter median_stiffness(const std::vector<MeasuredImpact>& impacts)
   }
   if (logs.empty()) return {};
   const double middle = median(logs);
-  for (const double value : logs) deviations.push_back(kMadToStd * std::abs(value - middle));
+  for (const double value : logs) deviations.push_back(kStdOverMad * std::abs(value - middle));
   const double share = std::max(median(std::move(shares)), median(std::move(deviations))) /
                        std::sqrt(static_cast<double>(logs.size()));
   return {std::exp(middle), std::exp(middle) * share, true};

@@ -144,10 +144,11 @@ ReportTable friction_table(const JointFit& joint) {
     table.rows.push_back({name_of(term.term), short_number(term.value), short_number(term.std),
                           unit_of(term.term), term.is_excited ? "yes" : "no"});
   }
-  table.note = fmt::format("sign of the speed: tanh(speed / {:.3g} rad/s)", joint.smoothing_speed);
-  if (joint.presliding_displacement > 0.0) {
+  table.note =
+      fmt::format("sign of the speed: tanh(speed / {:.3g} rad/s)", joint.sign.smoothing_speed);
+  if (joint.sign.presliding_displacement > 0.0) {
     table.note = fmt::format("after a reversal the sign changes over {:.3g} mrad of motion",
-                             1e3 * joint.presliding_displacement);
+                             1e3 * joint.sign.presliding_displacement);
   }
   if (joint.stribeck_speed > 0.0) {
     table.note += fmt::format("; Stribeck speed {:.3g} rad/s", joint.stribeck_speed);
@@ -331,9 +332,9 @@ void add_joint(Json& json, const RobotIdentification& found, std::size_t index) 
     json[name] = term.value;
     json[name + "_std"] = term.std;
   }
-  json[key + "smoothing_speed"] = joint.smoothing_speed;
-  if (joint.presliding_displacement > 0.0) {
-    json[key + "presliding_displacement"] = joint.presliding_displacement;
+  json[key + "smoothing_speed"] = joint.sign.smoothing_speed;
+  if (joint.sign.presliding_displacement > 0.0) {
+    json[key + "presliding_displacement"] = joint.sign.presliding_displacement;
   }
   if (joint.stribeck_speed > 0.0) json[key + "stribeck_speed"] = joint.stribeck_speed;
   json[key + "noise_std"] = joint.noise_std;

@@ -19,7 +19,7 @@ struct MotionState {
 /// Change of the friction torque over that of the speed within `dt` [s], [N m s/rad], not negative.
 [[nodiscard]] inline double friction_slope(const JointFit& joint, const FrictionSign& sign,
                                            double q, double v, double load, double dt) {
-  const double step = 0.1 * joint.smoothing_speed;
+  const double step = 0.1 * joint.sign.smoothing_speed;
   const auto torque = [&](double speed, double its_sign) {
     return friction_torque(joint, q, speed, load, its_sign);
   };
@@ -37,7 +37,8 @@ class ArmSimulation {
                 const Eigen::VectorXd& signs = {})
       : friction_(friction), dynamics_(model), dof_(static_cast<Eigen::Index>(model.dof)) {
     for (Eigen::Index j = 0; j < dof_; ++j) {
-      signs_.emplace_back(friction[static_cast<std::size_t>(j)], signs.size() > 0 ? signs[j] : 0.0);
+      signs_.emplace_back(friction[static_cast<std::size_t>(j)].sign,
+                          signs.size() > 0 ? signs[j] : 0.0);
     }
     mass_.resize(dof_, dof_);
     bias_.resize(dof_);

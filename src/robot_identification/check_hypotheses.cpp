@@ -41,14 +41,16 @@ JointSignals thinned(const JointSignals& signals) {
   JointSignals few = signals;
   const Eigen::Index rows = signals.position.rows();
   const Eigen::Index count = std::min(rows, kHypothesisRows);
+  const auto thin = [&](Eigen::MatrixXd& values) {
+    for (Eigen::Index i = 0; i < count; ++i) values.row(i) = values.row(i * rows / count).eval();
+    values.conservativeResize(count, Eigen::NoChange);
+  };
   for (Eigen::MatrixXd JointSignals::*values :
        {&JointSignals::position, &JointSignals::velocity, &JointSignals::acceleration,
         &JointSignals::torque, &JointSignals::torque_rate}) {
-    (few.*values).resize(count, signals.position.cols());
-    for (Eigen::Index i = 0; i < count; ++i) {
-      (few.*values).row(i) = (signals.*values).row(i * rows / count);
-    }
+    thin(few.*values);
   }
+  for (Eigen::MatrixXd& sign : few.presliding_sign) thin(sign);
   return few;
 }
 
@@ -70,7 +72,9 @@ Trial trial_of(const JointSignals& signals, std::vector<JointRows> joints) {
   for (Eigen::Index j = 0; j < count; ++j) {
     JointRows& joint = joints[static_cast<std::size_t>(j)];
     joint.torque = signals.torque.col(j);
-    joint.library = library_columns(library, {signals, static_cast<std::size_t>(j), none});
+    joint.library = library_columns(
+        library,
+        {signals, static_cast<std::size_t>(j), none, {.smoothing_speed = kPlainSmoothing}});
     const double power = joint.torque.squaredNorm() / static_cast<double>(joint.torque.size());
     trial.variance[j] = std::max(1e-6, 0.01 * power);
     trial.prior.library_std.emplace_back(Eigen::VectorXd::Constant(joint.library.cols(), 1e3));

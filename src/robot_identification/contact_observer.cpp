@@ -29,7 +29,7 @@ ContactObserver::ContactObserver(const RobotModel& robot, const std::vector<Join
                                   &last_momentum_, &last_rate_, &last_step_, &last_rate_step_}) {
     vector->setZero(dof);
   }
-  for (const JointFit& joint : friction_) signs_.emplace_back(joint);
+  for (const JointFit& joint : friction_) signs_.emplace_back(joint.sign);
 }
 
 void ContactObserver::compute_momentum(const Vector& q, const Vector& dq,
@@ -45,7 +45,7 @@ void ContactObserver::reset(const Vector& q, const Vector& dq) {
   for (std::size_t j = 0; j < friction_.size(); ++j) {
     // Moving for long, so far as is known.
     const double v = dq[static_cast<Eigen::Index>(j)];
-    signs_.emplace_back(friction_[j], std::tanh(v / friction_[j].smoothing_speed));
+    signs_.emplace_back(friction_[j].sign, std::tanh(v / friction_[j].sign.smoothing_speed));
   }
   integral_.setZero();
   external_.setZero();

@@ -111,7 +111,7 @@ class MotionSearch {
         auto row = rows.row(i * dof_ + j);
         row.head(10 * dof_) = regressor.row(j);
         row.segment<kFrictionColumns>(friction_column(j)) << 1.0, state.dq[j],
-            std::tanh(state.dq[j] / joint_fit(j).smoothing_speed);
+            std::tanh(state.dq[j] / joint_fit(j).sign.smoothing_speed);
         row *= weights_[j];
       }
     }

@@ -8,13 +8,6 @@
 namespace pcavr {
 namespace {
 
-Eigen::VectorXd sign_column(const SignModel& model, const LibraryInput& in) {
-  JointFit joint;
-  joint.smoothing_speed = model.smoothing_speed;
-  joint.presliding_displacement = model.presliding_displacement;
-  return friction_sign(joint, in.signals, in.joint);
-}
-
 Eigen::VectorXd column(const LibraryColumn& entry, const LibraryInput& in,
                        const Eigen::VectorXd& sign) {
   const auto j = static_cast<Eigen::Index>(in.joint);
@@ -133,10 +126,11 @@ Eigen::MatrixXd library_columns(const std::vector<LibraryColumn>& library,
                                 const LibraryInput& input) {
   Eigen::MatrixXd columns(input.signals.velocity.rows(), static_cast<Eigen::Index>(library.size()));
   const bool is_sign_library = &library == &sign_library();
-  Eigen::VectorXd sign = sign_column(input.sign, input);
+  Eigen::VectorXd sign;
+  if (!is_sign_library) sign = friction_sign(input.sign, input.signals, input.joint);
   for (std::size_t i = 0; i < library.size(); ++i) {
     if (is_sign_library && library[i].term == FrictionTerm::coulomb) {
-      sign = sign_column(sign_models()[library[i].candidate], input);
+      sign = friction_sign(sign_models()[library[i].candidate], input.signals, input.joint);
     }
     columns.col(static_cast<Eigen::Index>(i)) = column(library[i], input, sign);
   }

@@ -18,14 +18,12 @@ namespace pcavr {
 /// Candidates for the speed over which friction changes its sign [rad/s]: from the resolution of
 /// encoders to the smoothing of the published identifications.
 inline constexpr std::array<double, 6> kSmoothingSpeeds{0.003, 0.01, 0.02, 0.035, 0.05, 0.1};
-/// How a joint's Coulomb friction changes its sign: see JointFit.
-struct SignModel {
-  double smoothing_speed = 0.05;         ///< [rad/s]
-  double presliding_displacement = 0.0;  ///< [rad]
-};
-/// Candidates: each smoothing speed, then each presliding displacement.
+/// Candidates for the sign of Coulomb friction: each smoothing speed, then each presliding
+/// displacement.
 [[nodiscard]] const std::vector<SignModel>& sign_models();
 
+/// Speed of the sign in published identifications [rad/s].
+inline constexpr double kPlainSmoothing = 0.05;
 /// Candidates for Stribeck's speed [rad/s].
 inline constexpr std::array<double, 3> kStribeckSpeeds{0.05, 0.15, 0.5};
 

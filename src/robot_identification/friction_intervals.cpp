@@ -32,7 +32,7 @@ class JointTable {
         index_(static_cast<Eigen::Index>(index)),
         train_(static_cast<Eigen::Index>(fit.train_rows)),
         residual_(torques.friction.col(index_)),
-        sign_(friction_sign(joint_, signals, index)) {
+        sign_(friction_sign(joint_.sign, signals, index)) {
     for (Eigen::Index row = 0; row < residual_.size(); ++row) {
       residual_[row] -=
           friction_torque(joint_, signals.position(row, index_), signals.velocity(row, index_),

@@ -70,23 +70,23 @@ bool JointFit::is_out_of_step(double usual) const {
              kConfirmed * sliding_lag.std;
 }
 
-Eigen::VectorXd friction_sign(const JointFit& joint, const JointSignals& signals,
-                              std::size_t index) {
-  const auto column = static_cast<Eigen::Index>(index);
-  if (joint.presliding_displacement == 0.0) {
-    return (signals.velocity.col(column).array() / joint.smoothing_speed).tanh();
+Eigen::VectorXd friction_sign(const SignModel& model, const JointSignals& signals,
+                              std::size_t joint) {
+  const auto column = static_cast<Eigen::Index>(joint);
+  if (model.presliding_displacement == 0.0) {
+    return (signals.velocity.col(column).array() / model.smoothing_speed).tanh();
   }
   const auto found = std::find(kPreslidingDisplacements.begin(), kPreslidingDisplacements.end(),
-                               joint.presliding_displacement);
-  PCAVR_REQUIRE(found != kPreslidingDisplacements.end(), joint.presliding_displacement);
+                               model.presliding_displacement);
+  PCAVR_REQUIRE(found != kPreslidingDisplacements.end(), model.presliding_displacement);
   const auto k = static_cast<std::size_t>(found - kPreslidingDisplacements.begin());
   return signals.presliding_sign[k].col(column);
 }
 
-FrictionSign::FrictionSign(const JointFit& joint, double start)
-    : smoothing_speed_(joint.smoothing_speed) {
-  if (joint.presliding_displacement > 0.0) {
-    presliding_.emplace(joint.presliding_displacement, std::clamp(start, -1.0, 1.0));
+FrictionSign::FrictionSign(const SignModel& model, double start)
+    : smoothing_speed_(model.smoothing_speed) {
+  if (model.presliding_displacement > 0.0) {
+    presliding_.emplace(model.presliding_displacement, std::clamp(start, -1.0, 1.0));
   }
 }
 
@@ -103,7 +103,7 @@ double FrictionSign::at(double v) const {
 }
 
 double friction_torque(const JointFit& joint, double q, double v, double load) {
-  return friction_torque(joint, q, v, load, std::tanh(v / joint.smoothing_speed));
+  return friction_torque(joint, q, v, load, std::tanh(v / joint.sign.smoothing_speed));
 }
 
 double friction_torque(const JointFit& joint, double q, double v, double load, double sign) {

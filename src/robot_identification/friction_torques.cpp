@@ -46,7 +46,7 @@ void set_torque_errors(const JointSignals& signals, const FrictionTorques& torqu
   const auto j = static_cast<Eigen::Index>(index);
   const auto train = static_cast<Eigen::Index>(train_rows);
   Eigen::VectorXd residual = torques.friction.col(j);
-  const Eigen::VectorXd sign = friction_sign(joint, signals, index);
+  const Eigen::VectorXd sign = friction_sign(joint.sign, signals, index);
   for (Eigen::Index row = 0; row < residual.size(); ++row) {
     residual[row] -= friction_torque(joint, signals.position(row, j), signals.velocity(row, j),
                                      torques.rigid(row, j), sign[row]);

@@ -84,7 +84,7 @@ double bounded_square(double error) {
 JointFit with_values(const JointFit& fitted, double viscous, double coulomb) {
   JointFit joint;
   joint.name = fitted.name;
-  joint.smoothing_speed = fitted.smoothing_speed;
+  joint.sign.smoothing_speed = fitted.sign.smoothing_speed;  // the trial keeps no state
   joint.friction = {{FrictionTerm::viscous, viscous, 0.0, true},
                     {FrictionTerm::coulomb, coulomb, 0.0, true}};
   return joint;
@@ -140,8 +140,8 @@ class SingleJointTrial {
     dynamics_.inverse_dynamics(q_, dq_, ddq_, torque_);
     const double net = recorded.torque[joint_] - torque_[joint_] -
                        friction_torque(friction, q_[joint_], v, torque_[joint_]);
-    const double slope = detail::friction_slope(friction, FrictionSign(friction), q_[joint_], v,
-                                                torque_[joint_], record_.dt);
+    const double slope = detail::friction_slope(friction, FrictionSign(friction.sign), q_[joint_],
+                                                v, torque_[joint_], record_.dt);
     const double change = record_.dt * net / (inertia + record_.dt * slope);
     q += record_.dt * (v + 0.5 * change);
     v += change;

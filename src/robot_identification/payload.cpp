@@ -34,7 +34,7 @@ class PayloadFit {
         unknowns_(kLoad + kChanges * dof_),
         sign_(loaded.position.rows(), dof_) {
     for (std::size_t j = 0; j < unloaded.joints.size(); ++j) {
-      sign_.col(static_cast<Eigen::Index>(j)) = friction_sign(unloaded.joints[j], loaded, j);
+      sign_.col(static_cast<Eigen::Index>(j)) = friction_sign(unloaded.joints[j].sign, loaded, j);
     }
   }
 

@@ -118,7 +118,7 @@ MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, con
   replay.tolerable_torque = tolerable_torque(signals, fit, robot, start, rows);
   Eigen::VectorXd signs(signals.position.cols());
   for (std::size_t j = 0; j < fit.joints.size(); ++j) {
-    signs[static_cast<Eigen::Index>(j)] = friction_sign(fit.joints[j], signals, j)[start];
+    signs[static_cast<Eigen::Index>(j)] = friction_sign(fit.joints[j].sign, signals, j)[start];
   }
   detail::ArmSimulation simulation(fit.joints, robot, signs);
   detail::MotionState state{signals.position.row(start).transpose(),

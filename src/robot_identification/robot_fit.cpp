@@ -20,8 +20,7 @@ namespace detail {
 namespace {
 
 constexpr std::size_t kFolds = 5;
-constexpr double kPlainSmoothing = 0.05;  ///< [rad/s] of plain least squares, as published fits use
-constexpr double kUnknownMass = 3.0;      ///< [kg] prior of a body without mass in the description
+constexpr double kUnknownMass = 3.0;  ///< [kg] prior of a body without mass in the description
 
 std::vector<bool> without_fold(const BlockSystem& system, std::size_t fold) {
   std::vector<bool> use(system.blocks.size());
@@ -151,8 +150,7 @@ TorqueError RobotFitter::error_of(std::size_t joint, const Eigen::VectorXd& resi
 /// The terms of friction that are used, without stds.
 void RobotFitter::set_friction(const FitSolution& solution, std::size_t index,
                                JointFit& joint) const {
-  joint.smoothing_speed = signs_[index].smoothing_speed;
-  joint.presliding_displacement = signs_[index].presliding_displacement;
+  joint.sign = signs_[index];
   for (const int column : selection_[index]) {
     const LibraryColumn& entry = full_library()[static_cast<std::size_t>(column)];
     joint.friction.push_back({entry.term, solution.library[index][column]});

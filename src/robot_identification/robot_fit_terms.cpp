@@ -27,7 +27,7 @@ double robust_std(const Eigen::VectorXd& residual) {
   for (Eigen::Index i = 0; i < residual.size(); ++i) {
     sizes[static_cast<std::size_t>(i)] = std::abs(residual[i]);
   }
-  return 1.4826 * median(std::move(sizes));  // a normal's std over its median deviation
+  return kStdOverMad * median(std::move(sizes));
 }
 
 /// The body itself, or where none can have these parameters a sphere of its mass.

@@ -20,7 +20,6 @@ constexpr double kStds = 3.0;
 // A stated std counts up to so many times the frames' scatter, of their second differences: what is
 // constant in the tracker's error is no motion. From so many frames on; and its least [m].
 constexpr double kMaxScatterRatio = 3.0;
-constexpr double kStdOfMedian = 1.4826;
 constexpr std::size_t kMinScatterFrames = 8;
 constexpr double kMinStd = 1e-5;
 // Windows over the shortest one: slower slides need more time.
@@ -54,7 +53,7 @@ double SlowSlide::scatter_std() const {
     const double second = frames_[i].body - 2.0 * frames_[i - 1].body + frames_[i - 2].body;
     seconds.push_back(std::abs(second));
   }
-  const double std = kStdOfMedian * median(std::move(seconds)) / std::sqrt(6.0);
+  const double std = kStdOverMad * median(std::move(seconds)) / std::sqrt(6.0);
   return std::max(kMaxScatterRatio * std, kMinStd);
 }
 

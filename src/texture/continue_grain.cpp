@@ -71,7 +71,7 @@ float robust_std(const Grain& grain, const MaskImage& is_known) {
       if (is_known(x, y) != 0) sizes.push_back(static_cast<double>(grain(x, y).norm()));
     }
   }
-  return static_cast<float>(1.4826 * median(std::move(sizes)));
+  return static_cast<float>(kStdOverMad * median(std::move(sizes)));
 }
 
 /// The difference from the mean of the pixels around that differ by less than a step [Lee 1983]:

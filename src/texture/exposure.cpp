@@ -66,10 +66,8 @@ void collect(const SeenPoint& point, const std::vector<PaintedView>& views,
              std::vector<Sample>& samples) {
   samples.clear();
   for (const std::uint32_t i : point.views) {
-    const PaintedView& view = views[i];
-    const Eigen::Vector2d pixel = view.color_camera().project(view.in_color_camera(point.p_base));
-    if (!view.color_camera().contains(pixel) || view.is_overexposed(pixel.cast<float>())) continue;
-    samples.push_back({i, view.color_at(pixel.cast<float>()).cast<double>().array()});
+    const auto pixel = views[i].exposed_pixel(point.p_base);
+    if (pixel) samples.push_back({i, views[i].color_at(*pixel).cast<double>().array()});
   }
 }
 

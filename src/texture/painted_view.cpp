@@ -246,6 +246,13 @@ float PaintedView::brightening(const Eigen::Vector2f& pixel) const {
   return 1.0F / std::max(kMinShare, 1.0F - vignetting * squared_slope(pixel));
 }
 
+std::optional<Eigen::Vector2f> PaintedView::exposed_pixel(const Eigen::Vector3f& p_base) const {
+  const Eigen::Vector2d pixel = color_camera().project(in_color_camera(p_base));
+  if (!color_camera().contains(pixel)) return std::nullopt;
+  const Eigen::Vector2f found = pixel.cast<float>();
+  return is_overexposed(found) ? std::nullopt : std::optional(found);
+}
+
 bool PaintedView::is_overexposed(const Eigen::Vector2f& pixel) const {
   const Rgb8& c = view_->color(static_cast<int>(std::lround(pixel.x())),
                                static_cast<int>(std::lround(pixel.y())));

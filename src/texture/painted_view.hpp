@@ -49,8 +49,8 @@ class PaintedView {
   [[nodiscard]] float brightening(const Eigen::Vector2f& pixel) const;
   /// Of the pixel's distance from the principal point, in focal lengths.
   [[nodiscard]] float squared_slope(const Eigen::Vector2f& pixel) const;
-  /// Whether the sensor was saturated there: the surface is at least as bright as the colour.
-  [[nodiscard]] bool is_overexposed(const Eigen::Vector2f& pixel) const;
+  /// Where a point is in the image, and the sensor was not saturated.
+  [[nodiscard]] std::optional<Eigen::Vector2f> exposed_pixel(const Eigen::Vector3f& p_base) const;
 
   [[nodiscard]] Eigen::Vector3d in_color_camera(const Eigen::Vector3f& p_base) const;
   [[nodiscard]] const CameraModel& color_camera() const { return registration_.camera; }
@@ -67,6 +67,8 @@ class PaintedView {
   float sharpness_weight = 1.0F;
 
  private:
+  /// Whether the sensor was saturated there: the surface is at least as bright as the colour.
+  [[nodiscard]] bool is_overexposed(const Eigen::Vector2f& pixel) const;
   void update_color_pose();
   /// How much of its weight a sighting keeps for what lies in front of the point in the colour
   /// image; 0 where that hides it. `tolerance` in m.

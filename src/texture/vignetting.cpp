@@ -33,13 +33,12 @@ void collect_in_logarithms(const SeenPoint& point, const std::vector<PaintedView
   samples.clear();
   for (const std::uint32_t i : point.views) {
     const PaintedView& view = views[i];
-    const Eigen::Vector2d pixel = view.color_camera().project(view.in_color_camera(point.p_base));
-    if (!view.color_camera().contains(pixel) || view.is_overexposed(pixel.cast<float>())) continue;
-    const float gray = view.color_at(pixel.cast<float>()).mean();
+    const auto pixel = view.exposed_pixel(point.p_base);
+    if (!pixel) continue;
+    const float gray = view.color_at(*pixel).mean();
     if (gray < kDark) continue;
     samples.push_back({static_cast<Eigen::Index>(i), std::log(static_cast<double>(gray)),
-                       static_cast<double>(view.brightening(pixel.cast<float>()) *
-                                           view.squared_slope(pixel.cast<float>()))});
+                       static_cast<double>(view.brightening(*pixel) * view.squared_slope(*pixel))});
   }
 }
 

@@ -170,9 +170,10 @@ std::optional<ToolFriction> tool_friction_of(std::span<const std::vector<double>
   std::vector<double> residuals;
   residuals.reserve(coefficients.size());
   for (const double value : coefficients) residuals.push_back(std::abs(value - middle));
-  // The samples of one contact share their errors. 1.4826 and 1.2533: as in turning.cpp.
-  const double scatter =
-      1.2533 * 1.4826 * median(residuals) / std::sqrt(static_cast<double>(count));
+  constexpr double kStdOfMedianOverMean = 1.2533;  // of normal samples
+  // The samples of one contact share their errors.
+  const double scatter = kStdOfMedianOverMean * kStdOverMad * median(residuals) /
+                         std::sqrt(static_cast<double>(count));
   const double std = std::hypot(scatter, normal_std(tracked) * (1.0 + middle * middle));
   return ToolFriction{{middle, std}, count};
 }

@@ -24,7 +24,7 @@ QueriedArm queried_arm() {
   QueriedArm arm{.model = std::move(model), .friction = {}, .tip = 0, .q = q};
   arm.tip = default_tip(arm.model);
   JointFit joint;
-  joint.smoothing_speed = 0.02;
+  joint.sign.smoothing_speed = 0.02;
   joint.friction = {{.term = FrictionTerm::coulomb, .value = 0.5},
                     {.term = FrictionTerm::viscous, .value = 0.5}};
   arm.friction.assign(6, joint);

@@ -29,7 +29,7 @@ Eigen::VectorXd bent() {
 
 std::vector<JointFit> friction_of(double coulomb, double viscous) {
   JointFit joint;
-  joint.smoothing_speed = 0.01;
+  joint.sign.smoothing_speed = 0.01;
   joint.friction = {{.term = FrictionTerm::coulomb, .value = coulomb},
                     {.term = FrictionTerm::viscous, .value = viscous}};
   return std::vector<JointFit>(6, joint);

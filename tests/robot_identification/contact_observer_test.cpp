@@ -38,7 +38,7 @@ JointLog pushed(JointLog log, const RobotModel& model, double onset, double end,
 /// A robot with known bodies, and no friction but what `friction` has.
 std::vector<JointFit> without_friction(const RobotModel& model) {
   std::vector<JointFit> friction(model.dof);
-  for (JointFit& joint : friction) joint.smoothing_speed = 0.01;
+  for (JointFit& joint : friction) joint.sign.smoothing_speed = 0.01;
   return friction;
 }
 

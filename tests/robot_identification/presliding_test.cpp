@@ -56,8 +56,8 @@ TEST(FitRobot, FindsFrictionThatBuildsUpByDisplacement) {
   by_speed.smoothing_speed = 0.05;
   const JointFit plain = fit_robot(signals, model, by_speed).joints[kJoint];
   const JointFit found = fit_robot(signals, model, {}).joints[kJoint];
-  EXPECT_EQ(plain.presliding_displacement, 0.0);
-  EXPECT_NEAR(found.presliding_displacement, kDisplacement, 0.5 * kDisplacement);
+  EXPECT_EQ(plain.sign.presliding_displacement, 0.0);
+  EXPECT_NEAR(found.sign.presliding_displacement, kDisplacement, 0.5 * kDisplacement);
   EXPECT_LT(found.held_out.relative, 0.7 * plain.held_out.relative);
   EXPECT_NEAR(found.value_of(FrictionTerm::coulomb), plant_friction(kJoint).coulomb,
               0.05 * plant_friction(kJoint).coulomb);
@@ -69,9 +69,9 @@ TEST(ReplayMotion, KeepsTheStateOfFrictionThatBuildsUpByDisplacement) {
   const JointLog log = with_presliding(simulated_log(model, {.rate = 500.0}), kJoint, 0.016);
   const JointSignals signals = joint_signals(log, {});
   const RobotFit fit = fit_robot(signals, model, {});
-  ASSERT_GT(fit.joints[kJoint].presliding_displacement, 0.0);
+  ASSERT_GT(fit.joints[kJoint].sign.presliding_displacement, 0.0);
   RobotFit by_speed = fit;
-  for (JointFit& joint : by_speed.joints) joint.presliding_displacement = 0.0;
+  for (JointFit& joint : by_speed.joints) joint.sign.presliding_displacement = 0.0;
   const auto error = [&](const RobotFit& with) {
     return replay_motion(log, signals, with, model, fit.train_rows, 1.2).rms[kJoint];
   };

@@ -294,7 +294,7 @@ std::unique_ptr<LiveArm> a_driven_arm() {
   const RobotModel model =
       read_urdf(source_folder() / "calib/robots/irb120_like/irb120_like.urdf").value();
   JointFit joint;
-  joint.smoothing_speed = 0.02;
+  joint.sign.smoothing_speed = 0.02;
   joint.friction = {{.term = FrictionTerm::coulomb, .value = 1.0},
                     {.term = FrictionTerm::viscous, .value = 1.0}};
   drive_by_torques(*live, model, std::vector<JointFit>(6, joint));

@@ -16,4 +16,7 @@ namespace pcavr {
   return *middle;
 }
 
+/// A normal distribution's standard deviation over its median absolute deviation (MAD).
+inline constexpr double kStdOverMad = 1.4826;
+
 }  // namespace pcavr

@@ -67,13 +67,18 @@ struct EstimatedLag {
   double std = 0.0;    ///< [s]
 };
 
-struct JointFit {
-  std::string name;
-  std::vector<FittedTerm> friction;  ///< the terms that were used
-  double smoothing_speed = 0.0;      ///< [rad/s] of tanh, where friction's state is not kept
+/// How Coulomb friction changes its sign.
+struct SignModel {
+  double smoothing_speed = 0.0;  ///< [rad/s] of tanh, where friction's state is not kept
   /// [rad] over which friction changes its sign after a reversal (PreslidingSign), where that
   /// explains the torques better than any speed; else 0.
   double presliding_displacement = 0.0;
+};
+
+struct JointFit {
+  std::string name;
+  std::vector<FittedTerm> friction;  ///< the terms that were used
+  SignModel sign;
   double stribeck_speed = 0.0;   ///< [rad/s] where the term is used
   double noise_std = 0.0;        ///< [N m] of the residual, training part
   double correlated_rows = 1.0;  ///< rows that count as one independent one
@@ -141,15 +146,15 @@ struct RobotFit {
 [[nodiscard]] double friction_torque(const JointFit& joint, double q, double v, double load,
                                      double sign);
 
-/// The sign of a joint's Coulomb friction, row by row of the signals. `index`: of their column.
-[[nodiscard]] Eigen::VectorXd friction_sign(const JointFit& joint, const JointSignals& signals,
-                                            std::size_t index);
+/// The sign of a joint's Coulomb friction, row by row of the signals. `joint`: their column.
+[[nodiscard]] Eigen::VectorXd friction_sign(const SignModel& model, const JointSignals& signals,
+                                            std::size_t joint);
 
 /// The sign of a joint's Coulomb friction while the joint moves.
 class FrictionSign {
  public:
   /// `start`: where it has a state, that at the start, -1 to 1.
-  explicit FrictionSign(const JointFit& joint, double start = 0.0);
+  explicit FrictionSign(const SignModel& model, double start = 0.0);
 
   void move(double step);                            ///< by `step` [rad]
   [[nodiscard]] double at(double v) const;           ///< v [rad/s]

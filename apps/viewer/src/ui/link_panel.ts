@@ -32,7 +32,8 @@ export class LinkPanel {
   private readonly text = create('span');
   private readonly alert = create('div', { id: 'link-alert', hidden: true });
   private stages: number[] | null = null;
-  private isLinkLost = false;
+  /// Whether this is an operator's site without a link to the robot's.
+  isLost = false;
 
   constructor(
     private readonly app: App,
@@ -61,18 +62,13 @@ export class LinkPanel {
     ];
   }
 
-  /// Whether this is an operator's site without a link to the robot's.
-  get isLost(): boolean {
-    return this.isLinkLost;
-  }
-
   /// Once a frame, drawn or not; whether isLost has changed.
   update(): boolean {
     const state = this.app.session.latest();
-    const wasLost = this.isLinkLost;
-    this.isLinkLost = state?.link ? !state.link.isConnected : false;
+    const wasLost = this.isLost;
+    this.isLost = state?.link ? !state.link.isConnected : false;
     this.show(state);
-    return this.isLinkLost !== wasLost;
+    return this.isLost !== wasLost;
   }
 
   private show(state: LiveState | null): void {
@@ -99,7 +95,7 @@ export class LinkPanel {
   }
 
   private showAlert(state: LiveState | null): void {
-    this.alert.hidden = !state || (!state.isStopped && !this.isLinkLost);
+    this.alert.hidden = !state || (!state.isStopped && !this.isLost);
     this.release.hidden = !state?.isStopped;
     if (this.alert.hidden) return;
     setText(this.title, state?.isStopped ? 'Emergency stop' : "No link to the robot's site");
