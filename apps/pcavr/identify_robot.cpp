@@ -50,6 +50,17 @@ std::string joint_line(const JointFit& joint) {
   return line + '\n';
 }
 
+void add_replay(const MotionReplay& replay, Eigen::Index joint, nlohmann::ordered_json& json) {
+  if (replay.t.empty()) return;
+  json["replay_kept"] = replay.simulated.kept[joint];
+  json["replay_tolerable_torque"] = replay.tolerable_torque[joint];
+  json["replay_alone_kept"] = replay.alone.kept[joint];
+  if (replay.alone.is_finite) json["replay_alone_rms"] = replay.alone.rms[joint];
+  if (!replay.simulated.is_finite) return;
+  json["replay_after_1s"] = replay.after_1s[joint];
+  json["replay_rms"] = replay.simulated.rms[joint];
+}
+
 nlohmann::ordered_json joint_json(const RobotIdentification& found, std::size_t index) {
   const JointFit& joint = found.fit.joints[index];
   nlohmann::ordered_json json{{"name", joint.name},
@@ -68,31 +79,35 @@ nlohmann::ordered_json joint_json(const RobotIdentification& found, std::size_t 
   if (index < found.intervals.size()) {
     json["intervals_held_out_relative_error"] = found.intervals[index].held_out.relative;
   }
-  if (found.replay.is_finite) {
-    json["replay_after_1s"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
-    json["replay_kept"] = found.replay.kept[static_cast<Eigen::Index>(index)];
-    json["replay_tolerable_torque"] =
-        found.replay.tolerable_torque[static_cast<Eigen::Index>(index)];
-    json["replay_rms"] = found.replay.rms[static_cast<Eigen::Index>(index)];
-  }
+  add_replay(found.replay, static_cast<Eigen::Index>(index), json);
   return json;
 }
 
 void describe_replay(const RobotIdentification& found, CommandResult& result) {
-  if (!found.replay.is_finite) return;
+  if (found.replay.t.empty()) return;
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   const MotionReplay& replay = found.replay;
+  const double duration = replay.t.back() - replay.t.front();
+  result.summary += fmt::format(
+      "replay of held-out torques, each joint alone, the others as recorded: within 3 deg for, of "
+      "{:.2g} s:\n   ",
+      duration);
+  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
+    result.summary += fmt::format(" {} {:.2g}", found.fit.joints[j].name,
+                                  replay.alone.kept[static_cast<Eigen::Index>(j)]);
+  }
+  result.summary += '\n';
+  if (!replay.simulated.is_finite) return;
   Eigen::Index joint = 0;
   const double tolerable = replay.tolerable_torque.minCoeff(&joint);
   const JointFit& weakest = found.fit.joints[static_cast<std::size_t>(joint)];
   result.summary += fmt::format(
-      "replay of held-out torques: position error after 1 s up to {:.2g} deg, rms over {:.2g} s up "
-      "to {:.2g} deg, all joints within 3 deg for {:.2g} s\n"
+      "replay of all joints: position error after 1 s up to {:.2g} deg, rms over {:.2g} s up "
+      "to {:.2g} deg, all within 3 deg for {:.2g} s\n"
       "    3 deg rms would need torques of {} within {:.2g} N m; its held-out error is {:.2g} N "
       "m\n",
-      replay.after_1s.maxCoeff() * kDegrees, replay.t.back() - replay.t.front(),
-      replay.rms.maxCoeff() * kDegrees, replay.kept.minCoeff(), weakest.name, tolerable,
-      weakest.held_out.rms);
+      replay.after_1s.maxCoeff() * kDegrees, duration, replay.simulated.rms.maxCoeff() * kDegrees,
+      replay.simulated.kept.minCoeff(), weakest.name, tolerable, weakest.held_out.rms);
 }
 
 void describe_contacts(const RobotIdentification& found, CommandResult& result) {

@@ -73,11 +73,15 @@ Expected<PredictedArm> arm_of_scene(const PredictArguments& arguments) {
   return predicted;
 }
 
-Expected<PredictedArm> arm_of_description(const PredictArguments& arguments) {
+Expected<PredictedArm> arm_of_description(const PredictArguments& arguments,
+                                          const Observer& observer) {
   Expected<RobotModel> model = read_urdf(arguments.robot, {.requires_inertia = true});
   if (!model) return model.error();
   Expected<LinkMeshes> meshes = link_meshes(*model);
   if (!meshes) return meshes.error();
+  for (const std::vector<Error>* warnings : {&model->warnings, &meshes->warnings}) {
+    for (const Error& warning : *warnings) observer.on_warning(warning.to_string());
+  }
   PredictedArm predicted{.arm = {.model = std::move(*model),
                                  .friction = {},
                                  .tip = 0,
@@ -117,9 +121,9 @@ Expected<void> set_start(const PredictArguments& arguments, QueriedArm& arm) {
   return {};
 }
 
-Expected<PredictedArm> read_arm(const PredictArguments& arguments) {
+Expected<PredictedArm> read_arm(const PredictArguments& arguments, const Observer& observer) {
   Expected<PredictedArm> predicted =
-      arguments.scene.empty() ? arm_of_description(arguments) : arm_of_scene(arguments);
+      arguments.scene.empty() ? arm_of_description(arguments, observer) : arm_of_scene(arguments);
   if (!predicted) return predicted;
   QueriedArm& arm = predicted->arm;
   if (!arguments.identified.empty()) {
@@ -175,8 +179,8 @@ void describe_answer(bool is_possible, const std::string& reason, const TorqueUs
 }
 
 Expected<CommandResult> predict_reach(const PredictArguments& arguments,
-                                      const ArmQueryOptions& options) {
-  Expected<PredictedArm> predicted = read_arm(arguments);
+                                      const ArmQueryOptions& options, const Observer& observer) {
+  Expected<PredictedArm> predicted = read_arm(arguments, observer);
   if (!predicted) return predicted.error();
   if (const Expected<void> added = add_obstacles(*predicted); !added) return added.error();
   const Pose T_robot_base = predicted->T_base_robot.inverse();
@@ -207,8 +211,8 @@ Expected<CommandResult> predict_reach(const PredictArguments& arguments,
 }
 
 Expected<CommandResult> predict_hold(const PredictArguments& arguments,
-                                     const ArmQueryOptions& options) {
-  Expected<PredictedArm> predicted = read_arm(arguments);
+                                     const ArmQueryOptions& options, const Observer& observer) {
+  Expected<PredictedArm> predicted = read_arm(arguments, observer);
   if (!predicted) return predicted.error();
   const Eigen::Vector3d force_base = vector_of(arguments.force);
   if (force_base.norm() == 0.0) {
@@ -258,8 +262,8 @@ Expected<FrictionParameters> body_of(const PredictArguments& arguments) {
 }
 
 Expected<CommandResult> predict_push(const PredictArguments& arguments,
-                                     const ArmQueryOptions& options) {
-  Expected<PredictedArm> predicted = read_arm(arguments);
+                                     const ArmQueryOptions& options, const Observer& observer) {
+  Expected<PredictedArm> predicted = read_arm(arguments, observer);
   if (!predicted) return predicted.error();
   const Expected<FrictionParameters> body = body_of(arguments);
   if (!body) return body.error();
@@ -315,7 +319,8 @@ void add_arm_options(CLI::App& command, PredictArguments& arguments) {
       ->required();
 }
 
-using Ask = Expected<CommandResult> (*)(const PredictArguments&, const ArmQueryOptions&);
+using Ask = Expected<CommandResult> (*)(const PredictArguments&, const ArmQueryOptions&,
+                                        const Observer&);
 
 /// One question: a subcommand.
 std::shared_ptr<PredictArguments> add_question(CLI::App& predict, const char* name,
@@ -329,10 +334,10 @@ std::shared_ptr<PredictArguments> add_question(CLI::App& predict, const char* na
     if (arguments->robot.empty() && arguments->scene.empty()) {
       throw CLI::RequiredError("--robot or --scene");
     }
-    action = [arguments, ask, &configuration](const Observer&) -> Expected<CommandResult> {
+    action = [arguments, ask, &configuration](const Observer& observer) -> Expected<CommandResult> {
       ArmQueryOptions options = configuration.arm_query;
       options.drive = configuration.arm_drive;
-      return ask(*arguments, options);
+      return ask(*arguments, options, observer);
     };
   });
   return arguments;

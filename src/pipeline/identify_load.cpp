@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "pcavr/robot_identification/drive_gains.hpp"
+#include "pcavr/robot_identification/log_checks.hpp"
 
 #include "pipeline/robot_log.hpp"
 
@@ -39,13 +40,19 @@ Expected<void> add_payload(JointLog loaded, const RobotIdentificationOptions& op
                  .line = 1,
                  .hint = "record the same joints in both runs"};
   }
-  if (found.signals.is_sign_changed) {
-    sound->signals.torque *= -1.0;
-    sound->signals.torque_rate *= -1.0;
+  LogFindings shown = check_hypotheses(sound->signals, found.model);
+  if (!shown.errors.empty()) return first_of(shown.errors, file);
+  if (sound->signals.is_sign_changed != found.signals.is_sign_changed) {
+    return Error{.message = "its torques have the opposite sign of the unloaded arm's",
+                 .file = file,
+                 .line = 1,
+                 .hint = "record the same columns in both runs"};
   }
-  for (Error& warning : sound->warnings) {
-    warning.file = file;
-    found.notes.push_back(warning.to_string());
+  for (std::vector<Error>* warnings : {&sound->warnings, &shown.warnings}) {
+    for (Error& warning : *warnings) {
+      warning.file = file;
+      found.notes.push_back(warning.to_string());
+    }
   }
   found.payload = identify_payload(sound->signals, found.model, found.fit);
   return {};

@@ -260,12 +260,12 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
                          found.signals.t[first], default_tip(found.model), options.contact);
     found.replay =
         replay_motion(found.log, found.signals, found.fit, found.model, first, kReplayDuration);
-    if (!found.replay.is_finite) {
+    if (!found.replay.simulated.is_finite) {
       found.notes.push_back(
           fmt::format("the held-out torques move the simulated arm as recorded, within 3 deg, for "
-                      "{:.2g} s, then "
-                      "without bound: no further figure of the replay is stated",
-                      found.replay.kept.minCoeff()));
+                      "{:.2g} s, then without bound: of the replay of all joints together no "
+                      "further figure is stated",
+                      found.replay.simulated.kept.minCoeff()));
     }
   }
   fit_all_rows(options, found);

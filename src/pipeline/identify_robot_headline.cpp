@@ -59,7 +59,7 @@ ReportTable robot_headline(const RobotIdentification& found) {
   table.rows = {
       {"Torque error, held out, median of the joints", per_cent(errors.median), "%"},
       {"Torque error, held out, worst joint, " + errors.worst, per_cent(errors.largest), "%"}};
-  if (found.replay.is_finite) {
+  if (found.replay.simulated.is_finite) {
     table.rows.push_back({"Position after 1 s of recorded torques, worst joint",
                           readable(found.replay.after_1s.cwiseAbs().maxCoeff() * kDegreesPerRadian),
                           "deg"});

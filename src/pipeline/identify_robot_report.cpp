@@ -6,9 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "pcavr/core/json_text.hpp"
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/identify_robot.hpp"
 #include "pcavr/report/number_text.hpp"
@@ -16,14 +14,14 @@
 #include "pcavr/robot_identification/residual_spectrum.hpp"
 
 #include "identify_robot_headline.hpp"
+#include "identify_robot_json.hpp"
 
 namespace pcavr {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kHundred = 100.0;
+constexpr double kMaxDrawnError = 20.0 / kDegrees;  ///< [rad] of a replay
 
 std::string short_number(double value) { return fmt::format("{:.4g}", value); }
 
@@ -199,19 +197,35 @@ Plot torque_plot(const RobotIdentification& found, Eigen::Index joint) {
   return plot;
 }
 
+/// A joint's simulated positions until they are kMaxDrawnError away from the recorded ones.
+PlotSeries simulated_series(const MotionReplay& replay, const SimulatedMotion& motion,
+                            Eigen::Index joint) {
+  PlotSeries series;
+  for (Eigen::Index row = 0; row < motion.position.rows(); ++row) {
+    const double position = motion.position(row, joint);
+    if (!(std::abs(position - replay.recorded(row, joint)) < kMaxDrawnError)) break;
+    series.x.push_back(replay.t[static_cast<std::size_t>(row)]);
+    series.y.push_back(position * kDegrees);
+  }
+  return series;
+}
+
 Plot replay_plot(const RobotIdentification& found, Eigen::Index joint) {
+  const MotionReplay& replay = found.replay;
   Plot plot{.title = "Recorded torques in, positions out",
             .x_label = "time (s)",
             .y_label = "position (deg)"};
   plot.series = {{.label = "measured",
                   .color = 0,
-                  .x = found.replay.t,
-                  .y = column_of(found.replay.recorded * kDegrees, joint)},
-                 {.label = "simulated",
-                  .color = 1,
-                  .x = found.replay.t,
-                  .y = column_of(found.replay.simulated * kDegrees, joint),
-                  .dashed = true}};
+                  .x = replay.t,
+                  .y = column_of(replay.recorded * kDegrees, joint)},
+                 simulated_series(replay, replay.alone, joint),
+                 simulated_series(replay, replay.simulated, joint)};
+  plot.series[1].label = "simulated, the other joints as recorded";
+  plot.series[1].color = 1;
+  plot.series[2].label = "simulated, all joints";
+  plot.series[2].color = 2;
+  plot.series[2].dashed = true;
   return plot;
 }
 
@@ -238,28 +252,36 @@ PageSection joint_section(const RobotIdentification& found, std::size_t index) {
   }
   section.blocks.emplace_back(std::move(tables));
   PlotGroup group{"Plots", {torque_plot(found, joint)}};
-  if (found.replay.is_finite) group.plots.push_back(replay_plot(found, joint));
+  if (!found.replay.t.empty()) group.plots.push_back(replay_plot(found, joint));
   group.plots.push_back(spectrum_plot(found, joint));
   section.blocks.emplace_back(std::move(group));
   return section;
 }
 
+/// In degrees; nothing where the simulation diverged.
+std::string replay_text(double angle) {
+  return std::isfinite(angle) ? readable(angle * kDegrees) : "without bound";
+}
+
 ReportTable replay_table(const RobotIdentification& found) {
+  const MotionReplay& replay = found.replay;
   ReportTable table{.title = "Replay: recorded torques in, positions out",
-                    .columns = {"joint", "error after 1 s (deg)", "rms (deg)",
+                    .columns = {"joint", "alone, rms (deg)", "alone, within 3 deg (s)",
+                                "all joints, after 1 s (deg)", "all joints, rms (deg)",
                                 "torque error for 3 deg (N m)", "held-out torque error (N m)"}};
   for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
     const auto joint = static_cast<Eigen::Index>(j);
-    table.rows.push_back({found.fit.joints[j].name,
-                          readable(found.replay.after_1s[joint] * kDegrees),
-                          readable(found.replay.rms[joint] * kDegrees),
-                          readable(found.replay.tolerable_torque[joint]),
+    table.rows.push_back({found.fit.joints[j].name, replay_text(replay.alone.rms[joint]),
+                          readable(replay.alone.kept[joint]), replay_text(replay.after_1s[joint]),
+                          replay_text(replay.simulated.rms[joint]),
+                          readable(replay.tolerable_torque[joint]),
                           readable(found.fit.joints[j].held_out.rms)});
   }
   table.note = fmt::format(
-      "Simulated over {:.3g} s of the held-out part from its first state. Torque error for 3 deg: "
-      "a constant one of this joint's torque alone that moves some joint by 3 deg rms.",
-      found.replay.t.back() - found.replay.t.front());
+      "Simulated over {:.3g} s of the held-out part from its first state, drawn up to an error of "
+      "{:.3g} deg; alone: the other joints follow the record. Torque error for 3 deg: a constant "
+      "one of this joint's torque alone that moves some joint by 3 deg rms when all are simulated.",
+      replay.t.back() - replay.t.front(), kMaxDrawnError * kDegrees);
   return table;
 }
 
@@ -280,7 +302,7 @@ ReportPage robot_page(const RobotIdentification& found, const std::string& log,
   page.headline = robot_headline(found);
   PageSection all{.title = "All joints"};
   std::vector<ReportTable> tables{error_table(found.fit)};
-  if (found.replay.is_finite) tables.push_back(replay_table(found));
+  if (!found.replay.t.empty()) tables.push_back(replay_table(found));
   if (found.trial) tables.push_back(trial_table(found.fit, *found.trial));
   if (!found.gains.empty()) tables.push_back(gains_table(found.gains));
   if (found.payload) tables.push_back(payload_table(found.fit, *found.payload));
@@ -298,137 +320,13 @@ ReportPage robot_page(const RobotIdentification& found, const std::string& log,
   return page;
 }
 
-void add_trial(Json& json, const std::string& key, const TrialStage& stage, std::size_t index) {
-  const JointFit& joint = stage.joints[index];
-  json[key + "viscous"] = joint.value_of(FrictionTerm::viscous);
-  json[key + "coulomb"] = joint.value_of(FrictionTerm::coulomb);
-  json[key + "held_out.relative_error"] = joint.held_out.relative;
-  json[key + "held_out.rms_error"] = joint.held_out.rms;
-  json[key + "position_rms_rad"] = stage.position_rms[static_cast<Eigen::Index>(index)];
-}
-
-void add_intervals(Json& json, const std::string& key, const JointIntervals& found) {
-  for (const FrictionInterval& interval : found.intervals) {
-    Json entry{{"begin", interval.begin}, {"end", interval.end}, {"rows", interval.rows}};
-    for (const FittedTerm& term : interval.terms) {
-      entry[name_of(term.term)] = term.value;
-      entry[std::string(name_of(term.term)) + "_std"] = term.std;
-    }
-    json[key + "intervals"].push_back(entry);
-  }
-  json[key + "intervals.held_out.relative_error"] = found.held_out.relative;
-}
-
-void add_joint(Json& json, const RobotIdentification& found, std::size_t index) {
-  const JointFit& joint = found.fit.joints[index];
-  const std::string key = "joint." + joint.name + ".";
-  for (const FittedTerm& term : joint.friction) {
-    json[key + name_of(term.term)] = term.value;
-    json[key + name_of(term.term) + "_std"] = term.std;
-    json[key + name_of(term.term) + ".is_excited"] = term.is_excited;
-  }
-  for (const FittedTerm& term : joint.equivalent) {
-    const std::string name = key + "equivalent." + name_of(term.term);
-    json[name] = term.value;
-    json[name + "_std"] = term.std;
-  }
-  json[key + "smoothing_speed"] = joint.sign.smoothing_speed;
-  if (joint.sign.presliding_displacement > 0.0) {
-    json[key + "presliding_displacement"] = joint.sign.presliding_displacement;
-  }
-  if (joint.stribeck_speed > 0.0) json[key + "stribeck_speed"] = joint.stribeck_speed;
-  json[key + "noise_std"] = joint.noise_std;
-  json[key + "train.relative_error"] = joint.train.relative;
-  json[key + "held_out.relative_error"] = joint.held_out.relative;
-  json[key + "held_out.rms_error"] = joint.held_out.rms;
-  json[key + "plain.held_out.relative_error"] = joint.plain_held_out.relative;
-  if (index < found.intervals.size()) add_intervals(json, key, found.intervals[index]);
-  if (found.trial) {
-    add_trial(json, key + "grid.alone.", found.trial->alone, index);
-    add_trial(json, key + "grid.together.", found.trial->together, index);
-  }
-  if (!found.replay.is_finite) return;
-  json[key + "replay.after_1s_rad"] = found.replay.after_1s[static_cast<Eigen::Index>(index)];
-  json[key + "replay.kept_s"] = found.replay.kept[static_cast<Eigen::Index>(index)];
-  json[key + "replay.tolerable_torque"] =
-      found.replay.tolerable_torque[static_cast<Eigen::Index>(index)];
-  json[key + "replay.rms_rad"] = found.replay.rms[static_cast<Eigen::Index>(index)];
-}
-
-Json touches_json(const ObservedContacts& contacts) {
-  Json json = Json::array();
-  for (const ObservedContacts::Touch& touch : contacts.touches) {
-    Json entry{{"t", touch.t}, {"joint", touch.joint}};
-    entry["force"] = nullptr;
-    if (touch.force_base) {
-      entry["force"] = {touch.force_base->x(), touch.force_base->y(), touch.force_base->z()};
-    }
-    json.push_back(entry);
-  }
-  return json;
-}
-
-std::string format_json(const RobotIdentification& found, const std::string& log,
-                        const std::string& robot) {
-  Json json;
-  json["format"] = "pcavr-identification/1";
-  json["version"] = PCAVR_VERSION;
-  json["log"] = log;
-  json["robot"] = robot;
-  json["units"] = "SI";
-  for (const auto& [key, value] : found.configuration) json["configuration"][key] = value;
-  json["rows"] = found.log.t.size();
-  json["fitted_rows"] = found.fit.train_rows;
-  json["filter.bandwidth_Hz"] = found.signals.bandwidth;
-  json["motion_frequency_Hz"] = found.signals.motion_frequency;
-  json["torque_lag_s"] = found.fit.torque_lag;
-  json["torque_sign"] = found.signals.is_sign_changed ? -1 : 1;
-  json["prior_scale"] = found.fit.prior_scale;
-  json["is_physical"] = found.fit.is_physical;
-  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) add_joint(json, found, j);
-  const Eigen::VectorXd& inertias = found.fit.inertial_parameters;
-  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
-    const Eigen::VectorXd body = inertias.segment<10>(static_cast<Eigen::Index>(10 * j));
-    json["joint." + found.fit.joints[j].name + ".inertial_parameters"] =
-        std::vector<double>(body.begin(), body.end());
-  }
-  for (const BaseParameter& entry : found.fit.base_parameters) {
-    json["base_parameters"].push_back({{"name", entry.name},
-                                       {"value", entry.value},
-                                       {"std", entry.std},
-                                       {"is_excited", entry.is_excited}});
-  }
-  if (found.contacts) {
-    json["contact.detectable_force"] = found.contacts->detectable_force;
-    json["contact.touches"] = touches_json(*found.contacts);
-    for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
-      json["joint." + found.fit.joints[j].name + ".contact_threshold"] =
-          found.contacts->thresholds[static_cast<Eigen::Index>(j)];
-    }
-  }
-  for (const JointGain& gain : found.gains) {
-    json["joint." + gain.joint + ".gain"] = gain.gain;
-    json["joint." + gain.joint + ".gain_std"] = gain.std;
-  }
-  if (found.payload) {
-    json["payload.mass"] = found.payload->mass;
-    json["payload.mass_std"] = found.payload->mass_std;
-    for (int axis = 0; axis < 3; ++axis) {
-      json["payload.centre_of_mass"].push_back(found.payload->centre_of_mass[axis]);
-      json["payload.centre_of_mass_std"].push_back(found.payload->centre_of_mass_std[axis]);
-    }
-  }
-  json["notes"] = found.notes;
-  return json_text(json, 2) + '\n';
-}
-
 }  // namespace
 
 Expected<void> write_robot_report(const RobotIdentification& found, const std::string& log,
                                   const std::string& robot, const std::filesystem::path& folder) {
   const Expected<void> written = write_report_page(robot_page(found, log, robot), folder);
   if (!written) return written;
-  return write_file(folder / "report.json", format_json(found, log, robot));
+  return write_file(folder / "report.json", robot_report_json(found, log, robot));
 }
 
 }  // namespace pcavr

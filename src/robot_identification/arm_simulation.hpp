@@ -16,6 +16,11 @@ struct MotionState {
   Eigen::VectorXd q, dq;
 };
 
+/// What the record prescribes at the middle of a step.
+struct RecordedStep {
+  Eigen::VectorXd q, dq, ddq, torque;
+};
+
 /// Change of the friction torque over that of the speed within `dt` [s], [N m s/rad], not negative.
 [[nodiscard]] inline double friction_slope(const JointFit& joint, const FrictionSign& sign,
                                            double q, double v, double load, double dt) {
@@ -73,6 +78,49 @@ class ArmSimulation {
   Eigen::Index dof_;
   Eigen::MatrixXd mass_;
   Eigen::VectorXd bias_, zero_;
+};
+
+/// One joint under its torque, while the others follow the record.
+class JointSimulation {
+ public:
+  JointSimulation(const RobotModel& model, Eigen::Index joint) : dynamics_(model), joint_(joint) {
+    const auto dof = static_cast<Eigen::Index>(model.dof);
+    mass_.resize(dof, dof);
+    torque_.resize(dof);
+  }
+
+  /// [kg m^2] It does not depend on the joint's own position.
+  [[nodiscard]] double inertia(const RecordedStep& recorded) {
+    dynamics_.mass_matrix(recorded.q, mass_);
+    return mass_(joint_, joint_);
+  }
+
+  /// One linearly implicit step of the joint's position `q` and speed `v`.
+  void step(const RecordedStep& recorded, double inertia, const JointFit& friction,
+            FrictionSign& sign, double dt, double& q, double& v) {
+    q_ = recorded.q;
+    dq_ = recorded.dq;
+    ddq_ = recorded.ddq;
+    q_[joint_] = q + 0.5 * dt * v;
+    dq_[joint_] = v;
+    ddq_[joint_] = 0.0;
+    dynamics_.inverse_dynamics(q_, dq_, ddq_, torque_);
+    const double load = torque_[joint_];
+    const double net =
+        recorded.torque[joint_] - load - friction_torque(friction, q_[joint_], v, load, sign.at(v));
+    const double slope = friction_slope(friction, sign, q_[joint_], v, load, dt);
+    const double change = dt * net / (inertia + dt * slope);
+    const double moved = dt * (v + 0.5 * change);
+    sign.move(moved);
+    q += moved;
+    v += change;
+  }
+
+ private:
+  RobotDynamics dynamics_;
+  Eigen::Index joint_;
+  Eigen::MatrixXd mass_;
+  Eigen::VectorXd q_, dq_, ddq_, torque_;
 };
 
 }  // namespace pcavr::detail

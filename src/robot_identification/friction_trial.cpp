@@ -22,10 +22,7 @@ constexpr int kRefinements = 5;         ///< to 1/256 of the first grid's width
 /// Relative changes of the values of all joints: the first and the last that are tried.
 constexpr double kFirstChange = 0.2, kLastChange = 0.01;
 
-/// What the record prescribes at the middle of a step.
-struct RecordedStep {
-  Eigen::VectorXd q, dq, ddq, torque;
-};
+using detail::RecordedStep;
 
 struct RecordedStretch {
   Eigen::VectorXd q, dq;  ///< at its start
@@ -94,14 +91,10 @@ JointFit with_values(const JointFit& fitted, double viscous, double coulomb) {
 class SingleJointTrial {
  public:
   SingleJointTrial(const Record& record, const RobotModel& robot, Eigen::Index joint)
-      : record_(record), dynamics_(robot), joint_(joint) {
-    const auto dof = static_cast<Eigen::Index>(robot.dof);
-    Eigen::MatrixXd mass(dof, dof);
-    // A joint's inertia does not depend on its own position.
+      : record_(record), simulation_(robot, joint), joint_(joint) {
     for (const RecordedStretch& stretch : record.stretches) {
       for (const RecordedStep& step : stretch.steps) {
-        dynamics_.mass_matrix(step.q, mass);
-        inertia_.push_back(mass(joint, joint));
+        inertia_.push_back(simulation_.inertia(step));
       }
     }
   }
@@ -111,11 +104,12 @@ class SingleJointTrial {
     double sum = 0.0;
     std::size_t count = 0;
     std::size_t next = 0;
+    FrictionSign sign(friction.sign);
     for (const RecordedStretch& stretch : record_.stretches) {
       double q = stretch.q[joint_];
       double v = stretch.dq[joint_];
       for (std::size_t k = 0; k < stretch.steps.size(); ++k) {
-        step(stretch.steps[k], inertia_[next++], friction, q, v);
+        simulation_.step(stretch.steps[k], inertia_[next++], friction, sign, record_.dt, q, v);
         const std::size_t done = k + 1;
         const auto steps_per_row = static_cast<std::size_t>(record_.steps_per_row);
         if (done % steps_per_row != 0) continue;
@@ -128,30 +122,10 @@ class SingleJointTrial {
   }
 
  private:
-  void step(const RecordedStep& recorded, double inertia, const JointFit& friction, double& q,
-            double& v) {
-    q_ = recorded.q;
-    dq_ = recorded.dq;
-    ddq_ = recorded.ddq;
-    q_[joint_] = q + 0.5 * record_.dt * v;
-    dq_[joint_] = v;
-    ddq_[joint_] = 0.0;
-    torque_.resize(q_.size());
-    dynamics_.inverse_dynamics(q_, dq_, ddq_, torque_);
-    const double net = recorded.torque[joint_] - torque_[joint_] -
-                       friction_torque(friction, q_[joint_], v, torque_[joint_]);
-    const double slope = detail::friction_slope(friction, FrictionSign(friction.sign), q_[joint_],
-                                                v, torque_[joint_], record_.dt);
-    const double change = record_.dt * net / (inertia + record_.dt * slope);
-    q += record_.dt * (v + 0.5 * change);
-    v += change;
-  }
-
   const Record& record_;
-  RobotDynamics dynamics_;
+  detail::JointSimulation simulation_;
   Eigen::Index joint_;
   std::vector<double> inertia_;
-  Eigen::VectorXd q_, dq_, ddq_, torque_;
 };
 
 struct GridPoint {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "pcavr/core/check.hpp"
 
@@ -103,6 +104,101 @@ Eigen::VectorXd tolerable_torque(const JointSignals& signals, const RobotFit& fi
   return (kKept * rms.cwiseInverse().transpose()).cwiseMax(kResolved);
 }
 
+/// The rows that are replayed.
+class ReplayedStretch {
+ public:
+  ReplayedStretch(const JointLog& log, const JointSignals& signals, const RobotFit& fit,
+                  const RobotModel& robot, Eigen::Index first, Eigen::Index rows)
+      : log_(log),
+        signals_(signals),
+        fit_(fit),
+        robot_(robot),
+        first_(first),
+        rows_(rows),
+        steps_(static_cast<int>(std::ceil(signals.interval / kMaxStep))),
+        dt_(signals.interval / steps_) {}
+
+  [[nodiscard]] SimulatedMotion simulate_together() const {
+    Eigen::VectorXd signs(signals_.position.cols());
+    for (Eigen::Index j = 0; j < signs.size(); ++j) signs[j] = starting_sign(j);
+    detail::ArmSimulation simulation(fit_.joints, robot_, signs);
+    detail::MotionState state{signals_.position.row(first_).transpose(),
+                              signals_.velocity.row(first_).transpose()};
+    Eigen::MatrixXd position(rows_, signs.size());
+    for (Eigen::Index row = 0; row < rows_; ++row) {
+      position.row(row) = state.q.transpose();
+      if (row + 1 == rows_ || !state.q.allFinite()) continue;
+      for (int k = 0; k < steps_; ++k) simulation.step(state, torque_of(row, k), dt_);
+    }
+    return judged(std::move(position));
+  }
+
+  [[nodiscard]] SimulatedMotion simulate_alone() const {
+    Eigen::MatrixXd position(rows_, signals_.position.cols());
+    for (Eigen::Index j = 0; j < position.cols(); ++j) {
+      const auto index = static_cast<std::size_t>(j);
+      detail::JointSimulation simulation(robot_, j);
+      FrictionSign sign(fit_.joints[index].sign, starting_sign(j));
+      double q = signals_.position(first_, j);
+      double v = signals_.velocity(first_, j);
+      for (Eigen::Index row = 0; row < rows_; ++row) {
+        position(row, j) = q;
+        if (row + 1 == rows_ || !std::isfinite(q)) continue;
+        for (int k = 0; k < steps_; ++k) {
+          const detail::RecordedStep step = step_of(row, k);
+          simulation.step(step, simulation.inertia(step), fit_.joints[index], sign, dt_, q, v);
+        }
+      }
+    }
+    return judged(std::move(position));
+  }
+
+ private:
+  [[nodiscard]] double starting_sign(Eigen::Index joint) const {
+    const auto index = static_cast<std::size_t>(joint);
+    return friction_sign(fit_.joints[index].sign, signals_, index)[first_];
+  }
+
+  [[nodiscard]] Eigen::VectorXd torque_of(Eigen::Index row, int step) const {
+    const double t = signals_.t[static_cast<std::size_t>(first_ + row)] + (step + 0.5) * dt_;
+    return (signals_.is_sign_changed ? -1.0 : 1.0) * torque_at(log_, t + fit_.torque_lag);
+  }
+
+  [[nodiscard]] detail::RecordedStep step_of(Eigen::Index row, int step) const {
+    const double share = (step + 0.5) / steps_;
+    const auto between = [&](const Eigen::MatrixXd& values) -> Eigen::VectorXd {
+      return ((1.0 - share) * values.row(first_ + row) + share * values.row(first_ + row + 1))
+          .transpose();
+    };
+    return {between(signals_.position), between(signals_.velocity), between(signals_.acceleration),
+            torque_of(row, step)};
+  }
+
+  [[nodiscard]] SimulatedMotion judged(Eigen::MatrixXd position) const {
+    const Eigen::MatrixXd error = position - signals_.position.middleRows(first_, rows_);
+    SimulatedMotion motion;
+    motion.position = std::move(position);
+    motion.is_finite = error.allFinite();
+    motion.rms = (error.colwise().squaredNorm() / double(rows_)).cwiseSqrt().transpose();
+    motion.kept.resize(error.cols());
+    for (Eigen::Index j = 0; j < error.cols(); ++j) {
+      Eigen::Index row = 0;
+      while (row + 1 < rows_ && std::abs(error(row + 1, j)) < kKept) ++row;
+      motion.kept[j] = signals_.t[static_cast<std::size_t>(first_ + row)] -
+                       signals_.t[static_cast<std::size_t>(first_)];
+    }
+    return motion;
+  }
+
+  const JointLog& log_;
+  const JointSignals& signals_;
+  const RobotFit& fit_;
+  const RobotModel& robot_;
+  Eigen::Index first_, rows_;
+  int steps_;  ///< a row
+  double dt_;  ///< [s]
+};
+
 }  // namespace
 
 MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, const RobotFit& fit,
@@ -110,41 +206,19 @@ MotionReplay replay_motion(const JointLog& log, const JointSignals& signals, con
   PCAVR_REQUIRE(first < signals.t.size() && duration > 0.0, first, duration);
   const Eigen::Index rows = row_count(signals, first, duration);
   const auto start = static_cast<Eigen::Index>(first);
-  MotionReplay replay;
-  replay.recorded = signals.position.middleRows(start, rows);
-  replay.simulated = replay.recorded;
-  const double sign = signals.is_sign_changed ? -1.0 : 1.0;
   const RobotModel robot = fit.robot(model);
+  const ReplayedStretch stretch(log, signals, fit, robot, start, rows);
+  MotionReplay replay;
+  const auto begin = signals.t.begin() + start;
+  replay.t.assign(begin, begin + rows);
+  replay.recorded = signals.position.middleRows(start, rows);
+  replay.simulated = stretch.simulate_together();
+  replay.alone = stretch.simulate_alone();
   replay.tolerable_torque = tolerable_torque(signals, fit, robot, start, rows);
-  Eigen::VectorXd signs(signals.position.cols());
-  for (std::size_t j = 0; j < fit.joints.size(); ++j) {
-    signs[static_cast<Eigen::Index>(j)] = friction_sign(fit.joints[j].sign, signals, j)[start];
-  }
-  detail::ArmSimulation simulation(fit.joints, robot, signs);
-  detail::MotionState state{signals.position.row(start).transpose(),
-                            signals.velocity.row(start).transpose()};
-  const int steps = static_cast<int>(std::ceil(signals.interval / kMaxStep));
-  const double dt = signals.interval / steps;
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    replay.t.push_back(signals.t[first + static_cast<std::size_t>(row)]);
-    replay.simulated.row(row) = state.q.transpose();
-    if (row + 1 == rows || !state.q.allFinite()) continue;
-    for (int k = 0; k < steps; ++k) {
-      const double t = replay.t.back() + (double(k) + 0.5) * dt + fit.torque_lag;
-      simulation.step(state, sign * torque_at(log, t), dt);
-    }
-  }
-  const Eigen::MatrixXd error = replay.simulated - replay.recorded;
-  replay.is_finite = error.allFinite();
-  replay.rms = (error.colwise().squaredNorm() / double(rows)).cwiseSqrt().transpose();
   const auto second = static_cast<Eigen::Index>(std::lround(1.0 / signals.interval));
-  replay.after_1s = error.row(std::min(rows - 1, second)).cwiseAbs().transpose();
-  replay.kept.resize(error.cols());
-  for (Eigen::Index j = 0; j < error.cols(); ++j) {
-    Eigen::Index row = 0;
-    while (row + 1 < rows && std::abs(error(row + 1, j)) < kKept) ++row;
-    replay.kept[j] = replay.t[static_cast<std::size_t>(row)] - replay.t.front();
-  }
+  const Eigen::Index at = std::min(rows - 1, second);
+  replay.after_1s =
+      (replay.simulated.position.row(at) - replay.recorded.row(at)).cwiseAbs().transpose();
   return replay;
 }
 

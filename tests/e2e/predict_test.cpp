@@ -88,6 +88,23 @@ TEST_F(PredictTest, APushKnowsTheBodysFriction) {
   EXPECT_TRUE(answer["is_possible"].get<bool>()) << answer.dump();
 }
 
+TEST_F(PredictTest, NamesTheLinkWhoseMeshIsMissing) {
+  std::string text = read_file(pa10_description()).value();
+  const std::string link = "<link name=\"tool\"/>";
+  const std::size_t at = text.find(link);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, link.size(),
+               "<link name=\"tool\"><visual><geometry><mesh filename=\"none.stl\"/></geometry>"
+               "</visual></link>");
+  const std::string robot = (folder_->path() / "robot.urdf").string();
+  ASSERT_TRUE(write_file(robot, text));
+  const CommandOutcome outcome =
+      run_pcavr({"predict", "reach", "--robot", robot, "--point", "0.65", "0.15", "0.55"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_NE(outcome.standard_error.find("no mesh file of link 'tool'"), std::string::npos)
+      << outcome.standard_error;
+}
+
 TEST_F(PredictTest, BadInputIsOneLine) {
   const auto fails = [](const std::vector<std::string>& words, const std::string& why) {
     const CommandOutcome outcome = run_pcavr(words);

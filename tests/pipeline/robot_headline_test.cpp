@@ -34,7 +34,7 @@ TEST(RobotHeadline, NamesTheMedianAndTheWorstJoint) {
 
 TEST(RobotHeadline, HasThePositionOfAReplay) {
   RobotIdentification found = three_joints();
-  found.replay.is_finite = true;
+  found.replay.simulated.is_finite = true;
   found.replay.after_1s = Eigen::Vector3d(0.01, 0.02, 0.005);
   EXPECT_EQ(robot_headline(found).rows[2][1], "1.15");  // deg
 }

@@ -73,7 +73,7 @@ TEST(ReplayMotion, KeepsTheStateOfFrictionThatBuildsUpByDisplacement) {
   RobotFit by_speed = fit;
   for (JointFit& joint : by_speed.joints) joint.sign.presliding_displacement = 0.0;
   const auto error = [&](const RobotFit& with) {
-    return replay_motion(log, signals, with, model, fit.train_rows, 1.2).rms[kJoint];
+    return replay_motion(log, signals, with, model, fit.train_rows, 1.2).simulated.rms[kJoint];
   };
   EXPECT_LT(error(fit), 0.7 * error(by_speed));
 }

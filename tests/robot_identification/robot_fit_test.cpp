@@ -71,8 +71,24 @@ TEST(FitRobot, FitsPossibleBodiesAndReplaysTheMotion) {
   const RobotFit fit = fit_robot(signals, model, {});
   EXPECT_TRUE(fit.is_physical);
   const MotionReplay replay = replay_motion(log, signals, fit, model, fit.train_rows, 1.2);
-  ASSERT_TRUE(replay.is_finite);
+  ASSERT_TRUE(replay.simulated.is_finite);
   EXPECT_LT(replay.after_1s.maxCoeff() * kDegrees, 0.5);
+}
+
+// Paper A's figure 3 is of one moving joint, the others braked. Joints 2 and 4 carry the arm's
+// weight, and leave the record as an inverted pendulum does.
+TEST(ReplayMotion, HoldsJointsThatCarryNoWeightForFiveSecondsWhereTheOthersFollowTheRecord) {
+  const RobotModel model = pa10();
+  const JointLog log = simulated_log(model, {.duration = 60.0, .rate = 500.0, .seed = 2301});
+  const JointSignals signals = joint_signals(log, {});
+  const RobotFit fit = fit_robot(signals, model, {});
+  const MotionReplay replay = replay_motion(log, signals, fit, model, fit.train_rows, 5.0);
+  ASSERT_TRUE(replay.alone.is_finite);
+  for (const Eigen::Index joint : {0, 2, 4, 5, 6}) {
+    EXPECT_LT(replay.alone.rms[joint] * kDegrees, 1.0) << joint;
+    EXPECT_GT(replay.alone.kept[joint], 4.9) << joint;
+  }
+  EXPECT_LT(replay.simulated.kept.minCoeff(), 4.0) << "all joints together are held as long";
 }
 
 TEST(ReplayMotion, StatesTheTorqueErrorThatMovesAJointByThreeDegrees) {
@@ -87,7 +103,7 @@ TEST(ReplayMotion, StatesTheTorqueErrorThatMovesAJointByThreeDegrees) {
   const MotionReplay as_recorded = replayed();
   for (const Eigen::Index joint : {0, 1, 3, 6}) {
     log.torque.col(joint).array() += as_recorded.tolerable_torque[joint];
-    const Eigen::MatrixXd moved = replayed().simulated - as_recorded.simulated;
+    const Eigen::MatrixXd moved = replayed().simulated.position - as_recorded.simulated.position;
     log.torque.col(joint).array() -= as_recorded.tolerable_torque[joint];
     const double rms =
         (moved.colwise().squaredNorm() / double(moved.rows())).cwiseSqrt().maxCoeff();

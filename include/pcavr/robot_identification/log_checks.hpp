@@ -32,7 +32,7 @@ struct MatchedRobot {
 
 struct LogFindings {
   std::vector<Error> errors;    ///< what must not be fitted
-  std::vector<Error> warnings;  ///< what was repaired or left out
+  std::vector<Error> warnings;  ///< what was repaired, left out, or could not be judged
 };
 
 /// Faults that rows show by themselves: jumps by full turns (unwrapped in `log`), other jumps,
@@ -44,7 +44,8 @@ struct LogFindings {
 /// Faults that the torques show against the model, by comparing fits under hypotheses: degrees,
 /// swapped columns, late torques, currents in place of torques, signs of single joints. The sign of
 /// all torques together (load on the joint in place of the torque that drives it) is corrected in
-/// `signals` and reported as a warning.
+/// `signals` and reported as a warning, as are the pairs of joints of which swapped columns would
+/// not be found.
 [[nodiscard]] LogFindings check_hypotheses(JointSignals& signals, const RobotModel& model);
 
 }  // namespace pcavr

@@ -12,20 +12,26 @@
 
 namespace pcavr {
 
-/// One stretch of the log simulated from its first state under the recorded torques [paper A,
-/// figure 3: torque in, position out].
+/// Simulated positions beside the recorded ones.
+struct SimulatedMotion {
+  Eigen::MatrixXd position;  ///< [rad] row by row
+  Eigen::VectorXd rms;       ///< [rad] error by joint, over the stretch
+  Eigen::VectorXd kept;      ///< [s] by joint: within 3 degrees from the start on
+  bool is_finite = false;    ///< false: the simulation diverged
+};
+
+/// One stretch of the log simulated from its first state under the recorded torques: torque in,
+/// position out [paper A, section 4].
 struct MotionReplay {
   std::vector<double> t;      ///< [s] of the log
   Eigen::MatrixXd recorded;   ///< [rad] positions, row by row
-  Eigen::MatrixXd simulated;  ///< [rad]
-  Eigen::VectorXd rms;        ///< [rad] by joint, over the stretch
-  Eigen::VectorXd after_1s;   ///< [rad] absolute error 1 s after the start
-  Eigen::VectorXd kept;       ///< [s] by joint: within 3 degrees from the start on
+  SimulatedMotion simulated;  ///< all joints together
+  SimulatedMotion alone;  ///< each joint by itself, while the others follow the record [figure 3]
+  Eigen::VectorXd after_1s;  ///< [rad] absolute error of all joints together 1 s after the start
   /// [N m] by joint: the constant error of its torque alone that moves some joint by 3 degrees rms
   /// over the stretch, linearised about the recorded motion. What a replay of this length asks for;
   /// at least 1e-6, which no sensor resolves.
   Eigen::VectorXd tolerable_torque;
-  bool is_finite = false;  ///< false: the simulation diverged
 };
 
 /// Simulates from row `first` of the signals for `duration` [s], or to the end of the rows without
