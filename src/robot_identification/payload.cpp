@@ -17,6 +17,7 @@ namespace {
 
 constexpr Eigen::Index kChanges = 3;  ///< of a joint's friction: offset, Coulomb, viscous
 constexpr double kMassStd = 10.0;     ///< [kg] prior: weaker than any data
+constexpr double kLagStd = 0.1;       ///< [s] prior of the change of the torques' lag
 
 /// Torques that the unloaded arm does not explain, and how they depend on the unknowns.
 struct LoadRows {
@@ -31,7 +32,7 @@ class PayloadFit {
         fit_(unloaded),
         dynamics_(unloaded.robot(model)),
         dof_(loaded.position.cols()),
-        unknowns_(kLoad + kChanges * dof_),
+        unknowns_(kLoad + kChanges * dof_ + 1),
         sign_(loaded.position.rows(), dof_) {
     for (std::size_t j = 0; j < unloaded.joints.size(); ++j) {
       sign_.col(static_cast<Eigen::Index>(j)) = friction_sign(unloaded.joints[j].sign, loaded, j);
@@ -76,6 +77,7 @@ class PayloadFit {
       std.segment<kChanges>(kLoad + kChanges * j) =
           kChangeOfFriction * Eigen::Vector3d(coulomb, coulomb, viscous);
     }
+    std[unknowns_ - 1] = kLagStd;
     return std.cwiseAbs2().cwiseInverse().asDiagonal();
   }
 
@@ -96,8 +98,9 @@ class PayloadFit {
       rows.regressor.block<1, kChanges>(j, kLoad + kChanges * j) =
           Eigen::RowVector3d(1.0, sign, dq[j]);
     }
-    rows.torque = signals_.torque.row(row).transpose() +
-                  fit_.torque_lag * signals_.torque_rate.row(row).transpose() - tau;
+    const Eigen::VectorXd rate = signals_.torque_rate.row(row).transpose();
+    rows.torque = signals_.torque.row(row).transpose() + fit_.torque_lag * rate - tau;
+    rows.regressor.rightCols<1>() = -rate;  // of a further lag of this run's torques
   }
 
   [[nodiscard]] Payload payload_of(const Eigen::VectorXd& solution,

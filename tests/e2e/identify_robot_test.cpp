@@ -126,6 +126,22 @@ TEST(IdentifyRobot, FindsGainsByALoadOfKnownMass) {
   EXPECT_NEAR(found["payload"]["mass"].get<double>(), 3.0, 0.03 * 3.0);
 }
 
+TEST(IdentifyRobot, RejectsSwappedJointsOfTheLoadedArm) {
+  const TemporaryFolder folder;
+  const std::string unloaded = (folder.path() / "unloaded.csv").string();
+  ASSERT_TRUE(write_file(unloaded, format_joint_log(simulated_log(pa10(), {.duration = 12.0}))));
+  JointLog log = simulated_log(pa10(), {.duration = 12.0, .seed = 44});
+  log.torque.col(1).swap(log.torque.col(3));
+  const std::string loaded = write_log(folder, log);
+  const std::string report = (folder.path() / "report").string();
+  const CommandOutcome outcome = run_pcavr(
+      {"identify", "robot", loaded, "--unloaded", unloaded, "--robot", pa10_file(), "-o", report});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.standard_error.find(loaded), std::string::npos) << outcome.standard_error;
+  EXPECT_NE(outcome.standard_error.find("swapped"), std::string::npos) << outcome.standard_error;
+  EXPECT_FALSE(std::filesystem::exists(report));
+}
+
 TEST(IdentifyRobot, ComparesWithPaperAsTrialByMethodGrid) {
   const TemporaryFolder folder;
   const std::string log = write_log(folder, simulated_log(pa10(), {.duration = 12.0}));

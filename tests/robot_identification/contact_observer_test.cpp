@@ -198,6 +198,20 @@ TEST_F(IdentifiedArmTest, RecoversALoadWithin3Percent) {
   RecordProperty("mass", std::to_string(found.mass) + " +- " + std::to_string(found.mass_std));
 }
 
+TEST_F(IdentifiedArmTest, RecoversTheLoadOfARunWhoseTorquesAreLate) {
+  RigidInertia load;
+  load.mass = 2.0;
+  load.centre_of_mass = {0.06, -0.02, 0.10};
+  load.inertia_at_com = 0.004 * Eigen::Matrix3d::Identity();
+  RobotModel loaded = *model;
+  loaded.joints.back().body = loaded.joints.back().body + load;
+  const JointLog run =
+      simulated_log(loaded, {.duration = 20.0, .torque_delay = 0.02, .seed = 2302});
+  const Payload found = identify_payload(joint_signals(run, {}), *model, *fit);
+  EXPECT_NEAR(found.mass, load.mass, 0.01 * load.mass);
+  EXPECT_LT((found.centre_of_mass - load.centre_of_mass).norm(), 0.005);
+}
+
 /// A real log without contact, ready for the observer.
 struct RealLog {
   JointLog log;

@@ -28,7 +28,8 @@ struct Payload {
 /// The load on the last body from a loaded run, given the fit of an unloaded one: the torques that
 /// the unloaded arm does not explain are linear in the load's ten inertial parameters [Atkeson, An
 /// & Hollerbach 1986]. Friction may change by a tenth between the runs (another temperature):
-/// offset, Coulomb and viscous changes are fitted along, with that prior. `model`: of the unloaded
+/// offset, Coulomb and viscous changes are fitted along, with that prior, and so is a lag of the
+/// loaded torques after those of the unloaded run. `model`: of the unloaded
 /// fit, with the signals' joints. Deterministic; pure function.
 [[nodiscard]] Payload identify_payload(const JointSignals& loaded, const RobotModel& model,
                                        const RobotFit& unloaded);

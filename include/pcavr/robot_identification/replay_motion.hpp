@@ -26,8 +26,8 @@ struct MotionReplay {
   std::vector<double> t;      ///< [s] of the log
   Eigen::MatrixXd recorded;   ///< [rad] positions, row by row
   SimulatedMotion simulated;  ///< all joints together
-  SimulatedMotion alone;  ///< each joint by itself, while the others follow the record [figure 3]
-  Eigen::VectorXd after_1s;  ///< [rad] absolute error of all joints together 1 s after the start
+  SimulatedMotion alone;      ///< each joint alone, while the others follow the record [figure 3]
+  Eigen::VectorXd after_1s;   ///< [rad] absolute error of all joints together 1 s after the start
   /// [N m] by joint: the constant error of its torque alone that moves some joint by 3 degrees rms
   /// over the stretch, linearised about the recorded motion. What a replay of this length asks for;
   /// at least 1e-6, which no sensor resolves.
