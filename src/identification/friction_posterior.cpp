@@ -3,6 +3,7 @@
 #include "pcavr/identification/friction_posterior.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -10,6 +11,7 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
 
+#include "identification/expected_speeds.hpp"
 #include "identification/push_effects.hpp"
 
 namespace pcavr {
@@ -31,14 +33,19 @@ constexpr double kFlatPriorShare = 100.0;  // std of a flat prior, in units of t
 constexpr double kMaxMassFactor = 10.0;    // of the typical mass, for the effective variance
 constexpr double kSameSpeed = 1.25;        // pushes whose speeds are within this factor share a row
 constexpr double kMinRowSpeed = 1e-4;      // [m/s]
-constexpr double kGuessedFriction = 0.3;   // coefficient, for a first guess of the mass
+// Of samples half a window of the smoothing kernel (1 - u^2)^2 apart: of its second derivatives,
+// and of its first ones, which is that of its values with its second derivatives (by parts).
+constexpr double kAccelerationCorrelation = -0.4375;
+constexpr double kForceAccelerationCorrelation = -0.484;
+constexpr double kGuessedFriction = 0.3;  // coefficient, for a first guess of the mass
 
 /// Unknowns in closed form.
-enum Column { kCoulomb, kMass, kStribeck, kSize, kCompliance, kColumns };
+enum Column { kCoulomb, kMass, kStribeck, kSize, kCompliance, kDamping, kColumns };
 using Unknowns = Eigen::Matrix<double, kColumns, 1>;
 using Information = Eigen::Matrix<double, kColumns, kColumns>;
 using PushSums = detail::PushSums<kColumns>;
 using NormalEquations = detail::NormalEquations<kColumns>;
+using PlaceFilter = detail::PlaceFilter<kColumns>;
 
 /// The posterior at one grid point: Gaussian in the unknowns, with its log evidence.
 struct Conditional {
@@ -94,33 +101,12 @@ struct ViscousRange {
   double low = 0.0, high = 0.0;
 };
 
-/// The speeds that are to be expected, given the measured ones [regression calibration, Carroll et
-/// al. 2006]: about each push's mean, by the share of their variance that is not noise. A steady
-/// push's noise says nothing of viscous friction, and would draw it to zero.
-std::vector<FrictionSample> with_expected_speeds(std::span<const FrictionSample> measured) {
-  std::vector<FrictionSample> samples(measured.begin(), measured.end());
-  for (std::size_t begin = 0, end; begin < samples.size(); begin = end) {
-    double mean = 0.0, variance = 0.0, noise = 0.0;
-    for (end = begin; end < samples.size() && samples[end].push == samples[begin].push; ++end) {
-      mean += samples[end].speed;
-      noise += std::pow(samples[end].speed_std, 2);
-    }
-    mean /= static_cast<double>(end - begin);
-    for (std::size_t i = begin; i < end; ++i) variance += std::pow(samples[i].speed - mean, 2);
-    if (variance <= 0.0) continue;
-    const double share = std::max(0.0, 1.0 - noise / variance);
-    for (std::size_t i = begin; i < end; ++i) {
-      samples[i].speed = mean + share * (samples[i].speed - mean);
-      samples[i].speed_std *= std::sqrt(share);
-    }
-  }
-  return samples;
-}
-
 class Inference {
  public:
   Inference(std::span<const FrictionSample> samples, const FrictionPriors& priors)
-      : samples_(with_expected_speeds(samples)), priors_(priors), inflation_(samples.size(), 1.0) {
+      : samples_(detail::with_expected_speeds(samples)),
+        priors_(priors),
+        inflation_(samples.size(), 1.0) {
     std::vector<double> forces;
     for (const FrictionSample& sample : samples) {
       PCAVR_REQUIRE(sample.push + 1 >= pushes_, sample.push, pushes_);
@@ -154,11 +140,11 @@ class Inference {
 
  private:
   [[nodiscard]] Unknowns row_of(const FrictionSample& sample, double viscous) const {
-    const double inertial = sample.is_turning ? 0.0 : mass_guess_ * sample.acceleration_change;
     Unknowns row;
     row << 1.0, sample.is_turning ? 0.0 : sample.acceleration,
         level_ * std::exp(-sample.speed / priors_.stribeck_speed), level_ * sample.rotation_share,
-        inertial + viscous * sample.speed_change;
+        mass_guess_ * sample.acceleration_change + viscous * sample.speed_change,
+        mass_guess_ * sample.damping_acceleration_change + viscous * sample.damping_speed_change;
     return row;
   }
 
@@ -173,17 +159,35 @@ class Inference {
                              : 0.0;
   }
 
-  /// Noise of one sample, and friction's variation with the place: of all samples within one
-  /// correlation path, only one is independent.
-  [[nodiscard]] double variance_of(std::size_t i, double viscous, double within) const {
+  /// Of one sample's noise, which is independent between samples.
+  [[nodiscard]] double noise_variance_of(std::size_t i, double viscous) const {
     const FrictionSample& sample = samples_[i];
     const double noise = std::pow(sample.force_std, 2) + std::pow(viscous * sample.speed_std, 2) +
-                         std::pow(mass_guess_ * sample.acceleration_std, 2) +
-                         std::pow(mass_guess_ * sample.acceleration_lost, 2);
-    const double repeats =
-        std::clamp(priors_.correlation_path / std::max(sample.travel, 1e-9), 1.0, kMaxRepeats);
-    return inflation_[i] *
-           (noise + turning_variance(sample) + repeats * std::pow(within * level_, 2));
+                         std::pow(mass_guess_ * sample.acceleration_std, 2);
+    return inflation_[i] * (noise + turning_variance(sample));
+  }
+  /// And of friction's variation with the place.
+  [[nodiscard]] double variance_of(std::size_t i, double viscous, double within) const {
+    return noise_variance_of(i, viscous) + std::pow(within * level_, 2);
+  }
+
+  /// Of the acceleration with itself, and with the force.
+  [[nodiscard]] static std::array<detail::NoiseCovariance, 2> acceleration_noise_of(
+      const FrictionSample& sample) {
+    if (sample.is_turning) return {};
+    const double squares = sample.acceleration_std * sample.acceleration_std;
+    const double shared = sample.is_adjacent ? 1.0 : 0.0;
+    return {{{squares, shared * kAccelerationCorrelation * squares},
+             {sample.noise_covariance,
+              shared * kForceAccelerationCorrelation * sample.noise_covariance}}};
+  }
+
+  /// Correlation of the friction at this sample's place with that at the one's before. The
+  /// correlation path is twice the autoregression's length: both then have the same number of
+  /// independent places on a long path.
+  [[nodiscard]] double kept_from_last(std::size_t i) const {
+    if (i == 0 || samples_[i].push != samples_[i - 1].push) return 0.0;
+    return std::exp(-2.0 * samples_[i].travel / priors_.correlation_path);
   }
 
   [[nodiscard]] Information prior_information() const {
@@ -191,7 +195,7 @@ class Inference {
     const double mass_std =
         priors_.mass ? priors_.mass_share * *priors_.mass : kFlatPriorShare * mass_scale_;
     information << std::pow(kFlatPriorShare * level_, -2), std::pow(mass_std, -2),
-        std::pow(priors_.stribeck_share, -2), std::pow(priors_.support_size_share, -2), 1.0;
+        std::pow(priors_.stribeck_share, -2), std::pow(priors_.support_size_share, -2), 1.0, 1.0;
     return information.asDiagonal();
   }
   [[nodiscard]] Unknowns prior_mean() const {
@@ -205,7 +209,8 @@ class Inference {
   struct Totals {
     NormalEquations equations;
     std::vector<PushSums> pushes;
-    double attenuation = 0.0;  ///< of the accelerations' information by their noise
+    double attenuation = 0.0;    ///< squares of the accelerations' noise in the information
+    double noise_product = 0.0;  ///< products of that and the force's noise
   };
   [[nodiscard]] Totals totals_at(double viscous, double within) const {
     Totals totals;
@@ -215,21 +220,26 @@ class Inference {
     equations.weighted = prior * prior_mean();
     equations.misfit = prior_mean().dot(equations.weighted);
     totals.pushes.resize(pushes_);
+    PlaceFilter filter(within * level_);
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-      const double weight = 1.0 / variance_of(i, viscous, within);
-      const Unknowns row = row_of(samples_[i], viscous);
-      const double value = value_of(samples_[i], viscous);
-      equations.information += weight * row * row.transpose();
-      equations.weighted += weight * value * row;
-      equations.misfit += weight * value * value;
-      equations.log_determinant -= std::log(weight);
-      if (!samples_[i].is_turning) {
-        totals.attenuation += weight * std::pow(samples_[i].acceleration_std, 2);
-      }
-      PushSums& push = totals.pushes[samples_[i].push];
-      push.weight += weight;
-      push.row += weight * row;
-      push.value += weight * value;
+      const FrictionSample& sample = samples_[i];
+      if (i > 0 && sample.push != samples_[i - 1].push) filter = PlaceFilter(within * level_);
+      PlaceFilter::Columns columns;
+      columns << row_of(sample, viscous), value_of(sample, viscous), 1.0;
+      const auto whitened = filter.step(columns, noise_variance_of(i, viscous), kept_from_last(i),
+                                        acceleration_noise_of(sample));
+      const Unknowns row = whitened.columns.head<kColumns>();
+      const double value = whitened.columns[kColumns], one = whitened.columns[kColumns + 1];
+      equations.information += row * row.transpose();
+      equations.weighted += value * row;
+      equations.misfit += value * value;
+      equations.log_determinant += std::log(whitened.variance);
+      totals.attenuation += whitened.noise[0];
+      totals.noise_product += whitened.noise[1];
+      PushSums& push = totals.pushes[sample.push];
+      push.weight += one * one;
+      push.row += one * row;
+      push.value += one * value;
     }
     return totals;
   }
@@ -238,22 +248,35 @@ class Inference {
                                       double within, double drift) const {
     NormalEquations equations = totals.equations;
     detail::marginalise_pushes(totals.pushes, scatter_of(between, drift), equations);
-    // The noise of the accelerations adds to their squares, not to their products with the force.
-    // At most half of what the others leave of it, so that a noise that is misjudged does no harm.
-    Information& information = equations.information;
-    const Information inverse = information.llt().solve(Information::Identity());
-    const double excess = 1.0 / inverse(kMass, kMass) - prior_information()(kMass, kMass);
-    information(kMass, kMass) -= std::clamp(totals.attenuation, 0.0, std::max(0.5 * excess, 0.0));
-    const Eigen::LLT<Information> factor(information);
-    Conditional result{viscous, between, within, factor.solve(equations.weighted),
-                       factor.solve(Information::Identity())};
-    const Information lower = factor.matrixL();
+    const Eigen::LLT<Information> measured(equations.information);
+    const Information inverse = measured.solve(Information::Identity());
+    const Information lower = measured.matrixL();
     const double log_information = 2.0 * lower.diagonal().array().log().sum();
     const double prior_misfit =
         std::pow(scatter_in_stds(between), 2) + std::pow(scatter_in_stds(within), 2);
-    result.log_weight = -0.5 * (equations.misfit - equations.weighted.dot(result.mean) +
-                                equations.log_determinant + log_information + prior_misfit);
-    return result;
+    const double explained = equations.weighted.dot(inverse * equations.weighted);
+    const double log_weight = -0.5 * (equations.misfit - explained + equations.log_determinant +
+                                      log_information + prior_misfit);
+    remove_noise(totals, 1.0 / inverse(kMass, kMass), equations);
+    const Eigen::LLT<Information> factor(equations.information);
+    return {viscous,
+            between,
+            within,
+            factor.solve(equations.weighted),
+            factor.solve(Information::Identity()),
+            log_weight};
+  }
+
+  /// The noise of the accelerations adds to their squares, and where the force has a share in it,
+  /// to their products with the force. At most half of what the others leave of the squares,
+  /// `excess`, so that a noise that is misjudged does no harm. Not in the evidence: there it would
+  /// count as force that the mass explains, the more the smaller the scatter.
+  void remove_noise(const Totals& totals, double excess, NormalEquations& equations) const {
+    if (!(totals.attenuation > 0.0)) return;
+    const double max_removed = 0.5 * (excess - prior_information()(kMass, kMass));
+    const double removed = std::min(totals.attenuation, std::max(max_removed, 0.0));
+    equations.information(kMass, kMass) -= removed;
+    equations.weighted[kMass] -= removed / totals.attenuation * totals.noise_product;
   }
 
   /// A part of each push's own, and a share `drift` of the variance that goes from push to push:
@@ -311,8 +334,6 @@ class Inference {
       inflation_[i] = std::max(1.0, distance / kMaxResidual);
     }
   }
-
-  static constexpr double kMaxRepeats = 50.0;
 
   std::vector<FrictionSample> samples_;
   FrictionPriors priors_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -39,6 +40,61 @@ struct NormalEquations {
     weighted -= sums.value / by * sums.row;
     misfit -= sums.value * sums.value / by;
   }
+};
+
+/// Covariances of the noises of two columns of a sample, with those of the sample before.
+struct NoiseCovariance {
+  double own = 0.0;   ///< of this sample's two noises
+  double next = 0.0;  ///< of one with the other's of the sample before
+};
+
+/// Whitens the samples of one push, in order of time: of each column (of the rows, the value, and
+/// the effect that all share), the part that the samples before do not predict, over its std.
+/// Friction varies with the place as a first order autoregression along the path (an
+/// Ornstein-Uhlenbeck process), beside white noise [Kalman 1960].
+template <int N>
+class PlaceFilter {
+ public:
+  using Columns = Eigen::Matrix<double, N + 2, 1>;  ///< row, value, 1
+
+  /// `std` of the friction that varies with the place.
+  explicit PlaceFilter(double std) : stationary_(std * std), variance_(stationary_) {}
+
+  struct Whitened {
+    Columns columns = Columns::Zero();
+    double variance = 1.0;  ///< of the part that is not predicted
+    /// What noise of the columns themselves adds to the products that are asked for, on average.
+    std::array<double, 2> noise{};
+  };
+  /// `kept`: correlation of the place's friction with that at the sample before. `noise`: of pairs
+  /// of columns.
+  [[nodiscard]] Whitened step(const Columns& columns, double variance, double kept,
+                              const std::array<NoiseCovariance, 2>& noise) {
+    const double after = kept * gain_;  // share of the last sample in the prediction of this one
+    predicted_ = kept * predicted_;
+    variance_ = kept * kept * variance_ + (1.0 - kept * kept) * stationary_;
+    const double total = variance_ + variance;
+    Whitened result{(columns - predicted_) / std::sqrt(total), total, {}};
+    const double gain = variance_ / total;
+    for (std::size_t k = 0; k < noise.size(); ++k) {
+      const double cross = after * noise[k].next;
+      const double predicted = kept * kept * predicted_noise_[k];
+      result.noise[k] = (noise[k].own - 2.0 * cross + predicted) / total;
+      predicted_noise_[k] = std::pow(1.0 - gain, 2) * predicted + gain * gain * noise[k].own +
+                            2.0 * gain * (1.0 - gain) * cross;
+    }
+    predicted_ += gain * (columns - predicted_);
+    variance_ *= 1.0 - gain;
+    gain_ = gain;
+    return result;
+  }
+
+ private:
+  double stationary_;
+  double variance_;                          ///< of the place's friction, given the samples so far
+  double gain_ = 0.0;                        ///< of the last sample
+  Columns predicted_ = Columns::Zero();      ///< of the last sample, by it and those before
+  std::array<double, 2> predicted_noise_{};  ///< products of the noises in it
 };
 
 /// Scatter that all samples of a push share.

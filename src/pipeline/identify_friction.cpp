@@ -31,6 +31,10 @@ constexpr double kMaxHalfWidth = 0.030;  // [s] half width; the peak is wider th
 /// 1 to 2.
 constexpr double kLoadingLineStd = 0.3;
 
+/// [s/m] of damping over stiffness, where it is not known: a restitution of a half at 0.1 m/s is
+/// one of 5 [Hunt & Crossley 1975].
+constexpr double kUnknownDampingStd = 5.0;
+
 /// Relative std of the compliance d / (n F) of a contact under `force`, by d = (F / k)^(1/n):
 /// beyond the forces of the presses, d follows from the exponent.
 double compliance_std(const ObjectIdentification& object, double pressed, double force) {
@@ -44,6 +48,16 @@ double compliance_std(const ObjectIdentification& object, double pressed, double
       found_std > 0.0 ? found_std : stiffness_std / (n * known.contact_stiffness->value);
   const double beyond = pressed > 0.0 ? std::max(0.0, std::log(force / pressed)) : 0.0;
   return std::hypot(penetration_std, exponent.std.value_or(0.0) / n * (1.0 + beyond / n));
+}
+
+/// [s/m] Std of the contact's damping over its stiffness.
+double damping_std(const ObjectIdentification& object) {
+  const ContactFit& fit = object.presses.best();
+  const bool is_by_presses = fit.is_valid && fit.covariance(1, 1) > 0.0;
+  if (!is_by_presses || !fit.damping.is_excited) return kUnknownDampingStd;
+  const double k = fit.stiffness.value;
+  const Eigen::Vector3d by(-fit.damping.value / (k * k), 1.0 / k, 0.0);
+  return std::sqrt(std::max(by.dot(fit.covariance * by), 0.0));
 }
 
 double largest_force(const std::vector<IdentifiedContact*>& contacts) {
@@ -296,8 +310,8 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
     result.sliding = identify_sliding(slides, *contact_law, sliding);
   }
   const double pressed = largest_force(contacts_of(contacts, object, true));
-  const ContactCompliance compliance{contact_law,
-                                     compliance_std(result, pressed, largest_force(all))};
+  const ContactCompliance compliance{
+      contact_law, compliance_std(result, pressed, largest_force(all)), damping_std(result)};
   FrictionPriors priors = options.friction_priors;
   priors.gravity = options.sliding.gravity;
   KnownSupport support;

@@ -31,6 +31,7 @@ constexpr double kMinPastSpeed = 0.3;
 // The tracked motion is smoothed over a time in which the object moves so far, within limits.
 constexpr double kTrackedTravel = 0.004;                                  // [m]
 constexpr double kMinTrackedSmoothing = 0.1, kMaxTrackedSmoothing = 1.0;  // [s] half width
+constexpr double kDampingDifference = 0.5;  // of the half width: the step of a third derivative
 constexpr double kMaxRotationShare = 0.6;   // beyond, friction is mostly that of turning
 constexpr double kMaxStraightShare = 0.01;  // beyond, the object turns
 constexpr double kFaceAgreement = 0.9;      // cosine between the force and the face that it pushes
@@ -81,21 +82,46 @@ class TrackedMotion {
 struct SmoothSlide {
   double half_width = 0.0, interval = 0.0;
   double speed_std = 0.0, acceleration_std = 0.0, force_std = 0.0;
-  double compliance_std = 0.0;  ///< relative
+  double narrow_speed_std = 0.0;  ///< of `narrow`
+  double compliance_std = 0.0;    ///< relative
+  double noise_covariance = 0.0;  ///< [N m/s^2] of force and acceleration
   std::vector<SmoothedSample> object, tool, compression, force;
-  std::vector<SmoothedSample> wide;  ///< the object, over twice the width
+  std::vector<SmoothedSample> narrow;  ///< the object, over half the width
+  /// What one std of the contact's damping changes in the object's motion.
+  std::vector<double> damping_speed, damping_acceleration;
   std::array<std::vector<SmoothedSample>, 2> force_base;
 };
 
-/// [m] of the compression, by that of the force: the contact's damping hides it from differences of
-/// successive samples.
-double compression_noise(const std::vector<double>& depth, const std::vector<double>& force,
-                         double exponent) {
+/// [m/N] Compliance of the contact, typical of a push.
+double compliance_of(const std::vector<double>& depth, const std::vector<double>& force,
+                     double exponent) {
   std::vector<double> compliances;
   for (std::size_t i = 0; i < force.size(); ++i) {
     if (force[i] > 0.0 && depth[i] > 0.0) compliances.push_back(depth[i] / (exponent * force[i]));
   }
-  return compliances.empty() ? 0.0 : median(std::move(compliances)) * estimate_noise_std(force);
+  return compliances.empty() ? 0.0 : median(std::move(compliances));
+}
+
+/// A damping c of F = k d^n (1 + c d') that was left out makes the depth too large by c d d' / n =
+/// c (d^2)' / 2n, and the object's motion by its derivatives. Of `std` [s/m] of c.
+void add_damping_change(const ContactEpisode& episode, const std::vector<double>& depth,
+                        double exponent, double std, SmoothSlide& push) {
+  const std::size_t count = depth.size();
+  push.damping_speed.assign(count, 0.0);
+  push.damping_acceleration.assign(count, 0.0);
+  std::vector<double> squares;
+  for (const double one : depth) squares.push_back(one * one);
+  const std::vector<SmoothedSample> smoothed =
+      smooth(episode.t, squares, episode.t, push.half_width);
+  const double factor = 0.5 * std / exponent;
+  const auto steps = std::max<std::size_t>(
+      1, static_cast<std::size_t>(kDampingDifference * push.half_width / push.interval));
+  for (std::size_t i = 0; i < count; ++i) push.damping_speed[i] = factor * smoothed[i].acceleration;
+  for (std::size_t i = steps; i + steps < count; ++i) {
+    if (!smoothed[i - steps].is_valid || !smoothed[i + steps].is_valid) continue;
+    push.damping_acceleration[i] = (push.damping_speed[i + steps] - push.damping_speed[i - steps]) /
+                                   (episode.t[i + steps] - episode.t[i - steps]);
+  }
 }
 
 SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactCompliance& compliance,
@@ -118,34 +144,32 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
   const double spacing = std::max(push.interval, tool_interval);
   const double tip = episode.tip_noise.value_or(estimate_noise_std(episode.tool));
   const double exponent = contact_law ? contact_law->exponent : 1.0;
-  const double noise = std::max(std::hypot(tip, compression_noise(depth, force, exponent)),
-                                estimate_noise_std(object));
+  // The contact's damping hides the compression's noise from differences of successive samples.
+  const double force_noise = estimate_noise_std(force);
+  const double soft = compliance_of(depth, force, exponent);
+  const double noise = std::max(std::hypot(tip, soft * force_noise), estimate_noise_std(object));
   const double cube = std::pow(push.half_width, 3);
   push.speed_std = noise * std::sqrt(15.0 / 7.0 * spacing / cube);
+  push.narrow_speed_std = push.speed_std * std::sqrt(8.0);  // the cube of half the width
   push.acceleration_std =
       noise * std::sqrt(22.5 * spacing / (cube * push.half_width * push.half_width));
   push.compliance_std = compliance.std;
-  push.force_std =
-      estimate_noise_std(force) / std::sqrt(correlated_samples(push.half_width, push.interval));
+  push.force_std = force_noise / std::sqrt(correlated_samples(push.half_width, push.interval));
+  push.noise_covariance = soft * force_noise * force_noise * 15.0 / 7.0 * push.interval / cube;
   const auto smoothed = [&](const std::vector<double>& values) {
     return smooth(episode.t, values, episode.t, push.half_width);
   };
   push.object = smoothed(object);
-  push.wide = smooth(episode.t, object, episode.t, 2.0 * push.half_width);
+  push.narrow = smooth(episode.t, object, episode.t, 0.5 * push.half_width);
   push.tool = smoothed(episode.tool);
   push.compression = smoothed(depth);
   push.force = smoothed(force);
+  add_damping_change(episode, depth, exponent, compliance.damping_std, push);
   for (int axis = 0; axis < 2; ++axis) {
     push.force_base[static_cast<std::size_t>(axis)] =
         smoothed(remove_spikes(axis_of(contact.force_base, axis)).values);
   }
   return push;
-}
-
-/// [m/s^2] What smoothing takes from an acceleration grows with the square of its width
-/// [Richardson's extrapolation]: much of it while a contact swings.
-double lost_by_smoothing(const SmoothedSample& narrow, const SmoothedSample& wide) {
-  return wide.is_valid ? (narrow.acceleration - wide.acceleration) / 3.0 : 0.0;
 }
 
 class Slides {
@@ -177,6 +201,9 @@ class Slides {
       std::optional<FrictionSample> sample = sample_at(contact, push, i);
       if (!sample) continue;
       sample->push = number;
+      // Within one sample of the force.
+      sample->is_adjacent = !samples.empty() && samples.back().push == number &&
+                            t < samples.back().t + push.half_width + 1.5 * push.interval;
       next = t + push.half_width;
       samples.push_back(*sample);
     }
@@ -206,11 +233,29 @@ class Slides {
   /// It neither rested nor nearly did since friction's settling time, nor within the smoothing.
   static bool has_settled(const SmoothSlide& push, const ContactEpisode& episode, std::size_t i) {
     const double from = episode.t[i] - kSlideSettle - push.half_width;
-    for (std::size_t k = i; k-- > 0 && episode.t[k] >= from;) {
-      if (!push.object[k].is_valid || push.object[k].rate < kMinPastSpeed * push.object[i].rate)
-        return false;
+    std::size_t k = i;
+    for (; k > 0 && episode.t[k - 1] >= from; --k) {
+      const SmoothedSample& before = push.object[k - 1];
+      if (!before.is_valid || before.rate < kMinPastSpeed * push.object[i].rate) return false;
     }
-    return true;
+    return !sticks_and_slips(push, episode, k, episode.t[i] + push.half_width);
+  }
+
+  /// Whether the speed from the sample `begin` until `to` swings so much that the object nearly
+  /// stops, faster than the smoothing shows.
+  static bool sticks_and_slips(const SmoothSlide& push, const ContactEpisode& episode,
+                               std::size_t begin, double to) {
+    double count = 0.0, sum = 0.0, squares = 0.0;
+    for (std::size_t k = begin; k < push.narrow.size() && episode.t[k] <= to; ++k) {
+      if (!push.narrow[k].is_valid) continue;
+      count += 1.0, sum += push.narrow[k].rate, squares += std::pow(push.narrow[k].rate, 2);
+    }
+    if (count == 0.0) return false;
+    const double mean = sum / count;
+    const double variance = squares / count - mean * mean;
+    const double noise = std::pow(push.narrow_speed_std, 2);
+    const double amplitude = std::sqrt(2.0 * std::max(0.0, variance - noise));
+    return variance > 2.0 * noise && amplitude > (1.0 - kMinPastSpeed) * mean;
   }
 
   /// The touched face's normal; at a corner, where the face does not give it, the force's
@@ -236,7 +281,9 @@ class Slides {
     sample.force_std = push.force_std;
     sample.speed_std = push.speed_std;
     sample.acceleration_std = push.acceleration_std;
-    sample.acceleration_lost = lost_by_smoothing(push.object[i], push.wide[i]);
+    sample.noise_covariance = push.noise_covariance;
+    sample.damping_speed_change = push.damping_speed[i];
+    sample.damping_acceleration_change = push.damping_acceleration[i];
     sample.speed_change = push.compliance_std * push.compression[i].rate;
     sample.acceleration_change = push.compliance_std * push.compression[i].acceleration;
     sample.travel = speed * push.half_width;
@@ -279,7 +326,10 @@ class Slides {
     sample.is_turning = sample.rotation_share > kMaxStraightShare * scale_ * scale_;
     sample.force = power / mean;
     sample.speed = squares / mean;
-    sample.acceleration *= centre.norm() / mean;
+    for (double* one :
+         {&sample.acceleration, &sample.acceleration_change, &sample.damping_acceleration_change}) {
+      *one *= centre.norm() / mean;
+    }
     sample.force_std *= gain;
     sample.travel = mean * push.half_width;
     return sample;

@@ -16,6 +16,7 @@ namespace pcavr {
 struct ContactCompliance {
   std::optional<HuntCrossley> law = {};  ///< without one, that of each push's own loading
   double std = 0.0;                      ///< relative, under the force of sliding
+  double damping_std = 0.0;              ///< [s/m] of damping over stiffness
 };
 
 /// What is known of an object's support, beside its CAD model.

@@ -79,6 +79,70 @@ void expect_coverage(const Scores& scores, const char* name) {
   EXPECT_LT(scores.worst(), 5.0) << name;
 }
 
+TEST(FrictionPosterior, IsNeitherTooSureNorTooUnsureOfAProbe) {
+  // Slow pushes, two fast ones and a modulated one, of friction that scatters but does not drift.
+  Random random(81);
+  Scores mass, coulomb, viscous;
+  for (int i = 0; i < 100; ++i) {
+    Body body = random_body(random);
+    body.stribeck = 0.0;
+    std::vector<FrictionSample> samples =
+        pushes_of(body, {0.01, 0.01, 0.01, 0.01, 0.01, 0.01, 0.03, 0.06}, 0.0, random);
+    for (FrictionSample sample : pushes_of(body, {0.06}, 0.003, random)) {
+      sample.push = 8;
+      samples.push_back(sample);
+    }
+    const FrictionPosterior found = infer_friction(samples);
+    mass.add(found.mass, body.mass);
+    coulomb.add(found.coulomb, body.coulomb);
+    viscous.add(found.viscous, body.viscous);
+  }
+  expect_coverage(mass, "mass");
+  expect_coverage(coulomb, "coulomb");
+  EXPECT_GE(viscous.share_within(2.0), 0.85);
+  EXPECT_LE(mass.share_within(1.0), 0.78);
+  EXPECT_LE(coulomb.share_within(1.0), 0.97);
+  EXPECT_LE(viscous.share_within(1.0), 0.80);
+}
+
+TEST(FrictionPosterior, IsLessSureOfTheViscousFrictionWhereTheContactsDampingIsNotKnown) {
+  // Damping delays the compression: what the object's acceleration lags looks like viscous
+  // friction.
+  Random random(82);
+  const Body body;
+  std::vector<FrictionSample> samples = pushes_of(body, {0.06, 0.06}, 0.003, random);
+  const FrictionPosterior sure = infer_friction(samples);
+  constexpr double kRate = 4.0 * 3.14159265358979, kDelay = 0.01;  // [1/s], [s]
+  for (FrictionSample& sample : samples) {
+    sample.damping_speed_change = -kDelay * sample.acceleration;
+    sample.damping_acceleration_change = kDelay * kRate * kRate * (sample.speed - 0.06);
+  }
+  const FrictionPosterior unsure = infer_friction(samples);
+  const double change = body.mass * kDelay * kRate * kRate;
+  EXPECT_NEAR(unsure.viscous.std, std::hypot(sure.viscous.std, change), 0.3 * change);
+}
+
+TEST(FrictionPosterior, IsNotMisledByNoiseThatForceAndAccelerationShare) {
+  Random random(83);
+  double bias = 0.0, naive = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    const Body body{.scatter = 0.003};
+    std::vector<FrictionSample> samples = pushes_of(body, {0.06, 0.06, 0.06}, 0.002, random);
+    for (FrictionSample& sample : samples) {
+      const double shared = random.normal();  // [N] times 0.1, and its share of the acceleration
+      sample.force += 0.1 * shared;
+      sample.acceleration += 0.08 * shared;
+      sample.force_std = std::hypot(sample.force_std, 0.1);
+      sample.acceleration_std = std::hypot(sample.acceleration_std, 0.08);
+      sample.noise_covariance = 0.1 * 0.08;
+    }
+    bias += infer_friction(samples).mass.value - body.mass;
+    for (FrictionSample& sample : samples) sample.noise_covariance = 0.0;
+    naive += infer_friction(samples).mass.value - body.mass;
+  }
+  EXPECT_LT(std::abs(bias), 0.4 * std::abs(naive));
+}
+
 TEST(FrictionPosterior, CoversTheTruthOfRandomBodies) {
   Random random(71);
   Scores coulomb, viscous, force;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "pcavr/core/random.hpp"
@@ -82,6 +83,43 @@ TEST(PushEffects, AreMarginalisedAsByTheCovarianceOfAllSamples) {
       EXPECT_NEAR(found.log_determinant, expected.log_determinant, 1e-9) << count;
     }
   }
+}
+
+TEST(PlaceFilter, WhitensAsTheCovarianceOfAllSamplesDoes) {
+  constexpr int kCount = 12;
+  constexpr double kPlaceStd = 0.5;
+  Random random(8);
+  Eigen::MatrixXd columns(kCount, 4), covariance = Eigen::MatrixXd::Zero(kCount, kCount);
+  Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(kCount, kCount);
+  std::vector<double> places, variances;
+  for (int i = 0; i < kCount; ++i) {
+    columns.row(i) << random.normal(), random.normal(), random.normal(), 1.0;
+    places.push_back((i == 0 ? 0.0 : places.back()) + random.uniform(0.1, 1.0));
+    variances.push_back(random.uniform(0.01, 0.5));
+  }
+  constexpr double kOwn = 0.3, kNext = -0.12;  // of a column's noise
+  PlaceFilter<2> filter(kPlaceStd);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(4, 4);
+  double log_determinant = 0.0, noise_product = 0.0;
+  for (int i = 0; i < kCount; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    for (int j = 0; j < kCount; ++j) {
+      const double apart = std::abs(places[k] - places[static_cast<std::size_t>(j)]);
+      covariance(i, j) = kPlaceStd * kPlaceStd * std::exp(-apart) + (i == j ? variances[k] : 0.0);
+      noise(i, j) = i == j ? kOwn : std::abs(i - j) == 1 ? kNext : 0.0;
+    }
+    const double kept = i == 0 ? 0.0 : std::exp(places[k - 1] - places[k]);
+    const NoiseCovariance column_noise{kOwn, i == 0 ? 0.0 : kNext};
+    const auto whitened =
+        filter.step(columns.row(i).transpose(), variances[k], kept, {column_noise, {}});
+    products += whitened.columns * whitened.columns.transpose();
+    log_determinant += std::log(whitened.variance);
+    noise_product += whitened.noise[0];
+  }
+  const Eigen::MatrixXd inverse = covariance.inverse();
+  EXPECT_LT((products - columns.transpose() * inverse * columns).norm(), 1e-9 * products.norm());
+  EXPECT_NEAR(log_determinant, std::log(covariance.determinant()), 1e-9);
+  EXPECT_NEAR(noise_product, (inverse * noise).trace(), 1e-9);
 }
 
 }  // namespace

@@ -32,10 +32,17 @@ struct FrictionSample {
   double force_std = 0.0;     ///< [N] noise; independent between samples
   double speed_std = 0.0;
   double acceleration_std = 0.0;
-  double acceleration_lost = 0.0;  ///< [m/s^2] by smoothing: about its size; no noise
+  /// [N m/s^2] of the noises of force and acceleration: the force's own shows in both, where the
+  /// object's motion follows from the tip's by the contact's compression.
+  double noise_covariance = 0.0;
+  /// The sample before is of the same push, half a smoothing window earlier: their noises
+  /// correlate.
+  bool is_adjacent = false;
   /// What the true speed [m/s] and acceleration [m/s^2] of the object exceed these by where the
   /// contact is stiffer by one std of its compliance: one cause for all samples.
   double speed_change = 0.0, acceleration_change = 0.0;
+  /// And where the contact is more damped by one std of its damping.
+  double damping_speed_change = 0.0, damping_acceleration_change = 0.0;
   /// Share of the mean speed that is due to rotation: 1 - |v_centre| / mean|v_p|. It grows with the
   /// support's size, which is known only as well as the pressure's distribution.
   double rotation_share = 0.0;
