@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "pcavr/contact/hunt_crossley.hpp"
+#include "pcavr/identification/jackknife.hpp"
 
 #include "inputs/clock_offsets.hpp"
 
@@ -34,22 +35,31 @@ struct StationaryContact {
   std::vector<double> force;         ///< [N] as measured
 };
 
+/// When the force of a push begins to fall for good: the object is at rest from then on. A held
+/// push's largest force may be well before that, while it still slid.
+double release_begin(const ContactEpisode& episode, const std::vector<SmoothedSample>& f) {
+  constexpr double kContactShare = 0.3;  // of the peak: less is the tip leaving
+  constexpr double kReleaseShare = 0.9;  // of the last force: less is its release
+  const auto is_used = [&](std::size_t i) { return f[i].is_valid && episode.t[i] <= episode.end; };
+  double last_force = 0.0, peak = episode.begin;
+  for (std::size_t i = f.size(); i-- > 0;) {
+    if (!is_used(i)) continue;
+    if (f[i].value > last_force) last_force = f[i].value, peak = episode.t[i];
+    if (last_force <= kContactShare * episode.peak_force) continue;
+    if (f[i].value < kReleaseShare * last_force || peak - episode.t[i] > kBeforeRelease) break;
+  }
+  for (std::size_t i = f.size(); i-- > 0;) {
+    if (is_used(i) && f[i].value >= kReleaseShare * last_force) return episode.t[i];
+  }
+  return episode.begin;
+}
+
 StationaryContact stationary_samples(const ContactEpisode& episode) {
   StationaryContact result{episode.direction_base, {}, {}, {}};
   const std::vector<SmoothedSample> f = smooth(episode.t, episode.force, episode.t, kHalfWidth);
-  // The release of a push begins at its last force peak; before, the object may have moved.
-  double from = episode.begin;
+  const bool is_press = episode.kind == ContactKind::press;
+  const double from = is_press ? episode.begin : release_begin(episode, f) - kBeforeRelease;
   const double min_force = 0.1 * episode.peak_force;
-  if (episode.kind != ContactKind::press) {
-    double last_peak = 0.0;
-    for (std::size_t i = f.size(); i-- > 0;) {
-      if (!f[i].is_valid || episode.t[i] > episode.end) continue;
-      if (f[i].value > last_peak) last_peak = f[i].value, from = episode.t[i];
-      if (last_peak > 0.3 * episode.peak_force && f[i].value < 0.9 * last_peak) break;
-      if (last_peak > 0.3 * episode.peak_force && from - episode.t[i] > kBeforeRelease) break;
-    }
-    from -= kBeforeRelease;
-  }
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < f.size(); ++i) {
     if (f[i].is_valid && episode.t[i] >= from && f[i].value > min_force) chosen.push_back(i);
@@ -181,6 +191,24 @@ void refine_by_measured(const std::vector<StationaryContact>& contacts, const Pa
   }
 }
 
+/// Std of the offset by leaving out contacts: what moves in each of them is no noise of the
+/// sensors.
+double std_between(const std::vector<StationaryContact>& contacts, const PathView& tip,
+                   double exponent, Signals signals, double offset) {
+  const std::size_t groups = jackknife_groups(contacts.size());
+  std::vector<double> without;
+  for (std::size_t group = 0; group < groups; ++group) {
+    std::vector<StationaryContact> kept;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+      if (jackknife_group(i, contacts.size()) != group) kept.push_back(contacts[i]);
+    }
+    double refined = offset;
+    if (refine(kept, tip, exponent, signals, refined)) without.push_back(refined);
+  }
+  const bool is_known = without.size() > 1;
+  return is_known ? jackknife_std(without) : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
@@ -202,8 +230,10 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
   for (const double n : kExponents) {
     for (double offset = -kRange; offset < kRange + 0.5 * kGridStep; offset += kGridStep) {
       const ResidualSums at = residual_sums(contacts, tip, offset, n, Signals::smoothed);
-      if (!(at.count > 0.0) || at.squares >= min_squares) continue;
-      min_squares = at.squares;
+      // Next to its short release a push is held: there any force explains a tip at rest.
+      const double squares = has_presses ? at.squares : at.squares / at.motion_squares;
+      if (!(at.count > 0.0) || !(squares < min_squares)) continue;
+      min_squares = squares;
       result.offset = offset;
       exponent = n;
       is_at_end = std::abs(offset) > kRange - 0.5 * kGridStep;
@@ -223,6 +253,9 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
   const double correlated = has_presses ? kCorrelatedByInterpolation
                                         : correlated_samples(kHalfWidth, mean_interval(t_force));
   result.std = std::sqrt(at.squares / at.count * correlated / at.rate_squares);
+  if (!has_presses) {
+    result.std = std::max(result.std, std_between(contacts, tip, exponent, signals, result.offset));
+  }
   const ResidualSums trend =
       residual_sums(contacts, tip, result.offset, exponent, Signals::smoothed);
   result.correlation = std::sqrt(std::max(0.0, 1.0 - trend.squares / trend.motion_squares));

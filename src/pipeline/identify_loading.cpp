@@ -11,6 +11,7 @@
 
 #include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/core/median.hpp"
+#include "pcavr/prediction/body_physics.hpp"
 
 #include "identify_parts.hpp"
 
@@ -74,6 +75,9 @@ void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::si
   }
   if (forces.size() < kMinPushes) return;
   const double penetration = median(std::move(penetrations));
+  // The object moves under the load, too: the displacement is the contact's at most. One above what
+  // the prediction assumes anyway, as of fast pushes, says nothing of the contact.
+  if (penetration > PhysicsDefaults().penetration) return;
   parameters.contact_stiffness =
       ParameterValue{median(std::move(forces)) / penetration_power(penetration, kExponent), {}};
   parameters.contact_exponent = ParameterValue{kExponent, {}};

@@ -47,8 +47,12 @@ double position_at(std::span<const double> t, std::span<const MotionSample> moti
 
 }  // namespace
 
-CommandPath::CommandPath(const TipPath& tip, double start, double step)
-    : tip_(tip), start_(start), step_(step) {}
+CommandPath::CommandPath(const TipPath& tip, double height_base, double start, double step)
+    : tip_(tip),
+      height_base_(height_base),
+      unseen_(find_unseen_moves(tip)),
+      start_(start),
+      step_(step) {}
 
 Eigen::Vector3d CommandPath::at(std::size_t cycle) {
   if (cycle / kBlock != block_) compute_block(cycle / kBlock);
@@ -80,6 +84,19 @@ void CommandPath::compute_block(std::size_t block) {
       acceleration_[k][axis] = (position_at(t, motion, time + kReach) - 2.0 * here +
                                 position_at(t, motion, time - kReach)) /
                                (kReach * kReach);
+    }
+  }
+  go_over_objects(first);
+}
+
+void CommandPath::go_over_objects(double first) {
+  for (const UnseenMove& move : unseen_) {
+    const double from = std::max((move.begin - first) / step_, 0.0);
+    const double to = std::min((move.end - first) / step_, static_cast<double>(kBlock));
+    for (double k = std::ceil(from); k < to; ++k) {
+      const auto cycle = static_cast<std::size_t>(k);
+      path_[cycle] = p_base_over_objects(move, height_base_, first + step_ * k);
+      acceleration_[cycle].setZero();
     }
   }
 }

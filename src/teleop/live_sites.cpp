@@ -314,7 +314,7 @@ Expected<RecordedCommand> RecordedCommand::create(const TeleopInput& input,
   impl->start = impl->tip.t.front();
   impl->cycles = static_cast<std::size_t>(
       std::floor((impl->tip.t.back() - impl->start) / options.predictor.step + 1e-5));
-  impl->path.emplace(impl->tip, impl->start, options.predictor.step);
+  impl->path.emplace(impl->tip, height_over_objects(input), impl->start, options.predictor.step);
   return RecordedCommand(std::move(impl));
 }
 

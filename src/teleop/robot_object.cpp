@@ -216,6 +216,14 @@ TrackedPose RobotObject::averaged_at_rest(const TrackedPose& seen) {
   return mean;
 }
 
+void RobotObject::end_average() {
+  if (averaged_frames_ <= 1) return;
+  // A slide is noticed after it has begun: of the averaged frames only the newest shows where to.
+  averaged_frames_ = 1;
+  latest_ = seen_.back();
+  T_base_object_ = latest_.T_base_object;
+}
+
 void RobotObject::measure_motion() {
   motion_.reset();
   if (!is_pushed() || !slides(monitor.phase())) return;
@@ -268,8 +276,9 @@ PoseEstimate RobotObject::estimate_pose(const TouchSample& sample, const PlanarP
 }
 
 PoseEstimate RobotObject::estimate_from_frame(const TouchSample& sample) {
-  PoseEstimate estimate{latest_.T_base_object, latest_.position_std / std::sqrt(3.0), true};
   const bool is_moving = monitor.phase() == MotionPhase::sliding;
+  if (is_moving) end_average();
+  PoseEstimate estimate{latest_.T_base_object, latest_.position_std / std::sqrt(3.0), true};
   const double displacement = displacement_since_frame(sample.t);
   if (is_pushed() && (is_moving || std::abs(displacement) > options_.min_displacement)) {
     estimate.T_base_object = moved_on(estimate.T_base_object, displacement);

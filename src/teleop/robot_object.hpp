@@ -149,6 +149,7 @@ class RobotObject {
   [[nodiscard]] double displacement_since_frame(double t) const;
   /// The mean of the newest frames while the object rests: their noise is no motion.
   [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
+  void end_average();
   void compare_with_before_contact();
   void record_contact(const TrackedPose& seen);
   void remember(const TrackedPose& seen);

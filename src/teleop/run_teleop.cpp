@@ -206,6 +206,17 @@ void note_held(const TeleopObject& object, const HeldTimes& held, TeleopRun& run
   }
 }
 
+/// Notes that the tool's path is not known where it moved during gaps of its recording.
+void note_unseen_moves(const std::vector<UnseenMove>& moves, TeleopRun& run) {
+  if (moves.empty()) return;
+  const UnseenMove& first = moves.front();
+  run.notes.push_back(fmt::format(
+      "the tool was not recorded while it moved by {:.0f} mm, from {:.2f} to {:.2f} s{}: taken to "
+      "have gone over the objects",
+      1e3 * (first.p_base_to - first.p_base_from).norm(), first.begin, first.end,
+      moves.size() > 1 ? fmt::format(", and in {} more gaps", moves.size() - 1) : ""));
+}
+
 void note_unseen(const TeleopInput& input, const TeleopOptions& options, const RobotSite& robot,
                  TeleopRun& run) {
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
@@ -253,7 +264,7 @@ std::vector<ObjectParameters> all_sent_parameters(const std::vector<BodyPhysics>
 /// Simulates both sites cycle by cycle.
 class Session {
  public:
-  Session(const TeleopInput& recorded, const TeleopOptions& options, const TipPath& tip,
+  Session(const TeleopInput& recorded, const TeleopOptions& options, CommandPath& command,
           const Span& span, OperatorSite& site, RobotSite& robot, const TeleopSink& sink,
           const std::vector<BodyPhysics>& physics)
       : options_(options),
@@ -261,7 +272,7 @@ class Session {
         site_(site),
         robot_(robot),
         sink_(sink),
-        command_(tip, span.start, options.predictor.step),
+        command_(command),
         random_(options.seed),
         backward_({.delay = options.backward_delay,
                    .jitter = options.jitter,
@@ -337,7 +348,7 @@ class Session {
   OperatorSite& site_;
   RobotSite& robot_;
   const TeleopSink& sink_;
-  CommandPath command_;
+  CommandPath& command_;
   Random random_;
   LinkConditions backward_;
   LinkConditions forward_;
@@ -408,16 +419,18 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   }
   const double step = options.predictor.step;
   const Span span = span_of(tip, step);
-  Expected<OperatorSite> site = OperatorSite::create(recorded, physics, options, span.start,
-                                                     CommandPath(tip, span.start, step).at(0));
+  CommandPath command(tip, height_over_objects(recorded), span.start, step);
+  Expected<OperatorSite> site =
+      OperatorSite::create(recorded, physics, options, span.start, command.at(0));
   if (!site) return site.error();
   RobotSite robot(recorded, options, physics, span.start);
-  Session session(recorded, options, tip, span, *site, robot, sink, physics);
+  Session session(recorded, options, command, span, *site, robot, sink, physics);
   const Expected<void> done = session.run(observer, run);
   if (!done) return done.error();
   run.inputs = robot.findings();
   if (run.inputs.fault && !run.inputs.fault->is_of_force_only()) return run.inputs.fault->error;
   run.notes = input_notes(recorded, robot, run.inputs);
+  note_unseen_moves(command.unseen_moves(), run);
   finish(recorded, options, robot, *site, session.predicted(), run);
   return run;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pcavr/core/median.hpp"
+#include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/turning/support.hpp"
 
@@ -182,6 +183,18 @@ LimitSurface surface_of_support(const CadModel& model, const Pose& T_base_object
   return *complete_physics(known, model, T_base_object).physics.limit_surface;
 }
 
+namespace {
+
+/// Whether pushes have shown a radius: before, the support's pressure may be anywhere from its
+/// centre to its rim, so that the radius is uniform between 0 and that of the farthest point.
+bool is_narrower_than_prior(const ParameterValue& radius, const Support& support) {
+  double rim = 0.0;
+  for (const Eigen::Vector2d& point : support.points()) rim = std::max(rim, point.norm());
+  return kIdentifiedFactor * *radius.std < rim / std::sqrt(12.0);
+}
+
+}  // namespace
+
 TurningFriction identify_turning(const SamplesOfPushes& pushes, const BodyMotion& body,
                                  const LimitSurfaceFitOptions& options) {
   const std::vector<PushSample> samples = joined(pushes);
@@ -192,6 +205,7 @@ TurningFriction identify_turning(const SamplesOfPushes& pushes, const BodyMotion
   if (!(support.radius() > 0.0)) return result;
   const LimitSurface shape = surface_of_support(body.model, T_base_first, support.radius());
   result.radius = friction_radius_of(pushes, support, shape, options);
+  if (result.radius && !is_narrower_than_prior(*result.radius, support)) return {};
   if (!result.radius || result.surface.status != LimitSurfaceFitStatus::fitted) return result;
   // Its shape: fifteen coefficients also follow the errors of the contact point and of few pushes,
   // which the support's shape does not have.

@@ -61,5 +61,44 @@ TEST(ForceOffset, OfALinearContactMayBeItsDamping) {
   EXPECT_NEAR(late.offset, 0.020 - 20.0 / 8000.0, 5e-4);
 }
 
+/// Pushes at several speeds that are held for 0.2 s before the release. As the object comes to rest
+/// its friction rises by a tenth [Stribeck], so that the largest force is while it still slides.
+Recorded held_pushes() {
+  constexpr double kRate = 500.0, kStiffness = 1e5;          // [1/s], [N/m^1.5]
+  constexpr double kStop = 0.9, kRelease = 1.1, kEnd = 1.6;  // [s] of each push
+  Recorded recorded;
+  double object = 0.0;
+  for (const double speed : {0.02, 0.03, 0.04, 0.05, 0.06, 0.07}) {
+    for (double t = 0.0; t < kEnd; t += 1.0 / kRate) {
+      const double slowing = std::clamp((kStop - t) / 0.15, 0.0, 1.0);
+      const double v = t > 0.4 ? speed * slowing : 0.0;
+      object += v / kRate;
+      const double rise =
+          0.1 * std::exp(-v / (0.2 * speed)) * std::clamp((kRelease - t) / 0.2, 0.0, 1.0);
+      double force = 10.0 * (1.0 + (t > 0.6 ? rise : 0.0));
+      if (t < 0.4) force *= std::max(0.0, (t - 0.2) / 0.2);
+      double tip = object + std::pow(force / kStiffness, 1.0 / 1.5);
+      if (t < 0.2) tip = object - 0.05 * (0.2 - t);
+      if (t > kRelease) {
+        tip -= 0.05 * (t - kRelease);
+        force = kStiffness * std::pow(std::max(0.0, tip - object), 1.5);
+      }
+      recorded.t.push_back(static_cast<double>(recorded.t.size()) / kRate);
+      recorded.tip.emplace_back(tip, 0.0, 0.1);
+      recorded.force.emplace_back(force, 0.0, 0.0);
+    }
+  }
+  return recorded;
+}
+
+TEST(ForceOffset, IsNoneOfHeldPushes) {
+  for (const double shift : {0.0, 0.03}) {
+    const TimeOffset offset = offset_of(held_pushes(), shift);
+    ASSERT_TRUE(offset.is_known);
+    EXPECT_NEAR(offset.offset, shift, std::max(3.0 * offset.std, 1e-3));
+    EXPECT_LT(offset.std, 0.005);
+  }
+}
+
 }  // namespace
 }  // namespace pcavr

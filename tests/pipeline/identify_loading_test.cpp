@@ -16,8 +16,9 @@ namespace {
 constexpr double kContactStiffness = 2.0e6;  // [N/m^1.5]: 0.16 mm at 4 N
 constexpr double kSlidingForce = 4.0;
 
-/// A push at 2.5 mm/s that is loaded through a contact and slides at 4 N, at 100 Hz.
-IdentifiedContact slow_push(std::uint64_t seed) {
+/// A push at `speed` [m/s] that is loaded through a contact and slides at 4 N, at 100 Hz; under the
+/// load the object moves by a share of the tip's path.
+IdentifiedContact push_at(double speed, double creep, std::uint64_t seed) {
   Random random(seed);
   IdentifiedContact push;
   push.object = 0;
@@ -27,14 +28,17 @@ IdentifiedContact slow_push(std::uint64_t seed) {
   episode.end = 3.0;
   for (double t = -0.3; t < 3.3; t += 0.01) {
     const bool is_free = t < 0.0 || t > 3.0;
-    const double tool = 0.0025 * t;
-    const double load = is_free ? 0.0 : kContactStiffness * std::pow(tool, 1.5);
+    const double tool = speed * t;
+    const double load = is_free ? 0.0 : kContactStiffness * std::pow((1.0 - creep) * tool, 1.5);
     episode.t.push_back(t);
     episode.tool.push_back(tool + 5e-6 * random.normal());
     episode.force.push_back(std::min(load, kSlidingForce) + 0.03 * random.normal());
   }
   return push;
 }
+
+/// At 2.5 mm/s.
+IdentifiedContact slow_push(std::uint64_t seed) { return push_at(0.0025, 0.0, seed); }
 
 ObjectIdentification assumed_after(std::size_t pushes, const ObjectParameters& known = {}) {
   std::vector<IdentifiedContact> contacts;
@@ -61,6 +65,15 @@ TEST(IdentifyLoading, NeedsThreePushesAndNoLaw) {
   ObjectParameters known;
   known.contact_stiffness = ParameterValue{1e4, 100.0};
   EXPECT_EQ(assumed_after(3, known).parameters.contact_stiffness->value, 1e4);
+}
+
+TEST(IdentifyLoading, AssumesNothingByPushesThatMoveTheObjectWhileTheyLoadIt) {
+  std::vector<IdentifiedContact> contacts;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) contacts.push_back(push_at(0.15, 0.97, seed));
+  ObjectIdentification result;
+  assume_contact_by_loading(contacts, 0, result);
+  EXPECT_FALSE(result.parameters.contact_stiffness);
+  EXPECT_TRUE(result.notes.empty());
 }
 
 TEST(IdentifyLoading, DoesNotReplaceALawThatIsWithheld) {

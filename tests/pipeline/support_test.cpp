@@ -108,6 +108,15 @@ TEST(Turning, FindsTheRadiusUnderAPressureThatThePushesMoveAhead) {
   }
 }
 
+TEST(Turning, WithholdsARadiusThatPushesDisagreeOn) {
+  // Two pushes as of a support of a third of the size, and one as of the whole.
+  const CadModel model = block();
+  const SamplesOfPushes small = pushes_of(support_of(model).scaled(0.3), 0.0, {0.0, 0.0});
+  const SamplesOfPushes whole = pushes_of(support_of(model), 0.0, {0.0, 0.0});
+  EXPECT_EQ(radius_of(model, {small[1], whole[2], small[4]}), 0.0);
+  EXPECT_GT(radius_of(model, {whole[1], whole[2], whole[4]}), 0.0);
+}
+
 TEST(Turning, WithoutThePressuresMotionTheRadiusIsTooSmall) {
   const CadModel model = block();
   const Support support = support_of(model);

@@ -27,7 +27,7 @@ class LoneRobotSite {
   explicit LoneRobotSite(const TeleopInput& input)
       : input_(input),
         tip_(clean_tip_path(input.t_tool, input.p_base_tip, options_.inputs)),
-        command_(tip_, tip_.t.front(), options_.predictor.step) {
+        command_(tip_, height_over_objects(input), tip_.t.front(), options_.predictor.step) {
     for (const TeleopObject& object : input.objects) {
       physics_.push_back(complete_physics(object.parameters, object.model, object.T_base_object,
                                           options_.gravity(), options_.unknown_objects)

@@ -31,7 +31,7 @@ struct TurningFriction {
   /// Where it is fitted and the radius is known, with the shape of the body's support as its prior.
   LimitSurfaceFit surface;
   /// [m] Maximum friction moment over maximum friction force; empty: no push has turned the object
-  /// far enough. Its std is by leaving out pushes.
+  /// far enough, or its std, by leaving out pushes, is no third of the prior's.
   std::optional<ParameterValue> radius = {};
 };
 [[nodiscard]] TurningFriction identify_turning(const SamplesOfPushes& pushes,

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "teleop/robot_object.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/prediction/body_physics.hpp"
+
+#include "teleop/plant_input.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kSlowInterval = 0.01;        // [s] of tip and force
+constexpr double kSlowFrameInterval = 0.033;  // [s]
+constexpr double kSlowHalf = 0.05;            // [m]
+constexpr double kTipRadius = 0.01;           // [m]
+constexpr double kTipSpeed = 0.0025;          // [m/s]
+constexpr double kTurnRate = 0.02;            // [rad/s]
+
+/// A slow push along x of a box that turns as it slides: F = 20600 d^1.5, 4 N while it slides.
+struct SlowPush {
+  double tip = -kSlowHalf - kTipRadius - 0.002, object = 0.0, yaw = 0.0, force = 0.0;
+
+  void advance() {
+    const double max_depth = std::pow(4.0 / 20600.0, 1.0 / 1.5);
+    tip += kTipSpeed * kSlowInterval;
+    const double depth = std::max(tip + kTipRadius - (object - kSlowHalf), 0.0);
+    if (depth > max_depth) {
+      object += depth - max_depth;
+      yaw += kTurnRate * kSlowInterval;
+    }
+    force = 20600.0 * std::pow(std::min(depth, max_depth), 1.5);
+  }
+  [[nodiscard]] Pose T_base_object() const {
+    return pose_at({object, 0.0, yaw}, Pose::from_translation({0.0, 0.0, 0.03}));
+  }
+};
+
+TEST(RobotObject, TakesTheNewestFrameWhenASlowSlideIsNoticed) {
+  TeleopObject box{"box",
+                   box_model("box", {kSlowHalf, kSlowHalf, 0.03}),
+                   Pose::from_translation({0.0, 0.0, 0.03}),
+                   {},
+                   {}};
+  box.parameters.mass = ParameterValue{1.5};
+  const TeleopOptions options;
+  const BodyPhysics physics = complete_physics(box.parameters, box.model, box.T_base_object,
+                                               options.gravity(), options.unknown_objects)
+                                  .physics;
+  const SensorProperties sensors{.interval = kSlowInterval, .correlated = 2.0, .enter_force = 0.4};
+  RobotObject object(box, physics, options, sensors, kTipRadius, 0.0);
+  SlowPush push;
+  double next_frame = 0.0;
+  for (double t = 0.0; t < 4.0; t += kSlowInterval) {
+    push.advance();
+    if (t >= next_frame) {
+      object.add_tracked({t, push.T_base_object(), 0.001, 0.010});
+      next_frame += kSlowFrameInterval;
+    }
+    object.update_tracking(t, 0.0);
+    const Eigen::Vector3d p_base_tip(push.tip, 0.0, 0.03);
+    const Eigen::Vector3d force_base(push.force, 0.0, 0.0);
+    object.monitor.step({t, p_base_tip, force_base, Eigen::Vector3d::UnitX(), true}, std::nullopt,
+                        0.0);
+    const PoseEstimate estimate = object.estimate_pose({t, p_base_tip, force_base}, {});
+    if (object.monitor.phase() != MotionPhase::sliding) continue;
+    EXPECT_GT(push.yaw, 0.1 * kTurnRate) << "noticed late";
+    EXPECT_NEAR(heading_of(estimate.T_base_object), push.yaw, 1.1 * kSlowFrameInterval * kTurnRate);
+    return;
+  }
+  FAIL() << "no slide";
+}
+
+}  // namespace
+}  // namespace pcavr
