@@ -113,7 +113,8 @@ TEST(ObjectLearner, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
   }
 }
 
-/// Down an inclined wall, as in an oblique hole: the tip's path is not its penetration.
+/// Along an inclined wall, as in an oblique hole: the tip's path is not its penetration, whether
+/// the force is nearer to level, as of a push, or to upright, as of a press.
 TEST(ObjectLearner, LearnsNoLawFromAnInclinedFace) {
   std::vector<double> t;
   std::vector<Eigen::Vector3d> force, tip;
@@ -122,7 +123,7 @@ TEST(ObjectLearner, LearnsNoLawFromAnInclinedFace) {
     force.emplace_back(std::clamp(10.0 * (t.back() - 0.3), 0.0, 4.0), 0.0, 0.0);
     tip.emplace_back(0.005 * t.back(), 0.0, 0.0);
   }
-  for (const double slope : {0.0, 0.8}) {
+  for (const double slope : {0.0, 0.8, 1.4}) {
     for (Eigen::Vector3d& one : force) one.z() = -slope * one.x();
     ObjectLearner learner(ObjectParameters{});
     learner.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = false});
