@@ -82,19 +82,22 @@ IdentifiedParameter friction_in(const ContactEpisode& contact) {
 }
 
 /// Whether the tip slides along an inclined face, as in an oblique hole: a press under which the
-/// object moves, or a push whose force is far from horizontal. Neither the tip's path nor the force
-/// along it is then that of the contact, or of the support's friction.
+/// object moves, or a contact whose force is neither upright nor level. Neither the tip's path nor
+/// the force along it is then that of the contact, or of the support's friction.
 bool is_oblique(const ContactRecord& record, const ContactEpisode& contact,
                 const ObjectLearner::ContactFacts& facts) {
-  constexpr double kMaxTangent = 0.3;  // 17 degrees: upright faces give less
-  if (contact.kind == ContactKind::press) return facts.has_moved || facts.has_slid;
+  constexpr double kMaxTangent = 0.3;  // 17 degrees: level and upright faces give less
+  const bool is_press = contact.kind == ContactKind::press;
+  if (is_press && (facts.has_moved || facts.has_slid)) return true;
   double vertical = 0.0, horizontal = 0.0;
   for (std::size_t i = 0; i < record.t_force.size(); ++i) {
     if (record.t_force[i] < contact.begin || record.t_force[i] > contact.end) continue;
     vertical += record.force_base[i].z() * record.force_base[i].z();
     horizontal += record.force_base[i].head<2>().squaredNorm();
   }
-  return vertical > kMaxTangent * kMaxTangent * horizontal;
+  const double along = is_press ? vertical : horizontal;
+  const double across = is_press ? horizontal : vertical;
+  return across > kMaxTangent * kMaxTangent * along;
 }
 
 }  // namespace

@@ -113,17 +113,21 @@ TEST(ObjectLearner, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
   }
 }
 
-/// Down an inclined wall, as in an oblique hole: the tip's path is not its penetration.
+/// Along an inclined wall, as in an oblique hole: the tip's path is not its penetration, whether
+/// the force is nearer to level, as of a push, or to upright, as of a press.
 TEST(ObjectLearner, LearnsNoLawFromAnInclinedFace) {
   std::vector<double> t;
   std::vector<Eigen::Vector3d> force, tip;
   for (int i = 0; i < 1000; ++i) {
     t.push_back(0.002 * i);
-    force.emplace_back(std::clamp(10.0 * (t.back() - 0.3), 0.0, 4.0), 0.0, 0.0);
+    force.emplace_back(std::max(10.0 * (t.back() - 0.3), 0.0), 0.0, 0.0);
     tip.emplace_back(0.005 * t.back(), 0.0, 0.0);
   }
-  for (const double slope : {0.0, 0.8}) {
-    for (Eigen::Vector3d& one : force) one.z() = -slope * one.x();
+  for (const double slope : {0.0, 0.8, 1.4}) {
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      force[i].z() = -slope * force[i].x();
+      tip[i].z() = -slope * tip[i].x();
+    }
     ObjectLearner learner(ObjectParameters{});
     learner.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = false});
     EXPECT_EQ(learner.known().contact_stiffness.has_value(), slope == 0.0);
