@@ -23,6 +23,9 @@ limiting friction that is some 20 % off, and t2 is then found when the correctio
 --plant has the simulated plant of that case in place of the recording at the robot's site: it
 follows the commands, which are the motion of the recording's tool; its own truth is compared with.
 
+--virtual BENCH (pcavr_bench_two_sites) runs the loops of both programs in virtual time, with --plant:
+no machine's load is in the figures, and they come out the same to the digit.
+
 --wrong-start gives both sites twice the mass, half the friction, and objects 10 mm off; then the
 corrections of each object until its error is below 3 mm for good are printed, too (aim: 2), and the
 parameters are needed. Needs only python3.
@@ -75,15 +78,20 @@ def robot_source(arguments, truth):
             *(["--tracked", arguments.tracked] if arguments.tracked else [])]
 
 
-def live_report(arguments, label, link):
-    """What `evaluate` says of one session, and the reports of both programs."""
-    folder = arguments.work / label
-    folder.mkdir(parents=True, exist_ok=True)
-    truth = folder / "truth" if arguments.plant else arguments.recording / "truth"
-    log = folder / "robot.mcap"
-    log.unlink(missing_ok=True)
-    if arguments.plant:
-        shutil.rmtree(truth, ignore_errors=True)
+def run_in_virtual_time(arguments, folder, link):
+    """The reports of both loops."""
+    conditions = [f"{name[2:]}={value}" for name, value in zip(link[::2], link[1::2])
+                  if not name.endswith("delay")]
+    known = ["--parameters", arguments.parameters] if arguments.parameters else []
+    words = [arguments.virtual, arguments.scene, arguments.recording, arguments.plant,
+             arguments.plant_seed, folder, *known, "--seed", arguments.seed, *conditions]
+    done = subprocess.run([str(word) for word in words], check=True, stdout=subprocess.PIPE)
+    reports = json.loads(done.stdout)
+    return reports["robot"], reports["operator"]
+
+
+def run_programs(arguments, folder, truth, log, link):
+    """The reports of both programs."""
     # Time enough for a connection over a bad link before the recording begins.
     config = folder / "robot.yaml"
     config.write_text("robot_site:\n  start_delay: 4\n")
@@ -98,9 +106,24 @@ def live_report(arguments, label, link):
                      arguments.recording, *known, "--port", port, "--seed", arguments.seed, *link)
         if arguments.plant:  # which has no end of its own
             robot.send_signal(signal.SIGINT)
-        robot_report = json.loads(robot.communicate(timeout=60)[0])
+        return json.loads(robot.communicate(timeout=60)[0]), person
     finally:
         robot.kill()
+
+
+def live_report(arguments, label, link):
+    """What `evaluate` says of one session, and the reports of both programs."""
+    folder = arguments.work / label
+    folder.mkdir(parents=True, exist_ok=True)
+    truth = folder / "truth" if arguments.plant else arguments.recording / "truth"
+    log = folder / "robot.mcap"
+    log.unlink(missing_ok=True)
+    if arguments.plant:
+        shutil.rmtree(truth, ignore_errors=True)
+    if arguments.virtual:
+        robot_report, person = run_in_virtual_time(arguments, folder, link)
+    else:
+        robot_report, person = run_programs(arguments, folder, truth, log, link)
     run(arguments.pcavr, "replay", log, "--scene", arguments.scene, "-o", folder / "run", "--force")
     report = run(arguments.pcavr, "evaluate", folder / "run", "--truth", truth, "-o",
                  folder / "report", "--force")
@@ -142,6 +165,8 @@ def table(reports):
     yield ["bytes of streaming [%]",
            *(cell for _, robot, _ in reports
              for cell in ("", f"{100 * robot['correction_bytes'] / robot['streaming_bytes']:.2f}"))]
+    yield ["arm found [mm/N]", *(cell for _, robot, _ in reports for cell in
+                                 ("", f"{1e3 * robot.get('tool_compliance_m_per_n', 0.0):.4f}"))]
     yield ["sessions", *(cell for _, robot, person in reports
                          for cell in (person["sessions"], robot["sessions"]))]
     yield ["lead [ms]", *(cell for _, _, person in reports
@@ -161,7 +186,10 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/two_sites"))
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--wrong-start", action="store_true")
+    parser.add_argument("--virtual", metavar="BENCH")
     arguments = parser.parse_args()
+    if arguments.virtual and not arguments.plant:
+        parser.error("--virtual needs --plant")
     arguments.work.mkdir(parents=True, exist_ok=True)
     if arguments.wrong_start:
         start_wrong(arguments)

@@ -43,6 +43,7 @@ std::vector<OptionSection> Configuration::sections() {
   sections.push_back(section_of(robot_site));
   sections.push_back(section_of(robot_site.commands));
   sections.push_back(section_of(robot_site.limits));
+  sections.push_back(section_of(robot_site.pictures));
   sections.push_back(section_of(operator_site));
   sections.push_back(section_of(black_box));
   return sections;

@@ -53,12 +53,14 @@ CommandResult describe_operator_site(const OperatorSiteReport& report) {
   const double commands = static_cast<double>(std::max<std::size_t>(report.commands, 1));
   result.summary = fmt::format(
       "sessions {}, interruptions {}\ncommands {}, {:.1f} ms ahead, {} late cycles, {:.1f} us CPU "
-      "each\ncorrections {}, {} received again, {} too late\nclock      drift {:.1f} ppm, std "
+      "each\ncorrections {}, {} received again, {} too late\npictures {}, {:.0f} ms old\nclock     "
+      " drift {:.1f} ppm, std "
       "{:.0f} us, round trip at least {:.2f} ms\n",
       report.sessions, report.interruptions.size(), report.commands, 1e3 * report.lead,
       report.late_cycles, 1e6 * report.cpu / commands, report.corrections,
-      report.repeated_corrections, report.late_corrections, 1e6 * report.clock_drift,
-      1e6 * report.clock_std, 1e3 * report.round_trip);
+      report.repeated_corrections, report.late_corrections, report.pictures,
+      1e3 * report.picture_age, 1e6 * report.clock_drift, 1e6 * report.clock_std,
+      1e3 * report.round_trip);
   result.json = {{"sessions", report.sessions},
                  {"commands", report.commands},
                  {"corrections", report.corrections},
@@ -66,6 +68,8 @@ CommandResult describe_operator_site(const OperatorSiteReport& report) {
                  {"late_corrections", report.late_corrections},
                  {"invalid_messages", report.invalid_messages},
                  {"late_cycles", report.late_cycles},
+                 {"pictures", report.pictures},
+                 {"picture_age_s", report.picture_age},
                  {"lead_s", report.lead},
                  {"correction_delay_s", report.correction_delay},
                  {"round_trip_s", report.round_trip},
@@ -188,9 +192,11 @@ Expected<CommandResult> run_page(OperatorSiteArguments arguments, OperatorInputs
   const Expected<SceneContent> content = SceneContent::create(
       inputs.scene, inputs.options.parameters, observer, Parallelism::max(), configuration.content);
   if (!content) return content.error();
+  RobotPicture pictures(*content);
+  (*page)->set_pictures(pictures);
   Expected<LinkClient> client = open_client(arguments);
   if (!client) return client.error();
-  Expected<LiveServer> server = LiveServer::open(options, **page, *content);
+  Expected<LiveServer> server = LiveServer::open(options, **page, pictures);
   if (!server) return server.error();
   const Expected<void> printed = print_startup_message(*server, **page, arguments.page, triangles);
   if (!printed) return printed.error();

@@ -13,6 +13,7 @@
 #include "pcavr/core/output.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/pipeline/plugin_robot.hpp"
+#include "pcavr/pipeline/recorded_pictures.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
 #include "pcavr/ros2/ros2_robot.hpp"
@@ -60,12 +61,16 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
   result.summary = fmt::format(
       "sessions {}, holds {}, emergency stops {}\ncommands {}, {} discarded\ncorrections {}, {} "
       "bytes of {} that "
-      "streaming would send, {} sent again\ncycles {}, {} late, {:.1f} us CPU each, {:.2f} ms at "
+      "streaming would send, {} sent again\npictures {}, {:.1f} kB each\ncycles {}, {} late, "
+      "{:.1f} us CPU each, {:.2f} ms at "
       "most with corrections\n",
       report.sessions, report.holds, report.emergency_stops, report.commands,
       report.discarded_commands, report.corrections.size(), report.correction_bytes,
-      report.streaming_bytes, report.repeated_corrections, report.cycles, report.late_cycles,
-      1e6 * report.cpu / cycles, 1e3 * report.max_correction_time);
+      report.streaming_bytes, report.repeated_corrections, report.pictures,
+      1e-3 * static_cast<double>(report.picture_bytes) /
+          static_cast<double>(std::max<std::size_t>(report.pictures, 1)),
+      report.cycles, report.late_cycles, 1e6 * report.cpu / cycles,
+      1e3 * report.max_correction_time);
   if (report.tool_compliance) {
     result.summary +=
         fmt::format("the arm gives way by {:.4f} mm/N at the tip: the operator's world does, too\n",
@@ -81,6 +86,8 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
                  {"repeated_corrections", report.repeated_corrections},
                  {"correction_bytes", report.correction_bytes},
                  {"streaming_bytes", report.streaming_bytes},
+                 {"pictures", report.pictures},
+                 {"picture_bytes", report.picture_bytes},
                  {"cycles", report.cycles},
                  {"late_cycles", report.late_cycles},
                  {"cpu_s", report.cpu},
@@ -133,7 +140,8 @@ Expected<RobotSource> read_recorded(const RobotSiteArguments& arguments, const S
                  .file = arguments.site.recording};
   }
   auto input = std::make_unique<TeleopInput>(std::move(*recorded));
-  auto robot = make_recorded_robot(*input, options.teleop.pose.tracking_latency);
+  auto robot = make_recorded_robot(*input, options.teleop.pose.tracking_latency,
+                                   make_recorded_pictures(*recording));
   return RobotSource{std::move(input), std::move(robot)};
 }
 
@@ -187,8 +195,8 @@ Expected<RobotSource> simulate_robot(const RobotSiteArguments& arguments,
   Expected<TeleopInput> world = read_teleop_world(scene, options, observer);
   if (!world) return world.error();
   auto input = std::make_unique<TeleopInput>(std::move(*world));
-  Expected<std::unique_ptr<PlantRobot>> robot =
-      make_plant_robot(chosen->task, arguments.seed, *input, options.teleop.pose.tracking_latency);
+  Expected<std::unique_ptr<PlantRobot>> robot = make_plant_robot(
+      chosen->task, arguments.seed, *input, options.teleop.pose.tracking_latency, &*chosen);
   if (!robot) return robot.error();
   if (arguments.truth.empty()) return RobotSource{std::move(input), std::move(*robot)};
   Expected<OutputFolder> truth = OutputFolder::create(arguments.truth);

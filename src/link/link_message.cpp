@@ -10,7 +10,8 @@
 
 #include "pcavr/core/bytes.hpp"
 #include "pcavr/core/check.hpp"
-#include "pcavr/core/utf8.hpp"
+
+#include "link_reader.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,98 +19,12 @@ namespace {
 constexpr std::array<std::uint8_t, 4> kLinkMagic{'P', 'C', 'V', 'L'};
 constexpr std::size_t kLinkHeaderBytes = 32;
 constexpr std::size_t kLinkLengthAt = 12;
-// A unit quaternion in single precision has norm 1 to 1e-6; the rest is margin.
-constexpr float kMaxLinkNormError = 1e-3F;
 constexpr std::uint8_t kMotionPhases = 4;
 constexpr std::uint32_t kLinkRejections = 5;
 constexpr std::uint32_t kLinkStops = 4;
 constexpr std::uint32_t kKnownLimits = 31;
 constexpr float kMaxCorrectionDelay = 60.0F;  // [s]
 constexpr float kMaxToolCompliance = 0.1F;    // [m/N]
-
-/// What follows the header. Each number that is not finite, each text that is not UTF-8 and each
-/// enumerator out of range makes it invalid; the first reason is kept.
-class LinkReader {
- public:
-  explicit LinkReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-
-  template <std::unsigned_integral Integer>
-  [[nodiscard]] Integer integer() {
-    return bytes_.integer<Integer>();
-  }
-  /// An enumerator or a set of flags, at most `max`.
-  template <std::unsigned_integral Integer>
-  [[nodiscard]] Integer at_most(Integer max, const char* what, Integer min = 0) {
-    const auto value = bytes_.integer<Integer>();
-    if (value < min || value > max) reject(std::string("unknown ") + what);
-    return value;
-  }
-  void zero16() {
-    if (bytes_.integer<std::uint16_t>() != 0) reject("padding that is not zero");
-  }
-  [[nodiscard]] double f64() {
-    const double value = bytes_.f64();
-    if (!std::isfinite(value)) reject("a number that is not finite");
-    return value;
-  }
-  [[nodiscard]] float f32() {
-    const float value = bytes_.f32();
-    if (!std::isfinite(value)) reject("a number that is not finite");
-    return value;
-  }
-  [[nodiscard]] Eigen::Vector3f vector() {
-    const float x = f32();
-    const float y = f32();
-    return {x, y, f32()};
-  }
-  [[nodiscard]] Eigen::Quaternionf orientation() {
-    const Eigen::Vector3f vector_part = vector();
-    const Eigen::Quaternionf q(f32(), vector_part.x(), vector_part.y(), vector_part.z());
-    if (!(std::abs(q.norm() - 1.0F) <= kMaxLinkNormError)) {
-      reject("an orientation that is not a unit quaternion");
-    }
-    return q;
-  }
-  [[nodiscard]] std::vector<std::uint8_t> bytes(std::size_t count) {
-    if (!bytes_.is_valid()) return {};  // a new reader of the rest would forget it
-    const std::span<const std::uint8_t> rest = bytes_.rest();
-    if (count > rest.size()) {
-      reject("a count beyond its end");
-      return {};
-    }
-    const std::span<const std::uint8_t> part = rest.first(count);
-    bytes_ = ByteReader(rest.subspan(count));
-    return {part.begin(), part.end()};
-  }
-  [[nodiscard]] std::string text() {
-    const auto length = at_most<std::uint16_t>(kMaxLinkTextBytes, "length of a text");
-    if (reason_) return {};
-    const std::vector<std::uint8_t> content = bytes(length);
-    std::string result(content.begin(), content.end());
-    if (!is_utf8_text(result)) reject("a text that is not UTF-8");
-    return result;
-  }
-  /// So that a wrong count does not make a large vector.
-  [[nodiscard]] std::size_t count(std::size_t bytes_each) {
-    const auto value = at_most<std::uint16_t>(kMaxLinkObjects, "number of objects");
-    if (value * bytes_each > bytes_.rest().size()) reject("a count beyond its end");
-    return reason_ ? 0 : value;
-  }
-  void reject(std::string reason) {
-    if (!reason_) reason_ = std::move(reason);
-  }
-  /// The reason why the content is not valid.
-  [[nodiscard]] std::optional<std::string> fault() const {
-    if (!bytes_.is_valid()) return "fewer bytes than its type has";
-    if (reason_) return reason_;
-    if (!bytes_.is_at_end()) return "more bytes than its type has";
-    return std::nullopt;
-  }
-
- private:
-  ByteReader bytes_;
-  std::optional<std::string> reason_;
-};
 
 void write_link_text(std::string_view text, ByteWriter& writer) {
   PCAVR_REQUIRE(text.size() <= kMaxLinkTextBytes, text.size());
@@ -346,6 +261,15 @@ void read_content(LinkReader& reader, LinkPicture& picture) {
   picture.jpeg = reader.bytes(reader.integer<std::uint32_t>());
 }
 
+void write_content(const LinkPictureReceipt& receipt, ByteWriter& writer) {
+  writer.integer(receipt.sequence);
+  writer.f64(receipt.received);
+}
+void read_content(LinkReader& reader, LinkPictureReceipt& receipt) {
+  receipt.sequence = reader.integer<std::uint32_t>();
+  receipt.received = reader.f64();
+}
+
 Error invalid_link_message(const std::string& reason) {
   return {.message = "it has " + reason, .place = "link message"};
 }
@@ -385,8 +309,10 @@ constexpr std::size_t kLinkTypes = std::variant_size_v<decltype(LinkMessage::con
 
 /// The size limit of a type, by its index in the variant.
 std::size_t max_bytes_of(std::size_t index) {
-  const bool is_picture = index + 1 == kLinkTypes;
-  return is_picture ? kMaxLinkPictureBytes : kMaxLinkMessageBytes;
+  constexpr std::size_t kPicture = 11;
+  static_assert(std::is_same_v<std::variant_alternative_t<kPicture, decltype(LinkMessage::content)>,
+                               LinkPicture>);
+  return index == kPicture ? kMaxLinkPictureBytes : kMaxLinkMessageBytes;
 }
 
 template <std::size_t I = 0>

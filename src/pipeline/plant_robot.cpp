@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pcavr/simulation/live_plant.hpp"
+#include "pcavr/simulation/plant_camera.hpp"
 #include "pcavr/simulation/plant_truth.hpp"
 
 namespace pcavr {
@@ -19,16 +21,69 @@ namespace {
 // Of the plant's time that one call catches up with [s]; more is skipped: this process did not run.
 constexpr double kMaxCatchUp = 0.05;
 
+/// The plant's camera. The plant's thread never waits for the rendering one.
+class PlantPictures final : public PictureSource {
+ public:
+  PlantPictures(PlantCamera camera, std::vector<double> heights)
+      : camera_(std::move(camera)), heights_(std::move(heights)) {}
+
+  /// The plant as it is at `t` [s of the scene].
+  void update(double t, const LivePlant& plant) {
+    if (t < next_) return;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock.owns_lock()) return;
+    next_ = t + kPicturePeriod;
+    t_ = t;
+    p_base_tip_ = plant.p_base_tip();
+    T_base_objects_.clear();
+    for (std::size_t i = 0; i < plant.size(); ++i) {
+      const PlantBodyState body = plant.body(i);
+      T_base_objects_.emplace_back(
+          Eigen::Quaterniond(Eigen::AngleAxisd(body.yaw, Eigen::Vector3d::UnitZ())),
+          Eigen::Vector3d(body.p_base.x(), body.p_base.y(), heights_[i]));
+    }
+    is_new_ = true;
+  }
+
+  [[nodiscard]] Expected<std::optional<CameraPicture>> newest(double) override {
+    Eigen::Vector3d p_base_tip;
+    std::vector<Pose> T_base_objects;
+    double t = 0.0;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!std::exchange(is_new_, false)) return std::optional<CameraPicture>();
+      t = t_;
+      p_base_tip = p_base_tip_;
+      T_base_objects = T_base_objects_;
+    }
+    return std::optional(CameraPicture{t, camera_.render(p_base_tip, T_base_objects, ++number_)});
+  }
+
+ private:
+  static constexpr double kPicturePeriod = 0.1;  // [s]: some part of a core renders them
+
+  PlantCamera camera_;
+  std::vector<double> heights_;  ///< [m] of the bodies' origins, by body
+  double next_ = 0.0;            ///< [s]
+  std::uint64_t number_ = 0;     ///< of the rendering thread
+  std::mutex mutex_;             ///< of what follows
+  double t_ = 0.0;
+  Eigen::Vector3d p_base_tip_ = Eigen::Vector3d::Zero();
+  std::vector<Pose> T_base_objects_;
+  bool is_new_ = false;
+};
+
 class LivePlantRobot final : public PlantRobot {
  public:
   LivePlantRobot(const PlantCase& plant, std::uint64_t seed, std::vector<std::size_t> objects,
-                 double tracking_latency)
+                 double tracking_latency, std::unique_ptr<PlantPictures> pictures)
       : case_(plant),
         plant_(plant, seed),
         objects_(std::move(objects)),
         tracking_latency_(tracking_latency),
         start_(plant.tool.p_base_start),
-        p_base_command_(start_) {}
+        p_base_command_(start_),
+        pictures_(std::move(pictures)) {}
 
   [[nodiscard]] std::string name() const override { return "simulated plant"; }
   [[nodiscard]] bool follows_commands() const override { return true; }
@@ -49,7 +104,9 @@ class LivePlantRobot final : public PlantRobot {
     if (steps > 0) last_command_ = p_base_command_;
     append(samples);
     deliver_tracking(t, samples);
+    if (pictures_) pictures_->update(t, plant_);
   }
+  [[nodiscard]] PictureSource* pictures() override { return pictures_.get(); }
 
   void keep_truth() override { plant_.keep_run(); }
   [[nodiscard]] Expected<void> write_truth(const std::filesystem::path& folder) const override {
@@ -97,6 +154,7 @@ class LivePlantRobot final : public PlantRobot {
   double skipped_ = 0.0;  ///< [s] of the scene's time in which the plant stood still
   LivePlantSamples measured_;
   std::deque<RobotSamples::Tracked> waiting_;
+  std::unique_ptr<PlantPictures> pictures_;  ///< null: without a camera
 };
 
 /// Where the scene has it: on the table, turned about the vertical only.
@@ -117,7 +175,8 @@ Error other_objects(const std::string& name, const char* where) {
 
 Expected<std::unique_ptr<PlantRobot>> make_plant_robot(ToolTask task, std::uint64_t seed,
                                                        const TeleopInput& world,
-                                                       double tracking_latency) {
+                                                       double tracking_latency,
+                                                       const SimulationCase* camera) {
   PlantCase plant = make_plant_case(task, seed);
   std::vector<std::size_t> objects;
   for (PlantBody& body : plant.bodies) {
@@ -135,8 +194,18 @@ Expected<std::unique_ptr<PlantRobot>> make_plant_robot(ToolTask task, std::uint6
                     [&](const PlantBody& body) { return body.name == object.name; });
     if (!is_known) return other_objects(object.name, "the plant");
   }
-  return std::unique_ptr<PlantRobot>(
-      std::make_unique<LivePlantRobot>(plant, seed, std::move(objects), tracking_latency));
+  std::unique_ptr<PlantPictures> pictures;
+  if (camera != nullptr && !camera->has_arm) {
+    Expected<PlantCamera> view = PlantCamera::create(*camera, seed);
+    if (!view) return view.error();
+    std::vector<double> heights;
+    for (const PlantBody& body : plant.bodies) {
+      heights.push_back(body.T_base_object.translation().z());
+    }
+    pictures = std::make_unique<PlantPictures>(std::move(*view), std::move(heights));
+  }
+  return std::unique_ptr<PlantRobot>(std::make_unique<LivePlantRobot>(
+      plant, seed, std::move(objects), tracking_latency, std::move(pictures)));
 }
 
 }  // namespace pcavr

@@ -3,15 +3,18 @@
 #include "pcavr/pipeline/recorded_robot.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace pcavr {
 namespace {
 
 class RecordedRobot final : public RobotInterface {
  public:
-  RecordedRobot(const TeleopInput& input, double tracking_latency)
+  RecordedRobot(const TeleopInput& input, double tracking_latency,
+                std::unique_ptr<PictureSource> pictures)
       : input_(input),
         tracking_latency_(tracking_latency),
+        pictures_(std::move(pictures)),
         next_tracked_(input.objects.size(), 0) {}
 
   [[nodiscard]] std::string name() const override { return "recording"; }
@@ -48,10 +51,12 @@ class RecordedRobot final : public RobotInterface {
     if (!input_.t_force.empty()) last = std::max(last, input_.t_force.back());
     return last;
   }
+  [[nodiscard]] PictureSource* pictures() override { return pictures_.get(); }
 
  private:
   const TeleopInput& input_;
   double tracking_latency_;
+  std::unique_ptr<PictureSource> pictures_;
   std::size_t next_tool_ = 0;
   std::size_t next_wrench_ = 0;
   std::vector<std::size_t> next_tracked_;
@@ -60,8 +65,9 @@ class RecordedRobot final : public RobotInterface {
 }  // namespace
 
 std::unique_ptr<RobotInterface> make_recorded_robot(const TeleopInput& input,
-                                                    double tracking_latency) {
-  return std::make_unique<RecordedRobot>(input, tracking_latency);
+                                                    double tracking_latency,
+                                                    std::unique_ptr<PictureSource> pictures) {
+  return std::make_unique<RecordedRobot>(input, tracking_latency, std::move(pictures));
 }
 
 }  // namespace pcavr

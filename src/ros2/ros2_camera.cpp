@@ -70,6 +70,11 @@ class TagTracker final : public Ros2CameraTracker {
     arrived_.notify_all();
   }
 
+  [[nodiscard]] std::optional<CameraPicture> take_picture() override {
+    const std::lock_guard lock(picture_mutex_);
+    return std::exchange(picture_, std::nullopt);
+  }
+
  private:
   void run() {
     for (;;) {
@@ -126,15 +131,19 @@ class TagTracker final : public Ros2CameraTracker {
       intake_.note(picture.topic, why + ": ignored", picture.arrival);
     };
     if (!camera_) return fail("no camera info yet");
-    const Expected<ColorImage> color = decode_color(*message, camera_->width, camera_->height);
+    Expected<ColorImage> color = decode_color(*message, camera_->width, camera_->height);
     if (!color) return fail(color.error().message);
     const RosHeader& header = std::holds_alternative<RosImage>(*message)
                                   ? std::get<RosImage>(*message).header
                                   : std::get<RosCompressedImage>(*message).header;
     const std::vector<TagDetection> detections = detector_.detect(to_gray(*color));
+    const double t = intake_.local_time(picture.topic, header.stamp, picture.arrival);
+    {
+      const std::lock_guard lock(picture_mutex_);
+      picture_ = CameraPicture{t, std::move(*color)};
+    }
     const std::optional<Pose> T_base_camera = locate(header, detections);
     if (!T_base_camera) return fail("neither base markers nor transforms show where it is");
-    const double t = intake_.local_time(picture.topic, header.stamp, picture.arrival);
     for (TaggedObject& object : objects_) track(object, detections, *T_base_camera, t);
   }
 
@@ -187,7 +196,9 @@ class TagTracker final : public Ros2CameraTracker {
   std::optional<ReceivedPicture> image_;
   std::optional<ReceivedPicture> info_;
   bool is_stopped_ = false;
-  std::thread thread_;  ///< last: it uses the others
+  std::mutex picture_mutex_;
+  std::optional<CameraPicture> picture_;  ///< the newest that was not taken
+  std::thread thread_;                    ///< last: it uses the others
 };
 
 }  // namespace

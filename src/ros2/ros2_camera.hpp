@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/ros2/ros2_setup.hpp"
+#include "pcavr/sites/picture_source.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
 #include "ros2_intake.hpp"
@@ -23,6 +25,8 @@ class Ros2CameraTracker {
   /// An image or a camera info of intake's subscription `topic` that arrived at `now` [s].
   virtual void on_message(std::size_t topic, bool is_image, std::span<const std::uint8_t> message,
                           double now) = 0;
+  /// The images themselves; a picture's time [s] is that of its stamp on CLOCK_BOOTTIME.
+  [[nodiscard]] virtual std::optional<CameraPicture> take_picture() = 0;
 };
 
 /// Writes the poses that it finds to `samples`. Keeps references to intake and queue. The camera is

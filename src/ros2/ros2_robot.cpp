@@ -52,7 +52,7 @@ bool pop_record(RecordQueue& queue, std::vector<std::uint8_t>& buffer, Record& r
   return true;
 }
 
-class Ros2Robot final : public RobotInterface {
+class Ros2Robot final : public RobotInterface, private PictureSource {
  public:
   Ros2Robot(const Ros2Setup& setup, std::vector<std::size_t> objects, std::size_t scene_objects)
       : setup_(setup),
@@ -122,7 +122,10 @@ class Ros2Robot final : public RobotInterface {
   }
 
   void advance(double t, RobotSamples& samples) override {
-    if (!scene_offset_) scene_offset_ = t - boot_clock();
+    if (!scene_offset_) {
+      scene_offset_ = t - boot_clock();
+      picture_offset_ = *scene_offset_;
+    }
     Ros2Sample sample;
     for (std::size_t i = 0; i < kMaxSamplesPerCycle; ++i) {
       if (!pop_record(samples_, buffer_, sample) && !pop_record(pictures_, buffer_, sample)) return;
@@ -138,7 +141,18 @@ class Ros2Robot final : public RobotInterface {
     return lines;
   }
 
+  [[nodiscard]] PictureSource* pictures() override {
+    return camera_ ? static_cast<PictureSource*>(this) : nullptr;
+  }
+
  private:
+  // PictureSource.
+  [[nodiscard]] Expected<std::optional<CameraPicture>> newest(double t) override {
+    std::optional<CameraPicture> picture = camera_->take_picture();
+    if (picture) picture->t = std::min(picture->t + picture_offset_, t);
+    return picture;
+  }
+
   struct Measured {
     Pose T_base_tool;
     double arrival = 0.0;  ///< [s]
@@ -327,6 +341,7 @@ class Ros2Robot final : public RobotInterface {
   std::optional<double> last_wrench_;
   std::vector<std::optional<double>> last_tracked_;  ///< by object
 
+  std::atomic<double> picture_offset_ = 0.0;  ///< the first, for the thread of the pictures
   std::atomic<bool> is_stopped_ = false;
   std::thread reader_;
   std::thread publisher_;

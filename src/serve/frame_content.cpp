@@ -3,35 +3,16 @@
 #include "pcavr/serve/frame_content.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <deque>
-#include <iterator>
 #include <mutex>
 #include <optional>
 #include <utility>
 
 #include "pcavr/recording/image_codec.hpp"
 
+#include "numbered_path.hpp"
+
 namespace pcavr {
-namespace {
-
-/// The N of "/api/frames/N.jpg", written as a plain number.
-std::optional<std::size_t> frame_of(std::string_view path) {
-  constexpr std::string_view kStart = "/api/frames/";
-  constexpr std::string_view kEnd = ".jpg";
-  if (!path.starts_with(kStart) || !path.ends_with(kEnd)) return std::nullopt;
-  path.remove_prefix(kStart.size());
-  if (path.size() <= kEnd.size()) return std::nullopt;
-  path.remove_suffix(kEnd.size());
-  std::size_t frame = 0;
-  const auto read = std::from_chars(path.data(), path.data() + path.size(), frame);
-  const bool is_plain = read.ec == std::errc() && read.ptr == path.data() + path.size();
-  if (!is_plain || (path.size() > 1 && path.front() == '0')) return std::nullopt;
-  return frame;
-}
-
-}  // namespace
-
 struct FrameContent::Store {
   Store(AugmentedFrames rendered, int cache_size)
       : frames(std::move(rendered)), max_cached(cache_size) {}
@@ -62,7 +43,7 @@ FrameContent& FrameContent::operator=(FrameContent&&) noexcept = default;
 FrameContent::~FrameContent() = default;
 
 Expected<std::shared_ptr<const Content>> FrameContent::find(std::string_view path) const {
-  const std::optional<std::size_t> frame = frame_of(path);
+  const std::optional<std::size_t> frame = number_in(path, "/api/frames/", ".jpg");
   if (!frame || *frame >= store_->frames.size()) return std::shared_ptr<const Content>();
   if (auto picture = store_->find_cached(*frame)) return picture;
   // One thread: the other cores stay free for the world's thread.

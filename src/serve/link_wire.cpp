@@ -13,7 +13,7 @@
 namespace pcavr {
 namespace {
 
-constexpr std::size_t kLinkBytes = 108;  ///< before the objects
+constexpr std::size_t kLinkBytes = 116;  ///< before the objects
 constexpr std::size_t kLinkObjectBytes = 36;
 
 enum LinkFlag : std::uint32_t {
@@ -53,6 +53,8 @@ void write_link(const LiveLinkState& link, std::size_t objects, ByteWriter& writ
                              stamps.sent_back, stamps.received_back}) {
     writer.f64(stamp);
   }
+  writer.integer(link.picture);
+  writer.f32(link.picture_age);
   for (const LiveLinkState::Object& object : robot.objects) {
     write_vector(object.position, writer);
     write_quaternion(object.orientation, writer);
@@ -83,6 +85,8 @@ LiveLinkState read_link(ByteReader& reader, std::size_t objects) {
     *stamp = reader.f64();
   }
   if ((flags & kHasDelays) != 0) link.delays = stamps;
+  link.picture = reader.integer<std::uint32_t>();
+  link.picture_age = reader.f32();
   for (std::size_t i = 0; i < objects; ++i) {
     LiveLinkState::Object& object = robot.objects.emplace_back();
     object.position = read_vector(reader);

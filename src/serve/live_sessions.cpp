@@ -81,6 +81,8 @@ void copy_link(const WorldSnapshot& snapshot, bool is_from_page, LiveState& stat
   if (link.robot && link.robot->objects.size() == snapshot.world.bodies.size()) {
     shown.robot = robot_of(*link.robot);
   }
+  shown.picture = link.picture;
+  shown.picture_age = static_cast<float>(link.picture_age);
   shown.delays = link.delays;
   // The hand's clock is that of the page that moves it.
   if (shown.delays && !is_from_page) shown.delays->device_clock.reset();

@@ -123,6 +123,8 @@ struct OperatorPage::Content {
     }
     if (link.robot != nullptr) shown.robot = *link.robot;
     shown.delays = link.delays;
+    shown.picture = picture;
+    shown.picture_age = picture > 0 ? link.now - picture_t : 0.0;
   }
 
   /// The device's emergency stop is also the robot's, until a page releases it.
@@ -159,6 +161,9 @@ struct OperatorPage::Content {
   bool is_releasing = false;  ///< the emergency stop, until the robot's site agrees
   bool is_resuming = false;   ///< the same of a hold
   bool was_stop_pressed = false;
+  RobotPicture* pictures = nullptr;
+  std::uint32_t picture = 0;  ///< number of the newest
+  double picture_t = 0.0;     ///< [s] CLOCK_MONOTONIC
   std::atomic<Request> stop{Request::none};
   std::atomic<Request> hold{Request::none};
 };
@@ -211,6 +216,14 @@ void OperatorPage::wait(const OperatorLink& link) {
   c.is_releasing = c.is_resuming = false;  // a release needs the robot's answer
   c.cycle.open_clutch();
   c.run(link);
+}
+
+void OperatorPage::set_pictures(RobotPicture& pictures) { content_->pictures = &pictures; }
+
+void OperatorPage::show_picture(const LinkPicture& picture, double t) {
+  if (content_->pictures == nullptr) return;
+  content_->pictures->set(picture, ++content_->picture);
+  content_->picture_t = t;
 }
 
 OperatorRequests OperatorPage::take_requests() {

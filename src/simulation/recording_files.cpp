@@ -133,8 +133,7 @@ std::vector<Pose> body_poses(const World& world, const PlantCase& plant, const P
       poses.push_back(plant.tool.arm->T_base_robot * kinematics.T_base_link(link));
     }
   } else if (world.has_tool) {
-    // The tool's z points down: a half turn about x.
-    poses.emplace_back(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), p_base_tip_at(run, t));
+    poses.push_back(tool_pose(p_base_tip_at(run, t)));
   }
   return poses;
 }

@@ -62,6 +62,11 @@ struct World {
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
 };
 
+/// Of the tool without an arm: its z points down, a half turn about x.
+[[nodiscard]] inline Pose tool_pose(const Eigen::Vector3d& p_base_tip) {
+  return {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), p_base_tip};
+}
+
 /// The manifest that describes the world, without the camera.
 [[nodiscard]] Manifest manifest_of(const World& world);
 

@@ -17,6 +17,7 @@
 #include "connection_faults.hpp"
 #include "next_world.hpp"
 #include "operator_connection.hpp"
+#include "picture_view.hpp"
 #include "robot_view.hpp"
 #include "safety_requests.hpp"
 #include "site_priority.hpp"
@@ -135,6 +136,9 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       if (!corrections_.accept(std::move(*correction))) ++report_.repeated_corrections;
     } else if (auto* state = std::get_if<LinkState>(&message.content)) {
       on_state(message.header, std::move(*state), now);
+    } else if (const auto* picture = std::get_if<LinkPicture>(&message.content)) {
+      if (!pictures_.add(message.header, *picture, now, link_)) return;
+      person_.show_picture(*picture, clock_.monotonic(link_.shared_clock().local_at(picture->t)));
     }
   }
 
@@ -194,6 +198,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     }
     welcome_ = std::move(welcome);
     welcomed_ = now;
+    pictures_.restart();
     ++report_.sessions;
   }
 
@@ -371,6 +376,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   OperatorSiteReport describe() {
     if (site_) report_.late_corrections += site_->late();
     report_.invalid_messages += link_.invalid_messages();
+    report_.pictures = pictures_.count();
+    report_.picture_age = pictures_.mean_age();
     report_.round_trip = link_.shared_clock().is_known() ? link_.shared_clock().min_delay() : 0.0;
     if (link_.shared_clock().is_known()) {
       report_.clock_offset = link_.shared_clock().shared_at(clock_.now()) - clock_.now();
@@ -400,6 +407,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   bool is_busy_ = false;  ///< another operator's site was connected
   std::optional<LiveOperatorSite> site_;
   CorrectionReceiver corrections_;
+  PictureView pictures_;
   RobotView robot_;
   SafetyRequests requests_;
   double next_hello_ = 0.0;

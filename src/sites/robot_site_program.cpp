@@ -15,6 +15,7 @@
 #include "pcavr/sites/site_clock.hpp"
 
 #include "operator_session.hpp"
+#include "picture_feed.hpp"
 #include "robot_measurement.hpp"
 #include "robot_safety.hpp"
 #include "site_priority.hpp"
@@ -46,6 +47,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         log_(reporter_.log()),
         clock_(runtime.clock),
         safety_(options.limits, robot.p_base_start()),
+        pictures_(robot.pictures(), options.pictures),
         cpu_before_(thread_cpu()),
         next_cycle_(clock_.now() + options.cycle),
         last_step_(clock_.now()) {
@@ -109,8 +111,10 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       next_state_ = now + 1.0 / options_.state_rate;
       send_state(now);
     }
+    if (session()) send_picture(now);
     for (const std::string& notice : server_.take_notices()) warn(notice, now);
     for (const std::string& notice : robot_.take_notices()) warn(notice, now);
+    if (const auto fault = pictures_.take_fault()) warn("no picture: " + *fault, now);
     reporter_.check_log();
   }
 
@@ -155,6 +159,8 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       end_session();
     } else if (const auto* acknowledged = std::get_if<LinkAcknowledgement>(&message.content)) {
       session()->corrections.acknowledge(*acknowledged, now);
+    } else if (const auto* receipt = std::get_if<LinkPictureReceipt>(&message.content)) {
+      pictures_.note_receipt(*receipt, now);
     }
   }
 
@@ -190,6 +196,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
       site_.restart(std::max(now - *start_, 0.0));
     }
     safety_.begin_session();
+    pictures_.restart();
     reporter_.note(now, "operator's site connected: " +
                             (hello.name.empty() ? std::string("without name") : hello.name));
     welcome();
@@ -309,6 +316,15 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     send(session()->peer, session()->id, std::move(state));
   }
 
+  void send_picture(double now) {
+    std::optional<LinkPicture> picture = pictures_.step(now, *start_);
+    if (!picture) return;
+    send(session()->peer, session()->id, std::move(*picture));
+    pictures_.note_sent(sequence_, bytes_.size(), now);
+    ++report_.pictures;
+    report_.picture_bytes += bytes_.size();
+  }
+
   template <typename Content>
   void send(const std::string& peer, std::uint32_t session, Content&& content) {
     message_.header = {++sequence_, session, clock_.now()};
@@ -339,6 +355,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   SiteLog& log_;
   SiteClock clock_;  ///< the shared one
   RobotSafety safety_;
+  PictureFeed pictures_;
   RobotMeasurement measurement_;
   double cpu_before_;            ///< [s]
   double next_cycle_;            ///< [s]

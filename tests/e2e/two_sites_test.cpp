@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -386,6 +387,33 @@ TEST_F(TwoSites, OfOtherVersionsAreRejected) {
 }
 
 // The operator's site is stopped for a second: the robot holds, and a new session follows.
+// The simulated plant has a camera; its pictures are as old as the delay when they arrive.
+TEST_F(TwoSites, ShowThePicturesOfTheRobotsCamera) {
+  std::vector<std::string> robot_site = robot_arguments();
+  std::replace(robot_site.begin(), robot_site.end(), std::string("--recording"),
+               std::string("--plant"));
+  std::replace(robot_site.begin(), robot_site.end(), path("recording"), std::string("push"));
+  robot_site.insert(robot_site.end(), {"--seed", "3"});
+  RunningCommand robot(robot_site, folder(), "robot_camera");
+  const int port = port_of(robot);
+  ASSERT_GT(port, 0) << robot.errors();
+  std::vector<std::string> arguments = operator_arguments(port, "alice");
+  arguments.insert(arguments.end(), {"--forward-delay", "0.2", "--backward-delay", "0.2"});
+  RunningCommand site(arguments, folder(), "operator_camera");
+  std::this_thread::sleep_for(milliseconds(6000));
+  site.signal(SIGINT);
+  EXPECT_EQ(site.wait(), 0) << site.errors();
+  robot.signal(SIGINT);
+  EXPECT_EQ(robot.wait(), 0) << robot.errors();
+  const json at_operator = json::parse(site.output(), nullptr, false);
+  const json at_robot = result_of(robot);
+  EXPECT_GE(at_operator["pictures"].get<int>(), 3);
+  EXPECT_LE(at_operator["pictures"].get<int>(), at_robot["pictures"].get<int>());
+  EXPECT_GT(at_operator["picture_age_s"].get<double>(), 0.2);
+  EXPECT_GT(at_robot["picture_bytes"].get<double>(), 1000.0 * at_robot["pictures"].get<double>());
+  EXPECT_EQ(at_operator["invalid_messages"], 0);
+}
+
 TEST_F(TwoSites, HoldAndResumeAfterAnInterruption) {
   RunningCommand robot(robot_arguments(), folder(), "robot_hold");
   const int port = port_of(robot);

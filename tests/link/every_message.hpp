@@ -46,7 +46,8 @@ inline std::vector<LinkMessage> every_message() {
           {header, LinkAcknowledgement{4, 2}},
           {header, LinkHeartbeat{}},
           {header, LinkStop::emergency_stop},
-          {header, LinkPicture{3.0, 640, 480, {0xff, 0xd8}}}};
+          {header, LinkPicture{3.0, 640, 480, {0xff, 0xd8}}},
+          {header, LinkPictureReceipt{18, 3.25}}};
 }
 
 }  // namespace pcavr::test

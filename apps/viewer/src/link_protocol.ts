@@ -4,7 +4,7 @@
 // The part of a state about the link to a robot's site: docs/live-protocol.md.
 import type { Quaternion, Vector } from './coordinates';
 
-export const linkBytes = 108; // before the objects
+export const linkBytes = 116; // before the objects
 export const linkObjectBytes = 36;
 
 /// One command's way, on the server's clock [s]; `device` on this page's, NaN if another page's.
@@ -43,6 +43,8 @@ export interface LinkInfo {
   clockStd: number; // [s]
   robot: RobotState | null;
   stamps: LinkStamps | null;
+  picture: number; // of the robot's camera, the newest; 0: none
+  pictureAge: number; // [s]
 }
 
 export function readLink(view: DataView, at: number, count: number): LinkInfo {
@@ -89,5 +91,7 @@ export function readLink(view: DataView, at: number, count: number): LinkInfo {
             sentBack: f64(92),
             receivedBack: f64(100),
           },
+    picture: view.getUint32(at + 108, true),
+    pictureAge: f32(112),
   };
 }

@@ -25,6 +25,7 @@ import { differenceText, MeasureLabels } from './ui/measure_labels';
 import { ObjectsPanel } from './ui/objects_panel';
 import { PageLink } from './ui/page_link';
 import { pair } from './ui/pairing';
+import { RobotPicture } from './ui/robot_picture';
 import { Sheet } from './ui/sheet';
 import type { Theme, ThemeSwitch } from './ui/theme';
 import { ToolPanel } from './ui/tool_panel';
@@ -53,6 +54,7 @@ export class Page {
   private tool: DesktopTool | null = null;
   private toolPanel: ToolPanel | null = null;
   private linkPanel: LinkPanel | null = null;
+  private robotPicture: RobotPicture | null = null;
   private replay: ReplayPlayer | null = null;
   private plot: LivePlot | null = null;
   private lastStats = -Infinity; // [ms]
@@ -137,6 +139,7 @@ export class Page {
     this.toolPanel = new ToolPanel(this.app, this.tool, handle);
     const { tool } = this;
     this.linkPanel = new LinkPanel(this.app, () => tool.disengage());
+    this.robotPicture = new RobotPicture();
     const { LivePlot } = await import('./ui/live_plot');
     byId('dock', HTMLElement).hidden = false;
     this.plot = new LivePlot(byId('plots', HTMLDivElement), this.model);
@@ -286,6 +289,7 @@ export class Page {
     if (state) {
       if (!this.hadState) this.showFirstState();
       this.restart.onState(state);
+      this.robotPicture?.update(state.link);
       this.plot?.add(state, this.app.session.welcome?.objects ?? [], time / 1000);
       if (this.pulses >= 0 && state.pulses > this.pulses) navigator.vibrate?.(vibrationMs);
       this.pulses = state.pulses;

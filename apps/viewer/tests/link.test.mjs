@@ -110,6 +110,15 @@ test('a box of the live plant is pushed, and shown where the robot sees it', lim
   const tracked = link.robot.objects[0].position;
   const apart = Math.hypot(...tracked.map((value, i) => value - objects[0].position[i]));
   assert.ok(apart < 0.003, `shown and tracked differ by ${1000 * apart} mm`);
+  // What the robot's camera sees, with its age: the delay back, at least.
+  await page.locator('#camera-toggle').click();
+  await page.waitForFunction(() => document.querySelector('#picture img').naturalWidth > 0);
+  const caption = await page.locator('#picture .caption').textContent();
+  const [, age] = caption.match(/^Robot's camera, ([\d.]+) s ago/);
+  assert.ok(Number(age) >= 0.2 && Number(age) < 2, caption);
+  const { picture } = (await stateOf(page)).link;
+  await until(async () => (await stateOf(page)).link.picture > picture + 2, 'newer pictures');
+  await screenshot(page, 'link-camera');
   assert.deepEqual(seen.errors, []);
 });
 

@@ -106,6 +106,8 @@ test('a state with a link is read back as written, with and without an arm', () 
     clockStd: 2 ** -14,
     robot,
     stamps,
+    picture: 70000,
+    pictureAge: 0.75,
   } as unknown as LiveState['link'];
   const arm = { position: [0.5], isStopped: false, isReached: true, nearest: null };
   for (const withArm of [null, arm]) {

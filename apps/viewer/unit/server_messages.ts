@@ -99,6 +99,8 @@ function writeLink(view: DataView, link: LinkInfo): void {
   [device, sent, received, applied, sensed, sentBack, receivedBack].forEach((stamp, i) =>
     view.setFloat64(52 + 8 * i, stamp ?? NaN, true),
   );
+  view.setUint32(108, link.picture, true);
+  f32(112, [link.pictureAge]);
   robot?.objects.forEach(({ position, quaternion, age, isTracked }, i) => {
     const at = linkBytes + i * linkObjectBytes;
     f32(at, [...position, ...quaternion, age]);

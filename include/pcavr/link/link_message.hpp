@@ -18,10 +18,10 @@
 
 namespace pcavr {
 
-/// Messages between the operator's and the robot's site: `pcavr-link/3`; docs/link.md specifies
+/// Messages between the operator's and the robot's site: `pcavr-link/4`; docs/link.md specifies
 /// each byte. Base frame, SI; "shared clock" is the clock of the robot's site, see LinkClock. Pure
 /// functions: any thread.
-inline constexpr int kLinkVersion = 3;
+inline constexpr int kLinkVersion = 4;
 /// Maximum length of a message, its header included; of a picture kMaxLinkPictureBytes.
 inline constexpr std::size_t kMaxLinkMessageBytes = 64 * 1024;
 inline constexpr std::size_t kMaxLinkPictureBytes = 1024 * 1024;
@@ -150,6 +150,7 @@ enum class LinkStop : std::uint32_t {
   reset = 4,           ///< of the emergency stop; the site stays on hold
 };
 
+/// What the robot's camera sees. One that is lost is not sent again: the next is newer.
 struct LinkPicture {
   double t = 0.0;  ///< [s] shared clock
   std::uint16_t width = 0;
@@ -157,10 +158,17 @@ struct LinkPicture {
   std::vector<std::uint8_t> jpeg = {};
 };
 
+/// A picture has arrived.
+struct LinkPictureReceipt {
+  std::uint32_t sequence = 0;  ///< of the picture's header
+  double received = 0.0;       ///< [s] shared clock
+};
+
 struct LinkMessage {
   LinkHeader header;
   std::variant<LinkHello, LinkWelcome, LinkReject, LinkPing, LinkPong, LinkCommand, LinkState,
-               LinkCorrection, LinkAcknowledgement, LinkHeartbeat, LinkStop, LinkPicture>
+               LinkCorrection, LinkAcknowledgement, LinkHeartbeat, LinkStop, LinkPicture,
+               LinkPictureReceipt>
       content;
 };
 

@@ -8,6 +8,7 @@
 
 #include "pcavr/core/expected.hpp"
 #include "pcavr/simulation/plant_case.hpp"
+#include "pcavr/simulation/simulate.hpp"
 #include "pcavr/sites/robot_interface.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
@@ -26,10 +27,9 @@ class PlantRobot : public RobotInterface {
 /// real time, with its sensors and its tracker, whose poses arrive `tracking_latency` [s] after
 /// their frames. Its boxes stand where `world` has the objects of the same names. An Error if an
 /// object of one is not in the other. If it was not advanced for a while, as when the process was
-/// stopped, the plant stood still meanwhile.
-[[nodiscard]] Expected<std::unique_ptr<PlantRobot>> make_plant_robot(ToolTask task,
-                                                                     std::uint64_t seed,
-                                                                     const TeleopInput& world,
-                                                                     double tracking_latency);
+/// stopped, the plant stood still meanwhile. With `camera`, of the same task, it has a camera.
+[[nodiscard]] Expected<std::unique_ptr<PlantRobot>> make_plant_robot(
+    ToolTask task, std::uint64_t seed, const TeleopInput& world, double tracking_latency,
+    const SimulationCase* camera = nullptr);
 
 }  // namespace pcavr

@@ -10,8 +10,9 @@
 namespace pcavr {
 
 /// A recording in real time: each sample when it was measured, a tracked pose `tracking_latency`
-/// [s] later. Keeps a reference to the input, which must outlive it.
-[[nodiscard]] std::unique_ptr<RobotInterface> make_recorded_robot(const TeleopInput& input,
-                                                                  double tracking_latency);
+/// [s] later. Keeps a reference to the input, which must outlive it. `pictures` may be null.
+[[nodiscard]] std::unique_ptr<RobotInterface> make_recorded_robot(
+    const TeleopInput& input, double tracking_latency,
+    std::unique_ptr<PictureSource> pictures = nullptr);
 
 }  // namespace pcavr

@@ -142,6 +142,8 @@ struct LiveLinkState {
   std::optional<Robot> robot;
   /// On the server's clock, but for device_clock: the receiving page's.
   std::optional<DelayStamps> delays;
+  std::uint32_t picture = 0;  ///< number of the newest one of the robot's camera; 0: none
+  float picture_age = 0.0F;   ///< [s]
 };
 
 struct LiveState {

@@ -13,6 +13,7 @@
 #include "pcavr/link/motion_limiter.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/page_world.hpp"
+#include "pcavr/serve/robot_picture.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 #include "pcavr/sites/operator_interface.hpp"
 
@@ -35,6 +36,9 @@ class OperatorPage final : public OperatorInterface, public PageWorld {
       std::unique_ptr<LiveArm> arm = nullptr);
   ~OperatorPage() override;
 
+  /// Where pages find the pictures of the robot's camera; kept. Before the site runs.
+  void set_pictures(RobotPicture& pictures);
+
   // The site's thread.
   [[nodiscard]] bool needs_follower() const override { return true; }
   [[nodiscard]] Eigen::Vector3d p_base_start(std::size_t next, const LinkState* robot) override;
@@ -43,6 +47,7 @@ class OperatorPage final : public OperatorInterface, public PageWorld {
                                      const OperatorLink& link) override;
   void end() override;
   void wait(const OperatorLink& link) override;
+  void show_picture(const LinkPicture& picture, double t) override;
   [[nodiscard]] OperatorRequests take_requests() override;
 
   // Any thread, as in PageWorld.

@@ -28,6 +28,8 @@ struct LinkSnapshot {
   double clock_std = 0.0;               ///< [s] of the shared clock
   std::optional<LinkState> robot = {};  ///< its newest state, of this session or of the last one
   std::optional<DelayStamps> delays = {};
+  std::uint32_t picture = 0;  ///< number of the newest one of the robot's camera; 0: none
+  double picture_age = 0.0;   ///< [s]
 };
 
 /// Quantiles of the cycles' durations [s].

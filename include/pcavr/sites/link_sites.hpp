@@ -16,6 +16,7 @@
 #include "pcavr/link/link_conditions.hpp"
 #include "pcavr/link/link_transport.hpp"
 #include "pcavr/link/motion_limiter.hpp"
+#include "pcavr/link/picture_pacer.hpp"
 #include "pcavr/sites/operator_interface.hpp"
 #include "pcavr/sites/robot_interface.hpp"
 #include "pcavr/teleop/live_sites.hpp"
@@ -35,6 +36,7 @@ struct RobotSiteOptions {
   double start_delay;  ///< [s] from the first session to the beginning of a recording
   CommandOptions commands;
   MotionLimits limits;
+  PictureOptions pictures;
 };
 /// Without the nested options.
 [[nodiscard]] OptionSection section_of(RobotSiteOptions& options);
@@ -58,6 +60,8 @@ struct RobotSiteReport {
   std::size_t repeated_corrections = 0;
   std::size_t correction_bytes = 0;
   std::size_t streaming_bytes = 0;
+  std::size_t pictures = 0;  ///< sent
+  std::size_t picture_bytes = 0;
   std::vector<SentCorrection> corrections;  ///< the first of them; times of the scene
   std::size_t cycles = 0;
   std::size_t late_cycles = 0;
@@ -102,6 +106,8 @@ struct OperatorSiteReport {
   std::size_t repeated_corrections = 0;  ///< received again, not applied again
   std::size_t late_corrections = 0;      ///< beyond the history
   std::size_t invalid_messages = 0;
+  std::size_t pictures = 0;  ///< of the robot's camera, received
+  double picture_age = 0.0;  ///< [s] when they arrived, their mean
   std::vector<Interruption> interruptions;
   double lead = 0.0;  ///< [s] from sending a command to its execution
   double correction_delay =

@@ -70,6 +70,8 @@ class OperatorInterface {
   virtual void end() {}
   /// In place of step() without a session, at least every 20 ms.
   virtual void wait(const OperatorLink&) {}
+  /// What the robot's camera saw at `t` [s] of CLOCK_MONOTONIC; each is newer than the last.
+  virtual void show_picture(const LinkPicture& /*picture*/, double /*t*/) {}
   /// What is wanted since the last call.
   [[nodiscard]] virtual OperatorRequests take_requests() { return {}; }
 };

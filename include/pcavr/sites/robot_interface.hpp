@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "pcavr/geometry/tracked_pose.hpp"
+#include "pcavr/sites/picture_source.hpp"
 
 namespace pcavr {
 
@@ -62,6 +63,8 @@ class RobotInterface {
   [[nodiscard]] virtual std::vector<std::string> take_notices() { return {}; }
   /// [s] when it ends; nothing: it does not.
   [[nodiscard]] virtual std::optional<double> end() const { return std::nullopt; }
+  /// What its camera sees; null: it has none. Called from a thread of its own.
+  [[nodiscard]] virtual PictureSource* pictures() { return nullptr; }
 };
 
 }  // namespace pcavr

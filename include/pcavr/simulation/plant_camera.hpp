@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "pcavr/core/expected.hpp"
+#include "pcavr/geometry/image.hpp"
+#include "pcavr/geometry/pose.hpp"
+#include "pcavr/simulation/simulate.hpp"
+
+namespace pcavr {
+
+/// What the camera of a case, on its stand, sees of the case's plant while this is moved otherwise
+/// than in the recording: at half the width and height, so that a core renders some 20 a second.
+class PlantCamera {
+ public:
+  /// For a case with a tool that is not an arm's.
+  [[nodiscard]] static Expected<PlantCamera> create(const SimulationCase& simulation,
+                                                    std::uint64_t seed);
+  PlantCamera(PlantCamera&&) noexcept;
+  PlantCamera& operator=(PlantCamera&&) noexcept;
+  ~PlantCamera();
+
+  /// The tip's centre [m], and the bodies in the order of the plant. The noise is that of the
+  /// picture's number. Thread-safe.
+  [[nodiscard]] ColorImage render(const Eigen::Vector3d& p_base_tip,
+                                  std::span<const Pose> T_base_objects, std::uint64_t number) const;
+
+ private:
+  struct Content;
+  explicit PlantCamera(std::unique_ptr<Content> content);
+  std::unique_ptr<Content> content_;
+};
+
+}  // namespace pcavr

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "picture_encoder.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "pcavr/recording/image_codec.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr int kMaxQuality = 90;
+constexpr int kMinQuality = 20;  // below it a smaller picture shows more
+constexpr int kQualityStep = 10;
+constexpr int kMinWidth = 80;        // [px] the coarsest picture
+constexpr double kWellBelow = 0.6;   // of the permitted bytes: the next may be better
+constexpr std::size_t kHeader = 64;  // [bytes] of a picture's message beside the JPEG
+
+/// Means of blocks of two by two pixels.
+ColorImage half_size(const ColorImage& image) {
+  ColorImage half(image.width() / 2, image.height() / 2);
+  for (int y = 0; y < half.height(); ++y) {
+    for (int x = 0; x < half.width(); ++x) {
+      const auto mean = [&](std::uint8_t Rgb8::*channel) {
+        const int sum = image(2 * x, 2 * y).*channel + image(2 * x + 1, 2 * y).*channel +
+                        image(2 * x, 2 * y + 1).*channel + image(2 * x + 1, 2 * y + 1).*channel;
+        return static_cast<std::uint8_t>((sum + 2) / 4);
+      };
+      half(x, y) = {mean(&Rgb8::r), mean(&Rgb8::g), mean(&Rgb8::b)};
+    }
+  }
+  return half;
+}
+
+}  // namespace
+
+Expected<LinkPicture> encode_picture(const CameraPicture& picture, std::size_t max_bytes,
+                                     int& quality) {
+  const std::size_t allowed = std::min(max_bytes, kMaxLinkPictureBytes) - kHeader;
+  quality = std::clamp(quality, kMinQuality, kMaxQuality);
+  ColorImage smaller;
+  const ColorImage* image = &picture.image;
+  for (;;) {
+    Expected<std::string> jpeg = encode_color(*image, quality);
+    if (!jpeg) return jpeg.error();
+    const bool is_coarsest = quality == kMinQuality && image->width() < 2 * kMinWidth;
+    if (jpeg->size() <= allowed || is_coarsest) {
+      if (static_cast<double>(jpeg->size()) < kWellBelow * static_cast<double>(allowed)) {
+        quality = std::min(quality + kQualityStep, kMaxQuality);
+      }
+      return LinkPicture{picture.t,
+                         static_cast<std::uint16_t>(image->width()),
+                         static_cast<std::uint16_t>(image->height()),
+                         {jpeg->begin(), jpeg->end()}};
+    }
+    if (quality > kMinQuality) {
+      quality = std::max(quality - kQualityStep, kMinQuality);
+    } else {
+      smaller = half_size(*image);
+      image = &smaller;
+    }
+  }
+}
+
+PictureEncoder::PictureEncoder(PictureSource& source)
+    : source_(source), thread_([this] { run(); }) {}
+
+PictureEncoder::~PictureEncoder() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_stopped_ = true;
+  }
+  requested_.notify_all();
+  thread_.join();
+}
+
+void PictureEncoder::request(double t, std::size_t max_bytes) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (request_ || made_) return;
+    request_ = Request{t, std::max(max_bytes, 2 * kHeader)};
+  }
+  requested_.notify_all();
+}
+
+std::optional<LinkPicture> PictureEncoder::take() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(made_, std::nullopt);
+}
+
+std::optional<std::string> PictureEncoder::take_fault() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(fault_, std::nullopt);
+}
+
+void PictureEncoder::run() {
+  int quality = kMaxQuality;
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    requested_.wait(lock, [this] { return is_stopped_ || request_; });
+    if (is_stopped_) return;
+    const Request wanted = *request_;
+    lock.unlock();
+    Expected<std::optional<CameraPicture>> picture = source_.newest(wanted.t);
+    std::optional<Expected<LinkPicture>> encoded;
+    if (picture && *picture) encoded = encode_picture(**picture, wanted.max_bytes, quality);
+    lock.lock();
+    request_.reset();
+    if (!picture) fault_ = picture.error().to_string();
+    if (!encoded) continue;
+    if (*encoded) {
+      made_ = std::move(**encoded);
+    } else {
+      fault_ = encoded->error().to_string();
+    }
+  }
+}
+
+}  // namespace pcavr
