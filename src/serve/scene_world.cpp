@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -86,7 +87,26 @@ Expected<void> add_guards(const SceneManifest& scene, double tool_radius, SceneW
   return {};
 }
 
-Eigen::Vector3d tool_start(const WorldModel& world, double start_height) {
+/// Half way from the first camera to the scan in the middle of its picture: in the page's first
+/// view.
+std::optional<Eigen::Vector3d> start_before_scan(const SceneManifest& scene,
+                                                 const TriangleMesh& static_mesh_base) {
+  const Expected<Trajectory> cameras = read_camera_trajectory(scene);
+  if (!cameras || cameras->empty()) return std::nullopt;
+  const Pose& T_base_camera = cameras->poses().front().pose;
+  const Eigen::Vector3d axis = T_base_camera.rotation() * Eigen::Vector3d::UnitZ();
+  const auto hit = SurfaceQuery(static_mesh_base)
+                       .cast(T_base_camera.translation().cast<float>(), axis.cast<float>());
+  if (!hit) return std::nullopt;
+  return T_base_camera.translation() + 0.5 * static_cast<double>(hit->distance) * axis;
+}
+
+/// Above the middle of the bodies; without any in front of the scan, or above it.
+Eigen::Vector3d tool_start(const SceneManifest& scene, const WorldModel& world,
+                           double start_height) {
+  if (world.bodies.empty() && !world.static_mesh_base.triangles.empty()) {
+    if (const auto start = start_before_scan(scene, world.static_mesh_base)) return *start;
+  }
   Eigen::AlignedBox3f box;
   for (const WorldBody& body : world.bodies) {
     box.extend(bounds(transformed(body.T_base_object, body.model.mesh_object).vertices));
@@ -126,7 +146,7 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
     world.model.supports_base.push_back(plane.outline_base);
   }
   world.triangles = world.model.world.static_mesh_base.triangles.size();
-  world.p_base_tool_start = tool_start(world.model.world, options.start_height);
+  world.p_base_tool_start = tool_start(scene, world.model.world, options.start_height);
   const Expected<void> guarded = add_guards(scene, options.tool_radius, world);
   if (!guarded) return guarded.error();
   return world;

@@ -48,6 +48,17 @@ TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsAboveIt) {
   EXPECT_TRUE(world->notes.empty());
 }
 
+TEST_F(SceneWorldTest, WithoutBodiesTheToolStartsBetweenTheFirstCameraAndTheScan) {
+  Scene scene = a_box_on_a_table();
+  scene.objects.clear();
+  scene.tags.clear();
+  scene.support_planes[0].objects.clear();
+  const auto world = world_of(scene);
+  ASSERT_TRUE(world) << world.error().to_string();
+  // The camera looks straight down from a metre above the table.
+  EXPECT_LT((world->p_base_tool_start - Eigen::Vector3d(0.5, 0.0, 0.5)).norm(), 1e-6);
+}
+
 /// The scene with guards written at its end, as by a user.
 Expected<SceneWorld> guarded_world(const std::filesystem::path& folder, const std::string& guards) {
   EXPECT_TRUE(write_scene(a_box_on_a_table(), folder, {1}));
