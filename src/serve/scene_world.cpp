@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -13,12 +14,22 @@
 #include "pcavr/pipeline/known_parameters.hpp"
 #include "pcavr/pipeline/scanned_surface.hpp"
 #include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/scene/glb_file.hpp"
 #include "pcavr/scene/scene.hpp"
 
 namespace pcavr {
 namespace {
 
 bool is_seen(const SceneObjectEntry& object) { return object.evidence != kNotSeen; }
+
+/// A level of detail: its file's axes are a viewer's (glTF: y up).
+Expected<TriangleMesh> read_level(const std::filesystem::path& file) {
+  const Expected<GlbContent> glb = read_glb(file);
+  if (!glb) return glb.error();
+  Expected<TriangleMesh> mesh_viewer = read_mesh(file);
+  if (!mesh_viewer) return mesh_viewer;
+  return transformed(glb->T_viewer_root.inverse(), *mesh_viewer);
+}
 
 Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles,
                                    SceneWorld& world) {
@@ -34,7 +45,7 @@ Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles
     }
     world.notes.push_back("using " + scene.levels_of_detail[i].string() +
                           " for contact: mesh.ply has more than " + limit);
-    mesh = read_mesh(scene.folder / scene.levels_of_detail[i]);
+    mesh = read_level(scene.folder / scene.levels_of_detail[i]);
   }
   return mesh;
 }
