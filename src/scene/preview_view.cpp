@@ -199,23 +199,6 @@ Eigen::Vector3d level_direction(const Scene& scene, const Eigen::Vector3d& camer
   return is_better ? up : Eigen::Vector3d::UnitZ();
 }
 
-/// As level_direction; where the camera looks at base's zenith all the time, the world frame is
-/// arbitrary, and up is that of its pictures.
-Eigen::Vector3d up_direction(const Scene& scene) {
-  Eigen::Vector3d forward = Eigen::Vector3d::Zero();
-  Eigen::Vector3d up = Eigen::Vector3d::Zero();
-  for (const TimedPose& timed : scene.camera_trajectory.poses()) {
-    forward += timed.pose.rotation() * Eigen::Vector3d::UnitZ();
-    up -= timed.pose.rotation() * Eigen::Vector3d::UnitY();
-  }
-  const bool is_upright = forward.z() <= std::sin(M_PI_4) * forward.norm() || up.norm() == 0.0;
-  if (!is_upright) return up.normalized();
-  // A camera that looks steeply down shows nothing of up in its pictures.
-  const bool looks_down = forward.z() < -std::sin(M_PI_4) * forward.norm();
-  if (looks_down || up.norm() == 0.0) return Eigen::Vector3d::UnitZ();
-  return level_direction(scene, up.normalized());
-}
-
 /// Unit vector from the centre to the viewpoint.
 Eigen::Vector3d direction_to_viewer(const Scene& scene, const Eigen::Vector3d& centre,
                                     const Eigen::Vector3d& up, bool has_table) {
@@ -241,6 +224,23 @@ Eigen::Matrix3d axes_of_view(const Eigen::Vector3d& to_viewer, const Eigen::Vect
 }
 
 }  // namespace
+
+// As level_direction; where the camera looks at base's zenith all the time, the world frame is
+// arbitrary, and up is that of its pictures.
+Eigen::Vector3d up_direction(const Scene& scene) {
+  Eigen::Vector3d forward = Eigen::Vector3d::Zero();
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const TimedPose& timed : scene.camera_trajectory.poses()) {
+    forward += timed.pose.rotation() * Eigen::Vector3d::UnitZ();
+    up -= timed.pose.rotation() * Eigen::Vector3d::UnitY();
+  }
+  const bool is_upright = forward.z() <= std::sin(M_PI_4) * forward.norm() || up.norm() == 0.0;
+  if (!is_upright) return up.normalized();
+  // A camera that looks steeply down shows nothing of up in its pictures.
+  const bool looks_down = forward.z() < -std::sin(M_PI_4) * forward.norm();
+  if (looks_down || up.norm() == 0.0) return Eigen::Vector3d::UnitZ();
+  return level_direction(scene, up.normalized());
+}
 
 View choose_view(const Scene& scene, int width, int height) {
   const Eigen::Vector3d up = up_direction(scene);

@@ -5,6 +5,8 @@
 #include "pcavr/core/utf8.hpp"
 #include "pcavr/scene/scene_text.hpp"
 
+#include "preview.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -148,6 +150,26 @@ void emit_files(YAML::Emitter& out, const SceneManifest& manifest) {
   out << YAML::EndSeq << YAML::EndMap;
 }
 
+void emit_texture(YAML::Emitter& out, const SceneTextureEntry& texture) {
+  emit_section(out, "texture");
+  out << YAML::BeginMap;
+  emit(out, "width", texture.width);
+  emit(out, "height", texture.height);
+  emit(out, "texel", texture.texel);
+  emit(out, "views", texture.views);
+  emit(out, "seen_fraction", texture.seen_fraction);
+  out << YAML::Key << "color_camera" << YAML::Value << YAML::BeginMap;
+  emit(out, "width", texture.color_camera.width);
+  emit(out, "height", texture.color_camera.height);
+  emit(out, "fx", texture.color_camera.fx);
+  emit(out, "fy", texture.color_camera.fy);
+  emit(out, "cx", texture.color_camera.cx);
+  emit(out, "cy", texture.color_camera.cy);
+  emit_pose(out, "T_color_depth", texture.T_color_depth);
+  emit(out, "vignetting", texture.vignetting);
+  out << YAML::EndMap << YAML::EndMap;
+}
+
 using Counts = std::vector<std::pair<std::string, std::size_t>>;
 
 void emit_counts(YAML::Emitter& out, const char* key, const char* what, const Counts& counts) {
@@ -247,6 +269,8 @@ SceneManifest manifest_of(const Scene& scene) {
   manifest.recording = scene.recording;
   manifest.voxel_size = scene.voxel_size;
   manifest.configuration = scene.configuration;
+  const bool is_world_arbitrary = scene.tags.empty() && scene.objects.empty() && !scene.robot;
+  if (is_world_arbitrary) manifest.up_base = up_direction(scene);
   for (const SceneObject& object : scene.objects) {
     manifest.objects.push_back({.name = object.model.name,
                                 .mesh = object_file(object.model.name),
@@ -280,6 +304,17 @@ SceneManifest manifest_of(const Scene& scene) {
   for (std::size_t level = 1; level < scene.levels_of_detail_base.size(); ++level) {
     manifest.levels_of_detail.push_back(level_of_detail_file(level));
   }
+  if (scene.texture) {
+    const SceneTexture& texture = *scene.texture;
+    manifest.texture = SceneTextureEntry{.width = texture.width,
+                                         .height = texture.height,
+                                         .texel = texture.texel,
+                                         .views = texture.views,
+                                         .seen_fraction = texture.seen_fraction,
+                                         .color_camera = texture.color_camera.undistorted(),
+                                         .T_color_depth = texture.T_color_depth,
+                                         .vignetting = texture.vignetting};
+  }
   manifest.is_fixed_camera = scene.quality.is_fixed_camera;
   manifest.quality = scene.quality;
   manifest.quality.times.clear();
@@ -301,6 +336,11 @@ std::string format_scene_manifest(const SceneManifest& manifest) {
   emit(out, "camera", manifest.is_fixed_camera ? "fixed" : "moving");
   emit(out, "voxel_size", manifest.voxel_size);
   emit_files(out, manifest);
+  if (manifest.up_base != Eigen::Vector3d::UnitZ()) {
+    emit_section(out, "up");
+    emit_list(out, manifest.up_base);
+  }
+  if (manifest.texture) emit_texture(out, *manifest.texture);
   emit_section(out, "objects");
   out << YAML::BeginSeq;
   for (const SceneObjectEntry& object : manifest.objects) emit_object(out, object);

@@ -36,6 +36,14 @@ Eigen::Vector3d vector_of(const YamlValue& value) {
   return {numbers[0], numbers[1], numbers[2]};
 }
 
+Eigen::Vector3d unit_vector_of(const YamlValue& value) {
+  const Eigen::Vector3d vector = vector_of(value);
+  if (!(std::abs(vector.norm() - 1.0) <= kUnitTolerance)) {
+    value.fail("is not a unit vector", "write a direction with a length of 1");
+  }
+  return vector;
+}
+
 Pose pose_of(const YamlValue& value) {
   value.expect_keys({"t", "q"});
   const YamlValue rotation = value.at("q");
@@ -141,10 +149,7 @@ SupportPlane plane_of(const YamlValue& value) {
   value.expect_keys({"normal", "offset", "rms", "objects", "outline"});
   SupportPlane plane;
   const YamlValue normal = value.at("normal");
-  plane.plane_base.normal = vector_of(normal);
-  if (std::abs(plane.plane_base.normal.norm() - 1.0) > kUnitTolerance) {
-    normal.fail("is not a unit vector", "write a direction with a length of 1");
-  }
+  plane.plane_base.normal = unit_vector_of(normal);
   if (plane.plane_base.normal.z() < kMinNormalZ) {
     normal.fail("does not point upward", "write the normal of a plane that can support objects");
   }
@@ -172,10 +177,8 @@ GuardBox guard_box_of(const YamlValue& value) {
 
 GuardPlane guard_plane_of(const YamlValue& value) {
   value.expect_keys({"point", "normal", "size"});
-  GuardPlane plane{.point = vector_of(value.at("point")), .normal = vector_of(value.at("normal"))};
-  if (!(std::abs(plane.normal.norm() - 1.0) <= kUnitTolerance)) {
-    value.at("normal").fail("is not a unit vector", "write a direction with a length of 1");
-  }
+  GuardPlane plane{.point = vector_of(value.at("point")),
+                   .normal = unit_vector_of(value.at("normal"))};
   if (const auto size = value.find("size")) plane.size = size->number_in(kGuardSize);
   return plane;
 }
@@ -253,6 +256,32 @@ SceneQuality quality_of(const YamlValue& value) {
   return quality;
 }
 
+/// The colour camera's keys are those of a recording's.
+CameraModel camera_of(const YamlValue& value) {
+  CameraModel camera;
+  camera.width = static_cast<int>(count_of(value.at("width")));
+  camera.height = static_cast<int>(count_of(value.at("height")));
+  camera.fx = value.at("fx").number_in(ranges::kFigure);
+  camera.fy = value.at("fy").number_in(ranges::kFigure);
+  camera.cx = value.at("cx").number();
+  camera.cy = value.at("cy").number();
+  return camera;
+}
+
+SceneTextureEntry texture_of(const YamlValue& value) {
+  value.expect_keys({"width", "height", "texel", "views", "seen_fraction", "color_camera"});
+  const YamlValue camera = value.at("color_camera");
+  camera.expect_keys({"width", "height", "fx", "fy", "cx", "cy", "T_color_depth", "vignetting"});
+  return {.width = static_cast<int>(count_of(value.at("width"))),
+          .height = static_cast<int>(count_of(value.at("height"))),
+          .texel = value.at("texel").number_in(ranges::kFigure),
+          .views = count_of(value.at("views")),
+          .seen_fraction = value.at("seen_fraction").number_in(ranges::kShare),
+          .color_camera = camera_of(camera),
+          .T_color_depth = pose_of(camera.at("T_color_depth")),
+          .vignetting = camera.at("vignetting").number_in(ranges::kFigure)};
+}
+
 /// The file names are part of the format; only the number of levels of detail varies.
 std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
   const std::pair<const char*, const char*> names[] = {
@@ -273,9 +302,9 @@ std::vector<std::filesystem::path> levels_of(const YamlValue& files) {
 }
 
 SceneManifest manifest_of_yaml(const YamlValue& root) {
-  root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "objects",
-                    "robot", "tags", "support_planes", "guards", "lines", "quality",
-                    "configuration"});
+  root.expect_keys({"format", "made_by", "recording", "camera", "voxel_size", "files", "up",
+                    "texture", "objects", "robot", "tags", "support_planes", "guards", "lines",
+                    "quality", "configuration"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
@@ -289,6 +318,8 @@ SceneManifest manifest_of_yaml(const YamlValue& root) {
   manifest.is_fixed_camera = camera.text() == "fixed";
   manifest.voxel_size = root.at("voxel_size").number_in(ranges::kVoxel);
   manifest.levels_of_detail = levels_of(root.at("files"));
+  if (const auto up = root.find("up")) manifest.up_base = unit_vector_of(*up);
+  if (const auto texture = root.find("texture")) manifest.texture = texture_of(*texture);
   for (const YamlValue& object : root.at("objects").items()) {
     manifest.objects.push_back(object_of(object));
   }

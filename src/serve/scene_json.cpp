@@ -158,7 +158,9 @@ std::string scene_name(const SceneManifest& scene) {
 Json scene_json(const SceneManifest& scene, const SceneFiles& files,
                 const std::optional<SceneArm>& arm, const std::optional<ParameterTable>& parameters,
                 const Trajectory& camera) {
-  Json json = {{"name", scene_name(scene)}, {"protocol", kLiveProtocolVersion}, {"up", {0, 0, 1}}};
+  Json json = {{"name", scene_name(scene)},
+               {"protocol", kLiveProtocolVersion},
+               {"up", vector_json(scene.up_base)}};
   json["mesh"] = Json::array();
   for (const SceneFile& level : files.mesh) json["mesh"].push_back(file_json(level, "triangles"));
   json["cloud"] = file_json(files.cloud, "points");

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -12,12 +14,22 @@
 #include "pcavr/pipeline/known_parameters.hpp"
 #include "pcavr/pipeline/scanned_surface.hpp"
 #include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/scene/glb_file.hpp"
 #include "pcavr/scene/scene.hpp"
 
 namespace pcavr {
 namespace {
 
 bool is_seen(const SceneObjectEntry& object) { return object.evidence != kNotSeen; }
+
+/// A level of detail: its file's axes are a viewer's (glTF: y up).
+Expected<TriangleMesh> read_level(const std::filesystem::path& file) {
+  const Expected<GlbContent> glb = read_glb(file);
+  if (!glb) return glb.error();
+  Expected<TriangleMesh> mesh_viewer = read_mesh(file);
+  if (!mesh_viewer) return mesh_viewer;
+  return transformed(glb->T_viewer_root.inverse(), *mesh_viewer);
+}
 
 Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles,
                                    SceneWorld& world) {
@@ -33,7 +45,7 @@ Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles
     }
     world.notes.push_back("using " + scene.levels_of_detail[i].string() +
                           " for contact: mesh.ply has more than " + limit);
-    mesh = read_mesh(scene.folder / scene.levels_of_detail[i]);
+    mesh = read_level(scene.folder / scene.levels_of_detail[i]);
   }
   return mesh;
 }
@@ -86,7 +98,26 @@ Expected<void> add_guards(const SceneManifest& scene, double tool_radius, SceneW
   return {};
 }
 
-Eigen::Vector3d tool_start(const WorldModel& world, double start_height) {
+/// Half way from the first camera to the scan in the middle of its picture: in the page's first
+/// view.
+std::optional<Eigen::Vector3d> start_before_scan(const SceneManifest& scene,
+                                                 const TriangleMesh& static_mesh_base) {
+  const Expected<Trajectory> cameras = read_camera_trajectory(scene);
+  if (!cameras || cameras->empty()) return std::nullopt;
+  const Pose& T_base_camera = cameras->poses().front().pose;
+  const Eigen::Vector3d axis = T_base_camera.rotation() * Eigen::Vector3d::UnitZ();
+  const auto hit = SurfaceQuery(static_mesh_base)
+                       .cast(T_base_camera.translation().cast<float>(), axis.cast<float>());
+  if (!hit) return std::nullopt;
+  return T_base_camera.translation() + 0.5 * static_cast<double>(hit->distance) * axis;
+}
+
+/// Above the middle of the bodies; without any in front of the scan, or above it.
+Eigen::Vector3d tool_start(const SceneManifest& scene, const WorldModel& world,
+                           double start_height) {
+  if (world.bodies.empty() && !world.static_mesh_base.triangles.empty()) {
+    if (const auto start = start_before_scan(scene, world.static_mesh_base)) return *start;
+  }
   Eigen::AlignedBox3f box;
   for (const WorldBody& body : world.bodies) {
     box.extend(bounds(transformed(body.T_base_object, body.model.mesh_object).vertices));
@@ -126,7 +157,7 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
     world.model.supports_base.push_back(plane.outline_base);
   }
   world.triangles = world.model.world.static_mesh_base.triangles.size();
-  world.p_base_tool_start = tool_start(world.model.world, options.start_height);
+  world.p_base_tool_start = tool_start(scene, world.model.world, options.start_height);
   const Expected<void> guarded = add_guards(scene, options.tool_radius, world);
   if (!guarded) return guarded.error();
   return world;

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/core/output.hpp"
+#include "pcavr/recording/image_codec.hpp"
 #include "pcavr/scene/ply_file.hpp"
 
 #include "scene/scene_builder.hpp"
@@ -136,6 +137,70 @@ TEST_F(SceneBundle, ReadsItsPlanesAndQualityBack) {
   EXPECT_EQ(manifest->quality.tags_seen, scene_.quality.tags_seen);
   EXPECT_EQ(manifest->quality.frames_used, 5U);
   EXPECT_EQ(manifest->quality.tag_reprojection_rms, 0.21);
+}
+
+TEST_F(SceneBundle, StatesItsTexture) {
+  EXPECT_FALSE(read_scene_manifest(folder_.path())->texture);
+  Scene scene = a_box_on_a_table();
+  scene.levels_of_detail_base = {scene.mesh_base};
+  const ColorImage image(16, 8);
+  SceneTexture& texture = scene.texture.emplace();
+  texture.jpeg = encode_color(image).value();
+  texture.coordinates = {
+      std::vector<Eigen::Vector2f>(scene.mesh_base.vertices.size(), Eigen::Vector2f(0.5F, 0.5F))};
+  texture.width = image.width();
+  texture.height = image.height();
+  texture.texel = 0.0012;
+  texture.views = 5;
+  texture.seen_fraction = 0.97;
+  texture.color_camera = a_small_camera();
+  texture.T_color_depth = Pose::from_translation({0.025, 0.001, 0.0});
+  texture.vignetting = 0.21;
+  const TemporaryFolder written;
+  ASSERT_TRUE(write_scene(scene, written.path(), {1}));
+  const auto manifest = read_scene_manifest(written.path());
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  ASSERT_TRUE(manifest->texture);
+  const SceneTextureEntry& read = *manifest->texture;
+  EXPECT_EQ(read.width, 16);
+  EXPECT_EQ(read.height, 8);
+  EXPECT_EQ(read.texel, texture.texel);
+  EXPECT_EQ(read.views, texture.views);
+  EXPECT_EQ(read.seen_fraction, texture.seen_fraction);
+  EXPECT_EQ(read.color_camera.width, 160);
+  EXPECT_EQ(read.color_camera.fx, texture.color_camera.fx);
+  EXPECT_EQ(read.color_camera.cy, texture.color_camera.cy);
+  EXPECT_EQ(translation_distance(read.T_color_depth, texture.T_color_depth), 0.0);
+  EXPECT_EQ(read.vignetting, texture.vignetting);
+}
+
+TEST_F(SceneBundle, StatesWhichWayIsUpWhereTheWorldFrameIsArbitrary) {
+  // The world is that of the first camera: the floor is at y = 1, and up is -y.
+  Scene scene;
+  scene.recording = "a room";
+  scene.voxel_size = 0.02;
+  const Pose tilted(Eigen::Quaterniond(Eigen::AngleAxisd(M_PI_2, Eigen::Vector3d::UnitX())),
+                    Eigen::Vector3d(0.0, 1.0, 2.0));
+  scene.mesh_base = transformed(tilted, a_level_square({0.0, 0.0, 0.0}, 2.0, 20));
+  scene.levels_of_detail_base = {scene.mesh_base};
+  scene.camera_trajectory = Trajectory({{{0}, Pose()}});
+  const auto up_of = [](const Scene& written) {
+    const TemporaryFolder folder;
+    EXPECT_TRUE(write_scene(written, folder.path(), {1}));
+    return read_scene_manifest(folder.path()).value().up_base;
+  };
+  EXPECT_LT((up_of(scene) + Eigen::Vector3d::UnitY()).norm(), 1e-6);
+  // With a tag of base, base is a robot's.
+  scene.tags = a_box_on_a_table().tags;
+  scene.tags.resize(1);
+  EXPECT_EQ(up_of(scene), Eigen::Vector3d::UnitZ());
+}
+
+TEST_F(SceneBundle, RejectsAnUpThatIsNoDirection) {
+  replace("scene.yaml", "voxel_size: 0.02", "voxel_size: 0.02\nup: [0, 0, 2]");
+  const auto manifest = read_scene_manifest(folder_.path());
+  ASSERT_FALSE(manifest);
+  EXPECT_NE(manifest.error().to_string().find("is not a unit vector"), std::string::npos);
 }
 
 TEST_F(SceneBundle, ReadsItsTagsBack) {

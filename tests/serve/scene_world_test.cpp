@@ -48,6 +48,28 @@ TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsAboveIt) {
   EXPECT_TRUE(world->notes.empty());
 }
 
+TEST_F(SceneWorldTest, WithoutBodiesTheToolStartsBetweenTheFirstCameraAndTheScan) {
+  Scene scene = a_box_on_a_table();
+  scene.objects.clear();
+  scene.tags.clear();
+  scene.support_planes[0].objects.clear();
+  const auto world = world_of(scene);
+  ASSERT_TRUE(world) << world.error().to_string();
+  // The camera looks straight down from a metre above the table.
+  EXPECT_LT((world->p_base_tool_start - Eigen::Vector3d(0.5, 0.0, 0.5)).norm(), 1e-6);
+}
+
+TEST_F(SceneWorldTest, ACoarserLevelOfDetailIsInTheSameFrame) {
+  SceneWorldOptions options;
+  options.max_triangles = 100;
+  const auto world = world_of(a_box_on_a_table(), options);
+  ASSERT_TRUE(world) << world.error().to_string();
+  EXPECT_EQ(world->triangles, 50U);
+  const Eigen::AlignedBox3f box = bounds(world->model.world.static_mesh_base.vertices);
+  EXPECT_LT((box.min() - Eigen::Vector3f(0.0F, -0.5F, 0.0F)).norm(), 1e-3F);
+  EXPECT_LT((box.max() - Eigen::Vector3f(1.0F, 0.5F, 0.0F)).norm(), 1e-3F);
+}
+
 /// The scene with guards written at its end, as by a user.
 Expected<SceneWorld> guarded_world(const std::filesystem::path& folder, const std::string& guards) {
   EXPECT_TRUE(write_scene(a_box_on_a_table(), folder, {1}));

@@ -109,6 +109,36 @@ test(
   },
 );
 
+test('a scan without bodies is shown upright, and says what can be done', limit, async () => {
+  const page = await stage.browser.context.newPage();
+  const scene = await (await fetch(`${stage.server.url}api/scene.json`)).json();
+  // A world frame like a camera's: y down; a camera that looks along its z.
+  const camera = { position: [0, 0, 0], quaternion: [0, 0, 0, 1] };
+  const mesh = scene.objects.map(({ path, bytes }) => ({ path, bytes, triangles: 12 }));
+  Object.assign(scene, { mesh, objects: [], tags: [], support_planes: [], cameras: [camera] });
+  scene.up = [0, -1, 0];
+  await page.route('**/api/scene.json', (route) => route.fulfill({ json: scene }));
+  await page.goto(stage.server.url);
+  await loaded(page);
+  const { up, right } = await page.evaluate(() => {
+    const { app } = window.__pcavr;
+    const direction = (x, y, z) =>
+      app.camera.position
+        .clone()
+        .set(x, y, z)
+        .transformDirection(app.base.matrixWorld)
+        .transformDirection(app.camera.matrixWorldInverse)
+        .toArray();
+    return { up: direction(0, -1, 0), right: direction(1, 0, 0) };
+  });
+  assert.ok(distance(up, [0, 1, 0]) < 1e-6, `up is drawn along ${up}`);
+  assert.ok(distance(right, [1, 0, 0]) < 1e-6, `right is drawn along ${right}`);
+  await openPanel(page);
+  assert.match(await page.locator('#objects').innerText(), /nothing here can be pushed/);
+  assert.match(await page.locator('#call-to-action').textContent(), /touch the scan/);
+  assert.equal(await page.locator('#labels .robot').count(), 0);
+});
+
 test('a missing file of the scene is named, and the rest is shown', limit, async () => {
   const page = await stage.browser.context.newPage();
   const { objects } = await (await fetch(`${stage.server.url}api/scene.json`)).json();

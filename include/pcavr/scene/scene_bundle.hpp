@@ -62,11 +62,26 @@ struct SceneRobotEntry {
   std::vector<Link> links;
 };
 
+/// The texture's entry in `scene.yaml`; the fields are those of SceneTexture.
+struct SceneTextureEntry {
+  int width = 0;       ///< [px]
+  int height = 0;      ///< [px]
+  double texel = 0.0;  ///< [m]
+  std::size_t views = 0;
+  double seen_fraction = 0.0;
+  CameraModel color_camera;  ///< without its lens distortion
+  Pose T_color_depth;
+  double vignetting = 0.0;
+};
+
 /// `scene.yaml` (`pcavr-scene/1`), parsed.
 struct SceneManifest {
   std::filesystem::path folder;
   std::string recording;    ///< as the user named it
   double voxel_size = 0.0;  ///< [m]
+  /// Opposite to gravity, a unit vector: base's z axis, unless base is only the world frame of a
+  /// recording without tags, objects and arm.
+  Eigen::Vector3d up_base = Eigen::Vector3d::UnitZ();
   std::vector<SceneObjectEntry> objects;
   std::optional<SceneRobotEntry> robot = {};
   std::vector<MarkerEntry> tags;  ///< empty in scenes of older versions
@@ -74,6 +89,7 @@ struct SceneManifest {
   std::vector<GuardSurface> guards;  ///< as the user has added them
   /// Relative to the folder, finest first; the first is scene.glb.
   std::vector<std::filesystem::path> levels_of_detail;
+  std::optional<SceneTextureEntry> texture = {};  ///< nullopt: none, or of an older version
   bool is_fixed_camera = false;
   SceneQuality quality;  ///< without the times
   /// Of the text files; nullopt in scenes of older versions.

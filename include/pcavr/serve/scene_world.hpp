@@ -44,7 +44,8 @@ struct AssumedParameters {
 
 struct SceneWorld {
   HapticWorldModel model;
-  /// Start position of the tool: above the centre of the movable objects.
+  /// Start position of the tool: above the centre of the movable objects; without any, half way
+  /// from the first camera to the scan.
   Eigen::Vector3d p_base_tool_start = Eigen::Vector3d::Zero();
   /// [N] force of the strongest continuous vibration: the largest limiting friction of the bodies,
   /// and at least `min_full_scale_force`.

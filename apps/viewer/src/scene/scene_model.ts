@@ -34,6 +34,7 @@ export interface SceneTag {
 export interface SceneModel {
   name: string;
   protocol: number;
+  up: Vector; // opposite to gravity, in base; (0, 0, 1) unless base is an arbitrary world frame
   mesh: MeshLevel[]; // finest first
   cloud: { path: string; points: number; bytes: number } | null;
   occupancy: { path: string; cells: number; edge: number; bytes: number } | null;
@@ -69,6 +70,7 @@ export async function fetchScene(): Promise<SceneModel> {
   return {
     name: scene.name ?? '',
     protocol: protocolVersion,
+    up: scene.up ?? [0, 0, 1],
     mesh: scene.mesh ?? [],
     cloud: scene.cloud ?? null,
     occupancy: scene.occupancy ?? null,

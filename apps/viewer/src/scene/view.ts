@@ -31,8 +31,8 @@ const supportReach = 0.8; // [m] around the bodies: a larger table would make th
 const besideArm = 1.1; // [rad] around the vertical
 const backgrounds = { light: '#e9edf1', dark: '#15191e' };
 
-/// The scene graph. three.js has y up, the base frame z up: the group `base` converts, and
-/// everything in the robot's base frame is its child.
+/// The scene graph. three.js has y up, the base frame z, or the scene's `up`: the group `base`
+/// converts, and everything in the robot's base frame is its child.
 export class SceneView {
   readonly scene = new Scene();
   readonly base = new Group();
@@ -68,6 +68,7 @@ export class SceneView {
 
   setModel(model: SceneModel): void {
     this.model = model;
+    this.base.quaternion.setFromUnitVectors(new Vector3(...model.up), new Vector3(0, 1, 0));
     this.supports = model.support_planes.map(({ outline }) => outline);
     let movable = 0;
     this.bodies = model.objects.map((o) => new Body(o, o.movable ? movable++ : 0));

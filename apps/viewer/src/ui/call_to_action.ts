@@ -1,20 +1,27 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type { LiveState } from '../protocol';
-import { byId } from './dom';
+import { byId, setText } from './dom';
+import { length } from './format';
 import { moveTo } from './labels';
 
 const gap = 30; // [CSS pixels] from the ring's centre
 const minAbove = 110; // [CSS pixels] over the ring's centre
 
-/// What to do first, at the ring; gone after the first push by this page.
+/// What to do first, at the ring; gone after the first push by this page, or where nothing can be pushed the first touch
+/// of the scan.
 export class CallToAction {
   private readonly element = byId('call-to-action', HTMLElement);
   private isDone = false;
 
+  constructor(private readonly hasBodies: boolean) {
+    if (!hasBodies) setText(this.element, 'Drag the ring to touch the scan');
+  }
+
   /// `ring`: its centre on the stage [CSS pixels]; null while it is not shown.
   update(state: LiveState | null, ring: { x: number; y: number } | null): void {
-    if (state?.hasTool && state.isEngaged && state.touchedObject >= 0) this.isDone = true;
+    if (state?.hasTool && state.isEngaged)
+      this.isDone ||= this.hasBodies ? state.touchedObject >= 0 : length(state.force) > 0;
     const isHeld = !state || state.isOnHold || state.isStopped || state.link?.isConnected === false;
     const isFree = !isHeld && (state.hasTool || !state.isToolTaken);
     this.element.hidden = this.isDone || !isFree || ring === null;

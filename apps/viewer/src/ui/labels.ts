@@ -51,7 +51,9 @@ export class Labels {
       this.labels.set(body, label);
       this.container.append(label);
     }
-    this.container.append(this.robot);
+    // The world frame of a scan without bodies, tags and arm is no robot's base.
+    const { objects = [], tags = [], robot = null } = view.model ?? {};
+    if (objects.length > 0 || tags.length > 0 || robot) this.container.append(this.robot);
   }
 
   /// `isFlat`: rendered on the page, not in a headset, where overlay labels would be misplaced.

@@ -44,7 +44,8 @@ export class ObjectsPanel {
   ) {
     const list = byId('objects', HTMLUListElement);
     for (const body of bodies) list.append(create('li', {}, this.addRow(body)));
-    if (bodies.length === 0) list.append(create('li', { className: 'muted' }, 'none'));
+    if (bodies.length === 0)
+      list.append(create('li', { className: 'muted' }, 'none: nothing here can be pushed'));
   }
 
   select(body: Body | null): void {

@@ -19,7 +19,7 @@ export class ToolPanel {
   private readonly undo = byId('undo-reset', HTMLButtonElement);
   private readonly speed = byId('time-scale', HTMLOutputElement);
   private readonly clutch = byId('clutch', HTMLButtonElement);
-  private readonly callToAction = new CallToAction();
+  private readonly callToAction: CallToAction;
   private readonly request: ToolRequest;
 
   constructor(
@@ -29,6 +29,7 @@ export class ToolPanel {
   ) {
     const { session } = app;
     this.section.hidden = false;
+    this.callToAction = new CallToAction(app.view.bodies.some((body) => body.object.movable));
     this.request = new ToolRequest(session, () => tool.disengage());
     this.take.addEventListener('click', () => {
       // A request stays until it is withdrawn.
