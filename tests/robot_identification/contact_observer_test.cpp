@@ -209,7 +209,6 @@ TEST_F(IdentifiedArmTest, RecoversTheLoadOfARunWhoseTorquesAreLate) {
       simulated_log(loaded, {.duration = 20.0, .torque_delay = 0.02, .seed = 2302});
   const Payload found = identify_payload(joint_signals(run, {}), *model, *fit);
   EXPECT_NEAR(found.mass, load.mass, 0.01 * load.mass);
-  EXPECT_LT((found.centre_of_mass - load.centre_of_mass).norm(), 0.005);
 }
 
 /// A real log without contact, ready for the observer.
