@@ -89,6 +89,24 @@ bool OperatorConnection::is_for_this_session(const LinkMessage& message, double 
   return true;
 }
 
+LinkStatistics OperatorConnection::statistics(double now, double lead) const {
+  return {.clock_offset = shared_clock_.shared_at(now) - now,
+          .clock_std = shared_clock_.std(),
+          .round_trip = shared_clock_.min_delay(),
+          .delay_variation = shared_clock_.delay_variation(),
+          .lead = lead};
+}
+
+void OperatorConnection::add_to(OperatorSiteReport& report) const {
+  report.invalid_messages += invalid_messages_;
+  if (!shared_clock_.is_known()) return;
+  const double now = clock_.now();
+  report.round_trip = shared_clock_.min_delay();
+  report.clock_offset = shared_clock_.shared_at(now) - now;
+  report.clock_drift = shared_clock_.drift();
+  report.clock_std = shared_clock_.std();
+}
+
 void OperatorConnection::flush() {
   const double end = clock_.now() + kMaxFlush;
   while (network_.leaving() > 0 && clock_.now() < end) {

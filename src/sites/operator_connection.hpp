@@ -12,6 +12,7 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/link/link_clock.hpp"
 #include "pcavr/link/link_message.hpp"
+#include "pcavr/sites/link_sites.hpp"
 #include "pcavr/sites/site_clock.hpp"
 
 #include "delayed_transport.hpp"
@@ -52,7 +53,10 @@ class OperatorConnection {
   [[nodiscard]] double silence(double now) const { return now - last_received_; }
   [[nodiscard]] const LinkClock& shared_clock() const { return shared_clock_; }
   [[nodiscard]] std::size_t round_trips() const { return round_trips_; }
-  [[nodiscard]] std::size_t invalid_messages() const { return invalid_messages_; }
+  /// Of the clock, which is known. `lead` [s] of the commands.
+  [[nodiscard]] LinkStatistics statistics(double now, double lead) const;
+  /// Adds its invalid messages, and the clock once that is known.
+  void add_to(OperatorSiteReport& report) const;
 
  private:
   void send_message();

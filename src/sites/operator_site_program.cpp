@@ -151,11 +151,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   void log_link(double now) {
     if (now < next_link_) return;
     next_link_ = now + kLinkInterval;
-    log_.on_link(now, {.clock_offset = link_.shared_clock().shared_at(now) - now,
-                       .clock_std = link_.shared_clock().std(),
-                       .round_trip = link_.shared_clock().min_delay(),
-                       .delay_variation = link_.shared_clock().delay_variation(),
-                       .lead = schedule_.lead()});
+    log_.on_link(now, link_.statistics(now, schedule_.lead()));
   }
 
   [[nodiscard]] OperatorLink link_at(double now) const {
@@ -269,6 +265,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     TeleopOptions options = teleop_;
     options.forward_delay = lead;
     options.backward_delay = std::max(report_.correction_delay - lead, teleop_.backward_delay);
+    if (!welcome_->follows_commands) options.retraction_speed = 0.0;
     const std::size_t next = schedule_.next();
     next_world_.begin(
         now, world_, options, schedule_.time_of(next - 1),
@@ -317,22 +314,12 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       site_->set_tool_compliance(static_cast<double>(state->tool_compliance));
     }
     const double t_next = welcome_->start + schedule_.time_of(schedule_.next());
-    for (const LinkCorrection& correction : corrections_.take(t_next)) {
-      const double t = correction.t - welcome_->start;
-      const bool is_valid = site_->apply(t, correction.bytes);
-      log_.on_applied(now, link_.session(), correction, is_valid);
-      if (!is_valid) {
-        ++report_.invalid_messages;
-        continue;
-      }
-      ++report_.corrections;
-      if (report_.t_corrected.size() < kMaxReportedTimes) report_.t_corrected.push_back(t);
-    }
+    apply_corrections(now, t_next);
     const OperatorCommand moved = person_.step(schedule_.next(), *site_, link_at(now));
     LinkCommand command;
     command.t = t_next;
     command.correction_delay = static_cast<float>(report_.correction_delay);
-    command.p_base_tip = moved.p_base_tip.cast<float>();
+    command.p_base_tip = (moved.p_base_tip + site_->tool_offset()).cast<float>();
     command.q_base_tool = moved.q_base_tool.cast<float>();
     command.is_engaged = moved.is_engaged;
     command.acknowledged = corrections_.acknowledgement();
@@ -351,6 +338,24 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     if (silence > options_.timeout) {
       lose(now, fmt::format("nothing from the robot's site for {:.2f} s", silence));
     }
+  }
+
+  void apply_corrections(double now, double t_next) {
+    const bool was_retracting = site_->retracts_from().has_value();
+    for (const LinkCorrection& correction : corrections_.take(t_next)) {
+      const double t = correction.t - welcome_->start;
+      const bool is_valid = site_->apply(t, correction.bytes);
+      log_.on_applied(now, link_.session(), correction, is_valid);
+      if (!is_valid) {
+        ++report_.invalid_messages;
+        continue;
+      }
+      ++report_.corrections;
+      if (report_.t_corrected.size() < kMaxReportedTimes) report_.t_corrected.push_back(t);
+    }
+    if (was_retracting || !site_->retracts_from()) return;
+    reporter_.note(now, fmt::format("the tool moves out of {}, which the robot touched first",
+                                    scene_.objects[*site_->retracts_from()]));
   }
 
   /// The clutch opens: no command is sent until a new session begins from the robot's state.
@@ -375,15 +380,9 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
   OperatorSiteReport describe() {
     if (site_) report_.late_corrections += site_->late();
-    report_.invalid_messages += link_.invalid_messages();
+    link_.add_to(report_);
     report_.pictures = pictures_.count();
     report_.picture_age = pictures_.mean_age();
-    report_.round_trip = link_.shared_clock().is_known() ? link_.shared_clock().min_delay() : 0.0;
-    if (link_.shared_clock().is_known()) {
-      report_.clock_offset = link_.shared_clock().shared_at(clock_.now()) - clock_.now();
-      report_.clock_drift = link_.shared_clock().drift();
-      report_.clock_std = link_.shared_clock().std();
-    }
     return std::move(report_);
   }
 

@@ -16,6 +16,7 @@
 #include "teleop/prediction_log.hpp"
 #include "teleop/robot_site.hpp"
 #include "teleop/sample_queue.hpp"
+#include "teleop/tool_retraction.hpp"
 
 namespace pcavr {
 namespace {
@@ -240,8 +241,14 @@ std::size_t LiveRobotSite::streaming_bytes() const { return impl_->site.streamin
 std::vector<std::string> LiveRobotSite::notes() const { return impl_->site.notes(); }
 
 struct LiveOperatorSite::Impl {
+  [[nodiscard]] bool touches(std::size_t object) const {
+    return site.world().state()[object].tool_force_base.squaredNorm() > 0.0;
+  }
+
   OperatorSite site;
   std::size_t objects = 0;
+  double step = 0.0;  ///< [s]
+  ToolRetraction retraction;
 };
 
 LiveOperatorSite::LiveOperatorSite(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -255,18 +262,33 @@ Expected<LiveOperatorSite> LiveOperatorSite::create(const TeleopInput& world,
   Expected<OperatorSite> site =
       OperatorSite::create(world, completed_bodies(world, options), options, start, p_base_tip);
   if (!site) return site.error();
-  return LiveOperatorSite(std::make_unique<Impl>(Impl{std::move(*site), world.objects.size()}));
+  return LiveOperatorSite(
+      std::make_unique<Impl>(Impl{std::move(*site), world.objects.size(), options.predictor.step,
+                                  ToolRetraction(options.retraction_speed)}));
 }
 
 bool LiveOperatorSite::apply(double t, std::span<const std::uint8_t> bytes) {
   const std::optional<CorrectionMessage> message = decode(bytes, t);
   if (!message || message->object >= impl_->objects) return false;
+  const bool was_touched = impl_->touches(message->object);
   impl_->site.apply(*message);
+  if (message->tool_retraction && !was_touched) {
+    impl_->retraction.begin(message->object, *message->tool_retraction);
+  }
   return true;
 }
 
 void LiveOperatorSite::step(const Eigen::Vector3d& p_base_tip, const Eigen::Vector3d& a_base_tip) {
-  impl_->site.step(impl_->site.now(), p_base_tip, a_base_tip);
+  ToolRetraction& retraction = impl_->retraction;
+  const std::optional<std::size_t> object = retraction.object();
+  retraction.step(p_base_tip, object && impl_->touches(*object), impl_->step);
+  impl_->site.step(impl_->site.now(), p_base_tip + retraction.offset(), a_base_tip);
+}
+
+const Eigen::Vector3d& LiveOperatorSite::tool_offset() const { return impl_->retraction.offset(); }
+
+std::optional<std::size_t> LiveOperatorSite::retracts_from() const {
+  return impl_->retraction.object();
 }
 
 void LiveOperatorSite::set_tool_compliance(double compliance) {

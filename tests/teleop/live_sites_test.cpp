@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <deque>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/core/random.hpp"
 
+#include "teleop/message.hpp"
 #include "teleop/plant_input.hpp"
 
 namespace pcavr {
@@ -155,6 +157,52 @@ TEST(LiveSites, TakeSamplesWithAWrongClockAsTheyCome) {
   site.add_predictions(0.001, predictions);
   EXPECT_TRUE(site.advance(0.001).empty());
   EXPECT_GT(site.streaming_bytes(), 0U);
+}
+
+/// One object, and the tip 0.5 mm before its face, where a correction of case 1.2b then puts it 1.5
+/// mm inside. The site 0.2 s later, and the pose of the correction.
+std::pair<LiveOperatorSite, PlanarPose> touched_by_robot(const TeleopOptions& options) {
+  TeleopInput input = plant_input(3, true).input;
+  input.objects.resize(1);
+  const Pose T_base_object = input.objects.front().T_base_object;
+  Eigen::Vector3d tip = T_base_object.translation() - Eigen::Vector3d(0.2, 0.0, 0.0);
+  LiveOperatorSite site = LiveOperatorSite::create(input, options, 0.0, tip).value();
+  const auto is_touched = [&] { return site.world().state().front().tool_force_base.norm() > 0.0; };
+  while (!is_touched() && tip.x() < T_base_object.translation().x()) {
+    tip.x() += 1e-5;
+    site.step(tip);
+  }
+  for (int k = 0; k < 50; ++k) site.step(tip -= Eigen::Vector3d(1e-5, 0.0, 0.0));
+  for (int k = 0; k < 200; ++k) site.step(tip);
+  EXPECT_FALSE(is_touched());
+  CorrectionMessage message;
+  message.t = site.now() - 0.1;
+  message.which = CorrectionCase::touched_by_robot;
+  message.pose = planar_pose_of(T_base_object);
+  message.pose->x -= 0.001;
+  message.tool_retraction = Eigen::Vector3d(-0.0005, 0.0, 0.0);
+  message.sequence = 1;
+  EXPECT_TRUE(site.apply(message.t, encode(message, message.t)));
+  for (int k = 0; k < 200; ++k) site.step(tip);
+  return {std::move(site), *message.pose};
+}
+
+// Neither touches then, and the object is where the correction put it.
+TEST(LiveSites, MoveTheToolOutOfWhatOnlyTheRobotHasTouched) {
+  const auto [site, corrected] = touched_by_robot({});
+  EXPECT_FALSE(site.retracts_from());
+  EXPECT_GT(-site.tool_offset().x(), 0.0004);
+  EXPECT_LT(-site.tool_offset().x(), 0.002);
+  EXPECT_EQ(site.world().state().front().tool_force_base.norm(), 0.0);
+  EXPECT_NEAR(planar_pose_of(site.world().T_base_object(0)).x, corrected.x, 2e-4);
+}
+
+TEST(LiveSites, LeaveTheToolWhereItIsWithoutASpeedOfRetraction) {
+  TeleopOptions options;
+  options.retraction_speed = 0.0;
+  const auto [site, corrected] = touched_by_robot(options);
+  EXPECT_EQ(site.tool_offset().norm(), 0.0);
+  EXPECT_GT(site.world().state().front().tool_force_base.norm(), 0.0);
 }
 
 }  // namespace

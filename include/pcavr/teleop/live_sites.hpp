@@ -109,6 +109,11 @@ class LiveOperatorSite {
   void step(const Eigen::Vector3d& p_base_tip,
             const Eigen::Vector3d& a_base_tip = Eigen::Vector3d::Zero());
 
+  /// [m] Tool less command: the tip of step() is the command, and the robot is to be sent both
+  /// together. Of case 1.2b, see `retraction_speed`; `options.retraction_speed` 0: none.
+  [[nodiscard]] const Eigen::Vector3d& tool_offset() const;
+  /// The object that the tool is being moved out of.
+  [[nodiscard]] std::optional<std::size_t> retracts_from() const;
   /// What the robot's site has found [m/N], see LinkState.
   void set_tool_compliance(double compliance);
   /// Places an object at rest, for the start of a session; it stays upright on its support.

@@ -136,19 +136,20 @@ struct MessageOptions {
 /// Both sites and the link between them ("teleop").
 struct TeleopOptions {
   TeleopOptions();
-  double forward_delay;   ///< [s] operator to robot
-  double backward_delay;  ///< [s] robot to operator
-  double jitter;          ///< [s] std of either delay; messages keep their order
-  double loss;            ///< packet loss of corrections, 0 to 1
-  double burst;           ///< mean number of corrections lost in a row; below 1: independent
-  double reorder;         ///< share of the corrections that are overtaken, 0 to 1
-  double duplicate;       ///< share of the corrections that arrive twice, 0 to 1
-  double rate_limit;      ///< [bytes/s] from robot to operator; 0: none
-  std::uint64_t seed;     ///< of jitter and loss
-  double tool_mass;       ///< [kg] of the robot's arm, as it is felt at the tip
-  bool with_corrections;  ///< false: predict only
-  bool identifies;        ///< false: the parameters stay as given
-  InputOptions inputs;    ///< how the inputs are examined on the way
+  double forward_delay;     ///< [s] operator to robot
+  double backward_delay;    ///< [s] robot to operator
+  double jitter;            ///< [s] std of either delay; messages keep their order
+  double loss;              ///< packet loss of corrections, 0 to 1
+  double burst;             ///< mean number of corrections lost in a row; below 1: independent
+  double reorder;           ///< share of the corrections that are overtaken, 0 to 1
+  double duplicate;         ///< share of the corrections that arrive twice, 0 to 1
+  double rate_limit;        ///< [bytes/s] from robot to operator; 0: none
+  std::uint64_t seed;       ///< of jitter and loss
+  double tool_mass;         ///< [kg] of the robot's arm, as it is felt at the tip
+  double retraction_speed;  ///< [m/s] of the tool out of what only the robot has touched
+  bool with_corrections;    ///< false: predict only
+  bool identifies;          ///< false: the parameters stay as given
+  InputOptions inputs;      ///< how the inputs are examined on the way
   SensorPriorOptions sensors;
   TouchOptions touch;
   PhaseMonitorOptions phases;
