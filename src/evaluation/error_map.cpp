@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include "pcavr/geometry/image_scaling.hpp"
 #include "pcavr/model/cad_model.hpp"
 #include "pcavr/recording/image_codec.hpp"
 #include "pcavr/scene/preview_parts.hpp"

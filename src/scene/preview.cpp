@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pcavr/geometry/image_scaling.hpp"
 #include "pcavr/recording/image_codec.hpp"
 #include "pcavr/scene/preview_parts.hpp"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pcavr/geometry/image_scaling.hpp"
 #include "pcavr/recording/image_codec.hpp"
 
 namespace pcavr {
@@ -16,22 +17,6 @@ constexpr int kQualityStep = 10;
 constexpr int kMinWidth = 80;        // [px] the coarsest picture
 constexpr double kWellBelow = 0.6;   // of the permitted bytes: the next may be better
 constexpr std::size_t kHeader = 64;  // [bytes] of a picture's message beside the JPEG
-
-/// Means of blocks of two by two pixels.
-ColorImage half_size(const ColorImage& image) {
-  ColorImage half(image.width() / 2, image.height() / 2);
-  for (int y = 0; y < half.height(); ++y) {
-    for (int x = 0; x < half.width(); ++x) {
-      const auto mean = [&](std::uint8_t Rgb8::*channel) {
-        const int sum = image(2 * x, 2 * y).*channel + image(2 * x + 1, 2 * y).*channel +
-                        image(2 * x, 2 * y + 1).*channel + image(2 * x + 1, 2 * y + 1).*channel;
-        return static_cast<std::uint8_t>((sum + 2) / 4);
-      };
-      half(x, y) = {mean(&Rgb8::r), mean(&Rgb8::g), mean(&Rgb8::b)};
-    }
-  }
-  return half;
-}
 
 }  // namespace
 
@@ -57,7 +42,7 @@ Expected<LinkPicture> encode_picture(const CameraPicture& picture, std::size_t m
     if (quality > kMinQuality) {
       quality = std::max(quality - kQualityStep, kMinQuality);
     } else {
-      smaller = half_size(*image);
+      smaller = halved(*image);
       image = &smaller;
     }
   }

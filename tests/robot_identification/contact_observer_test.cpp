@@ -182,14 +182,24 @@ TEST_F(IdentifiedArmTest, ReportsATouchWithin50Milliseconds) {
   expect_touches_in_time(*model, *log, observed, {42.0, 47.5, 53.0});
 }
 
-// Another seed, another motion; 2 kg, 6 cm from the last joint's axis.
-TEST_F(IdentifiedArmTest, RecoversALoadWithin3Percent) {
+/// 2 kg, 6 cm from the last joint's axis.
+RigidInertia test_load() {
   RigidInertia load;
   load.mass = 2.0;
   load.centre_of_mass = {0.06, -0.02, 0.10};
   load.inertia_at_com = 0.004 * Eigen::Matrix3d::Identity();
-  RobotModel loaded = *model;
-  loaded.joints.back().body = loaded.joints.back().body + load;
+  return load;
+}
+
+RobotModel with_load(RobotModel model, const RigidInertia& load) {
+  model.joints.back().body = model.joints.back().body + load;
+  return model;
+}
+
+// Another seed, another motion.
+TEST_F(IdentifiedArmTest, RecoversALoadWithin3Percent) {
+  const RigidInertia load = test_load();
+  const RobotModel loaded = with_load(*model, load);
   const JointLog run = simulated_log(loaded, {.duration = 60.0, .rate = 500.0, .seed = 12});
   const Payload found = identify_payload(joint_signals(run, {}), *model, *fit);
   EXPECT_NEAR(found.mass, load.mass, 0.03 * load.mass);
@@ -199,12 +209,8 @@ TEST_F(IdentifiedArmTest, RecoversALoadWithin3Percent) {
 }
 
 TEST_F(IdentifiedArmTest, RecoversTheLoadOfARunWhoseTorquesAreLate) {
-  RigidInertia load;
-  load.mass = 2.0;
-  load.centre_of_mass = {0.06, -0.02, 0.10};
-  load.inertia_at_com = 0.004 * Eigen::Matrix3d::Identity();
-  RobotModel loaded = *model;
-  loaded.joints.back().body = loaded.joints.back().body + load;
+  const RigidInertia load = test_load();
+  const RobotModel loaded = with_load(*model, load);
   const JointLog run =
       simulated_log(loaded, {.duration = 20.0, .torque_delay = 0.02, .seed = 2302});
   const Payload found = identify_payload(joint_signals(run, {}), *model, *fit);

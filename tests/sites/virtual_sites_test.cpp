@@ -68,10 +68,10 @@ class PushingPerson final : public OperatorInterface {
     if (is_done()) return;
     constexpr double kStep = 0.001;  // [s]
     const Waypoint& to = path_[next_];
-    const Eigen::Vector3d way = to.p_base - p_base_;
+    const Eigen::Vector3d displacement = to.p_base - p_base_;
     const double reach = to.speed * kStep;
-    if (way.norm() > reach) {
-      p_base_ += reach * way.normalized();
+    if (displacement.norm() > reach) {
+      p_base_ += reach * displacement.normalized();
       return;
     }
     p_base_ = to.p_base;
@@ -201,9 +201,9 @@ TEST(VirtualSites, KeepTheSpeedOfAToolWhoseCommandsAreLost) {
   std::vector<double> speeds;  // [m/s] of the first travel, without its begin and end
   Eigen::Vector3d first = session.setpoints.front();
   for (std::size_t i = 1; i < session.setpoints.size(); ++i) {
-    const double way = (session.setpoints[i] - first).norm();
-    if (way > 0.1) break;
-    if (way < 0.03) continue;
+    const double displacement = (session.setpoints[i] - first).norm();
+    if (displacement > 0.1) break;
+    if (displacement < 0.03) continue;
     speeds.push_back(1e3 * (session.setpoints[i] - session.setpoints[i - 1]).norm());
   }
   ASSERT_GT(speeds.size(), 500U);

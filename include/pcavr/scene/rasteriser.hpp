@@ -49,7 +49,4 @@ struct MeshImage {
 void draw_mesh(Canvas& canvas, const View& view, const TriangleMesh& mesh_base, std::uint8_t id,
                const Shader& shader, Parallelism parallelism, const MeshImage* on_mesh = nullptr);
 
-/// The image downsampled by two: each pixel the mean of four.
-[[nodiscard]] ColorImage halved(const ColorImage& image);
-
 }  // namespace pcavr
