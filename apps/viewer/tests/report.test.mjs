@@ -150,21 +150,6 @@ test('a printed report has all sections, and neither buttons nor long tables', l
   );
 });
 
-test('fewer than four printed plots in a row fill the page', limit, async () => {
-  const { page } = await open(report.url);
-  await page.emulateMedia({ media: 'print' });
-  await page.setViewportSize({ width: 718, height: 1047 }); // A4 without its margins
-  const rows = await page.evaluate(() =>
-    [...document.querySelectorAll('.plots')].map((plots) =>
-      [...plots.children].map((figure) => figure.offsetWidth / plots.offsetWidth),
-    ),
-  );
-  const few = rows.filter((row) => row.length === 2 || row.length === 3);
-  assert.ok(few.length > 0, `${rows.length} rows`);
-  for (const row of few)
-    for (const share of row) assert.ok(share > 0.9 / row.length, `${share} of the width`);
-});
-
 test('the reports of the command open', { timeout: 180_000 }, async (t) => {
   const made = makeScene();
   const path = (name) => join(made.folder, name);
