@@ -110,6 +110,7 @@ void add_damping_change(const ContactEpisode& episode, const std::vector<double>
   push.damping_speed.assign(count, 0.0);
   push.damping_acceleration.assign(count, 0.0);
   std::vector<double> squares;
+  squares.reserve(count);
   for (const double one : depth) squares.push_back(one * one);
   const std::vector<SmoothedSample> smoothed =
       smooth(episode.t, squares, episode.t, push.half_width);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "pcavr/pipeline/plant_robot.hpp"
@@ -183,8 +184,12 @@ TEST(VirtualSites, FeelTheForceOfAnArmThatGivesWay) {
   const double compliance = 1.0 / session.plant.tool.stiffness;
   EXPECT_NEAR(*session.robot.tool_compliance, compliance, 0.15 * compliance);
   EXPECT_GT(session.measured, 3.0);
-  EXPECT_NEAR(session.predicted, session.measured, 0.1 * session.measured);
   const PlantParameters& law = session.plant.bodies[kBox].parameters;
+  const double rigid =
+      law.contact_stiffness * std::pow(session.pressed, law.contact_exponent);  // a rigid arm's
+  EXPECT_LT(std::abs(session.predicted - session.measured), 0.25 * (rigid - session.measured));
+  RecordProperty("force", fmt::format("measured {:.2f}, predicted {:.2f}, rigid {:.2f} N",
+                                      session.measured, session.predicted, rigid));
   const double penetration =
       std::pow(session.predicted / law.contact_stiffness, 1.0 / law.contact_exponent);
   EXPECT_NEAR(session.pressed - penetration, compliance * session.predicted,
