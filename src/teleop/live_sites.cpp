@@ -271,8 +271,8 @@ bool LiveOperatorSite::apply(double t, std::span<const std::uint8_t> bytes) {
   const std::optional<CorrectionMessage> message = decode(bytes, t);
   if (!message || message->object >= impl_->objects) return false;
   const bool was_touched = impl_->touches(message->object);
-  impl_->site.apply(*message);
-  if (message->tool_retraction && !was_touched) {
+  const bool is_applied = impl_->site.apply(*message);
+  if (is_applied && message->tool_retraction && !was_touched) {
     impl_->retraction.begin(message->object, *message->tool_retraction);
   }
   return true;

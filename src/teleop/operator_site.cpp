@@ -97,9 +97,9 @@ void OperatorSite::count_held() {
   }
 }
 
-void OperatorSite::apply(const CorrectionMessage& message) {
+bool OperatorSite::apply(const CorrectionMessage& message) {
   Known& object = objects_[message.object];
-  if (object.received && !is_newer(message.sequence, *object.received)) return;
+  if (object.received && !is_newer(message.sequence, *object.received)) return false;
   object.received = message.sequence;
   Correction correction;
   correction.t = message.t;
@@ -116,7 +116,7 @@ void OperatorSite::apply(const CorrectionMessage& message) {
   const std::optional<BodyState> past = predictor_.state_at(message.object, message.t);
   if (!predictor_.correct(correction)) {
     ++late_;
-    return;
+    return false;
   }
   double stated = 0.0;
   if (message.pose && past) {
@@ -124,6 +124,7 @@ void OperatorSite::apply(const CorrectionMessage& message) {
     stated = distance(*message.pose, planar_pose_of(T_base_past), rotation_radius_);
   }
   limit_motion(message, before, stated);
+  return true;
 }
 
 void OperatorSite::place(std::size_t object, const Pose& T_base_object) {

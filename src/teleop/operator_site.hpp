@@ -50,8 +50,9 @@ class OperatorSite {
   /// Queues a message that arrives at `arrival` [s] of the operator's wall clock.
   void enqueue(double arrival, std::vector<std::uint8_t> bytes);
   /// Applies a message that has arrived. One that is not newer than an earlier one of its object is
-  /// ignored: it was repeated, or overtaken by a newer one.
-  void apply(const CorrectionMessage& message);
+  /// ignored: it was repeated, or overtaken by a newer one. False for these, and for those that
+  /// come too late for the history.
+  bool apply(const CorrectionMessage& message);
   /// One cycle, with the messages that have arrived by `wall` [s].
   /// `a_base_tip` [m/s^2] is the tip's acceleration, for contacts with a mass.
   void step(double wall, const Eigen::Vector3d& p_base_tip,

@@ -294,9 +294,8 @@ constexpr auto kTeleopFields = std::to_array<OptionField<TeleopOptions>>({
      "to forces; only for a robot that follows commands, once its compliance is known",
      "lower: the operator's tip gives way faster than the robot's; higher: later"},
     {"retraction_speed", &TeleopOptions::retraction_speed, 0.05, 0.0, 10.0, "m/s",
-     "speed of the tool out of an object that the robot has touched before the operator: 1 mm in "
-     "20 "
-     "ms; only for a robot that follows commands; 0: it stays",
+     "speed of the tool out of what the robot has touched before the operator: 1 mm in 20 ms; only "
+     "for a robot that follows commands; 0: it stays",
      "lower: the robot presses for longer on what the operator does not see it touch; higher: the "
      "tool is moved with a jerk"},
     {"with_corrections", &TeleopOptions::with_corrections, 1, 0, 1, "",

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/sites/link_sites.hpp"
 
+#include "teleop/message.hpp"
 #include "teleop/plant_input.hpp"
 
 namespace pcavr {
@@ -47,12 +49,26 @@ class PushingPerson final : public OperatorInterface {
   [[nodiscard]] OperatorCommand step(std::size_t, LiveOperatorSite& site,
                                      const OperatorLink&) override {
     move();
+    if (retraction_ != 0.0 && is_before_box_) {
+      CorrectionMessage message;
+      message.t = site.now();
+      message.object = kBox;
+      message.which = CorrectionCase::touched_by_robot;
+      message.tool_retraction = Eigen::Vector3d(0.0, 0.0, std::exchange(retraction_, 0.0));
+      message.sequence = 100;  // not one of the robot's
+      EXPECT_TRUE(site.apply(message.t, encode(message, message.t)));
+    }
     site.step(p_base_);
+    offset_ = site.tool_offset();
     site.get_predictions(predictions_);
     p_box_command_ = site.world().T_base_object(kBox).inverse() * p_base_;
     return {p_base_, Eigen::Quaterniond::Identity(), true, {}};
   }
   [[nodiscard]] bool is_done() const { return next_ == path_.size(); }
+  /// [m] Upwards, as of a correction of case 1.2b that arrives before the box.
+  void retract_before_box(double displacement) { retraction_ = displacement; }
+  [[nodiscard]] const Eigen::Vector3d& p_base_command() const { return p_base_; }
+  [[nodiscard]] const Eigen::Vector3d& offset() const { return offset_; }
   /// [N] in the newest cycle.
   [[nodiscard]] double predicted_force() const { return predictions_[kBox].force.norm(); }
   /// The command in the frame of the predicted box.
@@ -75,6 +91,7 @@ class PushingPerson final : public OperatorInterface {
       return;
     }
     p_base_ = to.p_base;
+    is_before_box_ = next_ == 0;
     rested_ += kStep;
     if (rested_ < to.rest) return;
     rested_ = 0.0;
@@ -85,6 +102,9 @@ class PushingPerson final : public OperatorInterface {
   std::vector<Waypoint> path_;
   std::size_t next_ = 0;
   double rested_ = 0.0;  ///< [s]
+  double retraction_ = 0.0;
+  bool is_before_box_ = false;
+  Eigen::Vector3d offset_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_box_command_ = Eigen::Vector3d::Zero();
   std::vector<LinkPrediction> predictions_;
 };
@@ -120,10 +140,12 @@ struct Session {
   double measured = 0.0;   ///< [N] at the end of the last push
   double predicted = 0.0;  ///< [N] the same at the operator's site
   double pressed = 0.0;    ///< [m] of its command in its box, the same
+  Eigen::Vector3d p_base_command = Eigen::Vector3d::Zero();  ///< of the person, at the end
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();          ///< the tool's, at the end
   RobotSiteReport robot;
 };
 
-Session run_session(const LinkConditions::Options& link) {
+Session run_session(const LinkConditions::Options& link, double retraction = 0.0) {
   Session session;
   TeleopInput world;
   for (const PlantBody& body : session.plant.bodies) {
@@ -144,6 +166,7 @@ Session run_session(const LinkConditions::Options& link) {
   const double reach = box.parts.front().half_extents.y() + world.tool_radius;
   const Eigen::Vector3d face = box.T_base_object * Eigen::Vector3d(0.0, -reach, 0.0);
   PushingPerson person(robot.p_base_start(), face);
+  person.retract_before_box(retraction);
   const RobotSiteOptions robot_options;
   const OperatorSiteOptions operator_options;
   const SimulatedNetwork network{link, link, 1};
@@ -163,6 +186,8 @@ Session run_session(const LinkConditions::Options& link) {
   });
   EXPECT_TRUE(person.is_done());
   session.predicted = person.predicted_force();
+  session.p_base_command = person.p_base_command();
+  session.offset = person.offset();
   session.pressed = reach + person.p_box_command().y();
   // The last command is executed later; the robot then holds.
   const double end = t + 0.2;
@@ -189,6 +214,16 @@ TEST(VirtualSites, MoveTheOperatorsTipAsAnArmThatGivesWay) {
       std::pow(session.predicted / law.contact_stiffness, 1.0 / law.contact_exponent);
   EXPECT_NEAR(session.pressed - penetration, compliance * session.predicted,
               0.3 * compliance * session.predicted);
+}
+
+// The robot is sent the command and what moves the tool out of what only the robot has touched.
+TEST(VirtualSites, MoveTheRobotAsTheOperatorsToolIsRetracted) {
+  LinkConditions::Options link;
+  link.delay = 0.05;
+  const Session session = run_session(link, 0.004);
+  EXPECT_NEAR(session.offset.z(), 0.004, 1e-4);
+  const Eigen::Vector3d expected = session.p_base_command + session.offset;
+  EXPECT_LT((session.setpoints.back() - expected).norm(), 1e-5);
 }
 
 // Lost commands do not slow the tool down: its setpoint goes on towards the next that has arrived.
