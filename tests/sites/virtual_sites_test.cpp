@@ -13,8 +13,8 @@
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/sites/link_sites.hpp"
 
-#include "teleop/message.hpp"
 #include "teleop/plant_input.hpp"
+#include "teleop/retraction_message.hpp"
 
 namespace pcavr {
 namespace {
@@ -50,13 +50,8 @@ class PushingPerson final : public OperatorInterface {
                                      const OperatorLink&) override {
     move();
     if (retraction_ != 0.0 && is_before_box_) {
-      CorrectionMessage message;
-      message.t = site.now();
-      message.object = kBox;
-      message.which = CorrectionCase::touched_by_robot;
-      message.tool_retraction = Eigen::Vector3d(0.0, 0.0, std::exchange(retraction_, 0.0));
-      message.sequence = 100;  // not one of the robot's
-      EXPECT_TRUE(site.apply(message.t, encode(message, message.t)));
+      const Eigen::Vector3d up(0.0, 0.0, std::exchange(retraction_, 0.0));
+      EXPECT_TRUE(site.apply(site.now(), retraction_message(site.now(), kBox, up)));
     }
     site.step(p_base_);
     offset_ = site.tool_offset();
