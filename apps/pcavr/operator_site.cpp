@@ -19,6 +19,7 @@
 #include "link_options.hpp"
 #include "number_option.hpp"
 #include "page_server.hpp"
+#include "summary.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -53,12 +54,13 @@ CommandResult describe_operator_site(const OperatorSiteReport& report) {
   const double commands = static_cast<double>(std::max<std::size_t>(report.commands, 1));
   result.summary = fmt::format(
       "sessions {}, interruptions {}\ncommands {}, {:.1f} ms ahead, {} late cycles, {:.1f} us CPU "
-      "each\ncorrections {}, {} received again, {} too late\npictures {}, {:.0f} ms old\nclock     "
+      "each, 99.9 % within {:.0f} us\ncorrections {}, {} received again, {} too late\npictures {}, "
+      "{:.0f} ms old\nclock     "
       " drift {:.1f} ppm, std "
       "{:.0f} us, round trip at least {:.2f} ms\n",
       report.sessions, report.interruptions.size(), report.commands, 1e3 * report.lead,
-      report.late_cycles, 1e6 * report.cpu / commands, report.corrections,
-      report.repeated_corrections, report.late_corrections, report.pictures,
+      report.late_cycles, 1e6 * report.cpu / commands, 1e6 * report.cycle_times.p999,
+      report.corrections, report.repeated_corrections, report.late_corrections, report.pictures,
       1e3 * report.picture_age, 1e6 * report.clock_drift, 1e6 * report.clock_std,
       1e3 * report.round_trip);
   result.json = {{"sessions", report.sessions},
@@ -77,6 +79,7 @@ CommandResult describe_operator_site(const OperatorSiteReport& report) {
                  {"clock_std_s", report.clock_std},
                  {"cpu_s", report.cpu},
                  {"t_corrected", report.t_corrected}};
+  add_cycle_times(report.cycle_times, result.json);
   for (const DelayMeans::Stage& stage : report.delays.stages()) {
     result.json["delays_s"][std::string(stage.name)] = stage.mean;
     result.summary += fmt::format("  {:<22} {:.1f} ms\n", stage.name, 1e3 * stage.mean);

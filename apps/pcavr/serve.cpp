@@ -26,6 +26,7 @@
 #include "number_option.hpp"
 #include "output_option.hpp"
 #include "page_server.hpp"
+#include "summary.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -229,10 +230,8 @@ Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArg
   CommandResult result;
   result.summary = "stopped after " + std::to_string(last.cycles) + " cycles, " +
                    std::to_string(last.late_cycles) + " of them late\n";
-  const CycleTimes times = world.times();
-  result.json = {{"cycles", last.cycles},       {"late_cycles", last.late_cycles},
-                 {"cycle_p50_s", times.median}, {"cycle_p99_s", times.p99},
-                 {"cycle_p999_s", times.p999},  {"cycle_longest_s", times.longest}};
+  result.json = {{"cycles", last.cycles}, {"late_cycles", last.late_cycles}};
+  add_cycle_times(world.times(), result.json);
   return result;
 }
 

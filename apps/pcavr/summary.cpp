@@ -129,6 +129,13 @@ nlohmann::ordered_json times_json(const std::vector<StageTime>& times) {
   return json;
 }
 
+void add_cycle_times(const CycleTimes& times, nlohmann::ordered_json& result) {
+  result["cycle_p50_s"] = times.median;
+  result["cycle_p99_s"] = times.p99;
+  result["cycle_p999_s"] = times.p999;
+  result["cycle_longest_s"] = times.longest;
+}
+
 nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder) {
   const SceneQuality& quality = scene.quality;
   nlohmann::ordered_json json{{"scene", folder},

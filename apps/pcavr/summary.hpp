@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pcavr/core/cycle_histogram.hpp"
 #include "pcavr/core/stage_clock.hpp"
 #include "pcavr/scene/scene.hpp"
 
@@ -26,5 +27,7 @@ using Counts = std::vector<std::pair<std::string, std::size_t>>;
 /// A line per stage with wall and CPU time.
 [[nodiscard]] std::string times_table(const std::vector<StageTime>& times);
 [[nodiscard]] nlohmann::ordered_json times_json(const std::vector<StageTime>& times);
+/// Adds the quantiles of a world's cycles, "cycle_p999_s" and others, to the result.
+void add_cycle_times(const CycleTimes& times, nlohmann::ordered_json& result);
 
 }  // namespace pcavr::app

@@ -8,12 +8,12 @@
 #include <optional>
 #include <vector>
 
+#include "pcavr/core/cycle_histogram.hpp"
 #include "pcavr/link/motion_limiter.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 #include "pcavr/serve/session_recorder.hpp"
 
-#include "cycle_histogram.hpp"
 #include "pulse_generator.hpp"
 #include "triple_buffer.hpp"
 

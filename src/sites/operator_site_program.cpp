@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -41,6 +42,7 @@ constexpr double kMaxCorrectionWait = 0.05;
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
 constexpr std::size_t kMaxReportedTimes = 10'000;
+constexpr std::uint32_t kCyclesPerSlice = 100;  // its newest second is not read
 
 class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
  public:
@@ -107,7 +109,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     } else if (site_ && now < next_local_time()) {
       link_.ping(now, kFirstPingInterval);
     } else if (site_) {
-      cycle(now);
+      timed_cycle(now);
     } else {
       connect(now);
     }
@@ -304,6 +306,13 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
                                          schedule_.lead());
   }
 
+  /// The duration is the machine's, also where the loop runs in virtual time.
+  void timed_cycle(double now) {
+    const auto begin = std::chrono::steady_clock::now();
+    cycle(now);
+    cycles_.add(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+
   void cycle(double now) {
     const double behind = now - next_local_time();
     if (behind > teleop_.predictor.step) ++report_.late_cycles;
@@ -383,6 +392,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     link_.add_to(report_);
     report_.pictures = pictures_.count();
     report_.picture_age = pictures_.mean_age();
+    report_.cycle_times = cycles_.times_of_all();
     return std::move(report_);
   }
 
@@ -408,6 +418,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   CorrectionReceiver corrections_;
   PictureView pictures_;
   RobotView robot_;
+  CycleHistogram cycles_{kCyclesPerSlice};
   SafetyRequests requests_;
   double next_hello_ = 0.0;
   double next_link_ = 0.0;

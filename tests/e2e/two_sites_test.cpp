@@ -196,6 +196,8 @@ TEST_F(TwoSites, CorrectTheOperatorsWorldOverADelayedLink) {
   EXPECT_EQ(at_robot["invalid_messages"], 0);
   EXPECT_GT(at_operator["lead_s"].get<double>(), 0.2);
   EXPECT_NEAR(at_operator["round_trip_s"].get<double>(), 0.4, 0.05);
+  EXPECT_GT(at_operator["cycle_p50_s"].get<double>(), 0.0);
+  EXPECT_LE(at_operator["cycle_p50_s"].get<double>(), at_operator["cycle_p999_s"].get<double>());
 }
 
 // One code path: a recording that passes through both programs in real time gives the corrections

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/core/cycle_histogram.hpp"
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/haptics/haptic_world.hpp"
 #include "pcavr/link/delay_stages.hpp"
@@ -30,14 +31,6 @@ struct LinkSnapshot {
   std::optional<DelayStamps> delays = {};
   std::uint32_t picture = 0;  ///< number of the newest one of the robot's camera; 0: none
   double picture_age = 0.0;   ///< [s]
-};
-
-/// Quantiles of the cycles' durations [s].
-struct CycleTimes {
-  double median = 0.0;
-  double p99 = 0.0;
-  double p999 = 0.0;
-  double longest = 0.0;
 };
 
 /// The world at the end of one cycle, with timing statistics.

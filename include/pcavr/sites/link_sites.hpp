@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pcavr/core/cycle_histogram.hpp"
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/link/command_buffer.hpp"
@@ -117,6 +118,7 @@ struct OperatorSiteReport {
   double clock_drift = 0.0;
   double clock_std = 0.0;  ///< [s]
   std::size_t late_cycles = 0;
+  CycleTimes cycle_times;           ///< of the world with its corrections and its command
   DelayMeans delays;                ///< of the states that named a command of this site
   double cpu = 0.0;                 ///< [s] of this thread
   std::vector<double> t_corrected;  ///< [s] times that the first corrections speak of

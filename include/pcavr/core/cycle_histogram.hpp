@@ -6,9 +6,15 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "pcavr/serve/live_world.hpp"
-
 namespace pcavr {
+
+/// Quantiles of the cycles' durations [s].
+struct CycleTimes {
+  double median = 0.0;
+  double p99 = 0.0;
+  double p999 = 0.0;
+  double longest = 0.0;
+};
 
 /// Histogram of durations over a sliding window of one second, and over all, with logarithmic bins
 /// an eighth of an octave wide. A quantile, the smallest duration that at least this fraction of

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "cycle_histogram.hpp"
+#include "pcavr/core/cycle_histogram.hpp"
 
 #include <algorithm>
 #include <cmath>
