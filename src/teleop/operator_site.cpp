@@ -116,6 +116,7 @@ bool OperatorSite::apply(const CorrectionMessage& message) {
   const std::optional<BodyState> past = predictor_.state_at(message.object, message.t);
   if (!predictor_.correct(correction)) {
     ++late_;
+    apply_from_now(correction);
     return false;
   }
   double stated = 0.0;
@@ -125,6 +126,15 @@ bool OperatorSite::apply(const CorrectionMessage& message) {
   }
   limit_motion(message, before, stated);
   return true;
+}
+
+void OperatorSite::apply_from_now(const Correction& late) {
+  if (!late.physics) return;
+  Correction known;
+  known.t = predictor_.now();
+  known.body = late.body;
+  known.physics = late.physics;
+  predictor_.correct(known);
 }
 
 void OperatorSite::place(std::size_t object, const Pose& T_base_object) {

@@ -93,6 +93,8 @@ class OperatorSite {
         deflection_(options.tool_mass) {}
   [[nodiscard]] Eigen::Vector3d tip_force() const;  ///< that the tip exerts, of all objects [N]
   void count_held();
+  /// What a correction says of an object also holds after the time that it came too late for.
+  void apply_from_now(const Correction& late);
   /// A body that a correction moved by more than `stated` [m] and what the tip has pushed since the
   /// corrected time is taken back towards where it was, `before`.
   void limit_motion(const CorrectionMessage& message, const PlanarPose& before, double stated);

@@ -14,6 +14,8 @@ class PredictionLog {
  public:
   PredictionLog(double start, double step, std::size_t objects)
       : start_(start), step_(step), objects_(objects) {}
+  /// [s] When the first cycle began: the operator's site knows nothing of earlier times.
+  [[nodiscard]] double start() const { return start_; }
   void append(const Prediction& prediction) { rows_.push_back(prediction); }
   /// Those of the cycle that is `cycles` after the newest one, by object. What the commands between
   /// them would have stated, had they not been lost, lies between both.

@@ -300,6 +300,7 @@ void RobotSite::process_sample(const ForceStream::Sample& measured, const Predic
 void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log) {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].learn_at && *objects_[i].learn_at <= sample.t) learn(objects_[i], sample.t);
+    if (sample.t < log.start()) continue;  // a correction of that time would come too late
     compare(i, sample, log.at(sample.t, i));
   }
 }

@@ -246,9 +246,8 @@ void finish(const TeleopInput& input, const TeleopOptions& options, const RobotS
   std::stable_sort(run.phases.begin(), run.phases.end(),
                    [](const PhaseRow& a, const PhaseRow& b) { return a.t < b.t; });
   if (site.late() > 0) {
-    run.notes.push_back(
-        "corrections discarded because they came too late for the prediction's history: " +
-        std::to_string(site.late()));
+    run.notes.push_back("corrections whose poses came too late for the prediction's history: " +
+                        std::to_string(site.late()));
   }
   for (std::string& note : robot.notes()) run.notes.push_back(std::move(note));
   note_unseen(input, options, robot, run);

@@ -190,6 +190,9 @@ Session run_session(const LinkConditions::Options& link, double retraction = 0.0
   session.measured = robot.force;
   session.setpoints = robot.setpoints;
   session.robot = robot_site.steps->finish().value();
+  const OperatorSiteReport report = operator_site.steps->finish().value();
+  EXPECT_GE(report.corrections, world.objects.size());  // the whole state at the session's begin
+  EXPECT_EQ(report.late_corrections, 0U);
   return session;
 }
 

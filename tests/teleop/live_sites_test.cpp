@@ -147,6 +147,26 @@ TEST(LiveSites, GiveWayAsTheRobotsArmDoes) {
   EXPECT_TRUE(force(bent).isZero());
 }
 
+// As at the begin of a session: the correction speaks of a time that this world has not.
+TEST(LiveSites, UseParametersThatComeTooLate) {
+  const TeleopInput input = plant_input(3, true).input;
+  const Eigen::Vector3d away = input.objects.front().T_base_object * Eigen::Vector3d(0.0, 0.0, 0.5);
+  LiveOperatorSite site = LiveOperatorSite::create(input, {}, 5.0, away).value();
+  site.step(away);
+  const Pose before = site.world().T_base_object(0);
+  CorrectionMessage message;
+  message.t = 4.0;
+  message.pose = planar_pose_of(before);
+  message.pose->x += 0.01;
+  const double stiffness = 2.0 * site.world().physics(0).contact.stiffness;
+  message.parameters.contact_stiffness = ParameterValue{stiffness, 1.0};
+  message.sequence = 1;
+  EXPECT_TRUE(site.apply(message.t, encode(message, message.t)));
+  EXPECT_EQ(site.late(), 1U);
+  EXPECT_NEAR(site.world().physics(0).contact.stiffness, stiffness, 1e-3 * stiffness);
+  EXPECT_EQ(planar_pose_of(site.world().T_base_object(0)).x, planar_pose_of(before).x);
+}
+
 // A sensor whose clock is a minute ahead is used when its samples arrive.
 TEST(LiveSites, TakeSamplesWithAWrongClockAsTheyCome) {
   const PlantInput made = plant_input(3, false);

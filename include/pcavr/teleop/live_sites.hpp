@@ -126,7 +126,7 @@ class LiveOperatorSite {
   void get_predictions(std::vector<LinkPrediction>& predictions) const;
   [[nodiscard]] ShownBody shown(std::size_t object) const;
   [[nodiscard]] std::size_t objects() const;
-  /// Corrections that came too late for the history.
+  /// Corrections that came too late for the history: only their parameters are used.
   [[nodiscard]] std::size_t late() const;
 
  private:
