@@ -29,6 +29,31 @@ test('a page reports a server with another protocol, and shows no state', limit,
   assert.equal(await page.evaluate(() => window.__pcavr.state), null);
 });
 
+// The header of docs/live-protocol.md.
+const headerBytes = 24;
+const lengthAt = 12;
+const isState = (message) => message[5] === 2;
+
+test('a page says that it cannot read the states, and that none comes', limit, async (t) => {
+  const longer = await startRelay(stage.server.url, (message) => {
+    if (!isState(message)) return message;
+    const other = Buffer.concat([message, Buffer.alloc(4)]); // as of a server with more to say
+    other.writeUInt32LE(other.length - headerBytes, lengthAt);
+    return other;
+  });
+  t.after(longer.close);
+  const { page } = await stage.open(longer.url);
+  await page.locator('#toasts', { hasText: /another layout: reload/ }).waitFor();
+  assert.equal(await page.evaluate(() => window.__pcavr.connection), 'refused');
+
+  const silent = await startRelay(stage.server.url, (message) =>
+    isState(message) ? null : message,
+  );
+  t.after(silent.close);
+  const { page: waiting } = await stage.open(silent.url);
+  await waiting.waitForFunction(() => window.__pcavr.connection === 'lost');
+});
+
 test('a page reconnects after the connection is lost', limit, async (t) => {
   const relay = await startRelay(stage.server.url, (message) => message);
   t.after(relay.close);

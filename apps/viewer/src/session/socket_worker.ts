@@ -40,6 +40,7 @@ const firstRetrySeconds = 0.5;
 const maxRetrySeconds = 8; // exponential backoff up to here
 // States come 60 to 90 times a second; with the time to the next check and frame below 0.5 s.
 const stallSeconds = 0.35;
+const firstStateSeconds = 2; // longer: the page of a loaded machine has just begun
 const stallCheckSeconds = 0.05;
 const maxBuffered = 4096; // [bytes] not yet sent: above, tool samples are dropped instead of queued
 
@@ -154,7 +155,7 @@ function receive(data: unknown): void {
       break;
     case MessageType.state: {
       const state = readState(data);
-      if (!state) break;
+      if (!state) return rejectServer('The server sends states of another layout: reload.');
       recordState();
       if (pendingState) ++skipped;
       pendingState = state;
@@ -184,6 +185,7 @@ function acceptWelcome(message: Welcome | null): void {
     return;
   }
   retrySeconds = firstRetrySeconds;
+  if (message.mode === 'live') lastState = pageClock() + firstStateSeconds - stallSeconds;
   post({ kind: 'welcome', welcome: message });
   post({ kind: 'connection', connection: 'open', reason: '' });
 }

@@ -5,7 +5,8 @@
 import { createServer, request } from 'node:http';
 import WebSocket, { WebSocketServer } from 'ws';
 
-/// Forwards everything; each WebSocket message from the server passes through `change`.
+/// Forwards everything; each WebSocket message from the server passes through `change`, which drops it
+/// by `null`.
 export async function startRelay(url, change) {
   const upstream = new URL(url);
   const pages = new Set();
@@ -24,7 +25,10 @@ export async function startRelay(url, change) {
     const queued = [];
     pages.add(page);
     world.on('open', () => queued.splice(0).forEach((message) => world.send(message)));
-    world.on('message', (message) => page.send(change(message)));
+    world.on('message', (message) => {
+      const changed = change(message);
+      if (changed !== null) page.send(changed);
+    });
     world.on('close', () => page.terminate());
     page.on('message', (message) =>
       world.readyState === WebSocket.OPEN ? world.send(message) : queued.push(message),
