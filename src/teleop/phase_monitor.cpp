@@ -357,7 +357,9 @@ void PhaseMonitor::stamp_critical(double t_onset) {
   }
   const MonitoredPhase slide = changes_.back();
   changes_.pop_back();
-  while (changes_.back().t > rest_since_ && changes_.back().phase != MotionPhase::sliding &&
+  // A limit that this slide confirms was right before, too: when a short slip had unloaded the tip.
+  const double revised_since = is_consistent ? t_critical : rest_since_;
+  while (changes_.back().t > revised_since && changes_.back().phase != MotionPhase::sliding &&
          changes_.size() > 1) {
     changes_.pop_back();
   }

@@ -18,27 +18,39 @@ namespace {
 
 constexpr double kInterval = 0.002;
 
-/// A push with a known law: the tip advances at 15 mm/s, F = 20600 d^1.5, until the object breaks
-/// away at 9 N and then moves with the tip; it stops with the tool.
+/// How a push is made: the tip advances, F = stiffness d^1.5, until the object breaks away at 9 N,
+/// and from then on at 15 mm/s.
+struct PushMotion {
+  double loading_speed = 0.015;  // [m/s]
+  double stiffness = 20600.0;
+  double slip = 0.0;           // [m] by which the object slips ahead and sticks again, at first
+  double sliding_force = 9.0;  // [N]
+};
+
+/// A push with a known law, whose object moves with the tip once it slides; it stops with the tool.
 struct MadePush {
   double t_touch = 0.5, t_slide = 0.0, t_stop = 1.8;
   std::vector<MonitorSample> samples;
 };
 
-MadePush made_push(double noise) {
+MadePush made_push(double noise, PushMotion motion = {}) {
   MadePush push;
   Random random(11);
-  double tip = -0.0075;
+  double tip = -0.5 * motion.loading_speed;
   double object = 0.0;
+  const auto penetration_of = [&](double force) {
+    return std::pow(force / motion.stiffness, 1.0 / 1.5);
+  };
   for (double t = 0.0; t < 2.5; t += kInterval) {
-    const double speed = t < 1.8 ? 0.015 : 0.0;
-    tip += speed * kInterval;
+    const double speed = push.t_slide == 0.0 ? motion.loading_speed : 0.015;
+    if (t < push.t_stop) tip += speed * kInterval;
     double penetration = std::max(tip - object, 0.0);
-    double force = 20600.0 * std::pow(penetration, 1.5);
-    if (force > 9.0) {
-      if (push.t_slide == 0.0) push.t_slide = t;
-      object = tip - std::pow(9.0 / 20600.0, 1.0 / 1.5);
-      force = 9.0;
+    double force = motion.stiffness * std::pow(penetration, 1.5);
+    if (force > (push.t_slide == 0.0 ? 9.0 : motion.sliding_force)) {
+      if (motion.slip == 0.0 && push.t_slide == 0.0) push.t_slide = t;
+      force = motion.slip > 0.0 ? 9.0 : motion.sliding_force;
+      object = tip - penetration_of(force) + motion.slip;
+      motion.slip = 0.0;
     }
     MonitorSample sample;
     sample.t = t;
@@ -77,6 +89,22 @@ TEST(PhaseMonitor, IsCriticalFromNineTenthsOfAKnownLimit) {
   }
   const double penetration = std::pow(8.1 / 20600.0, 1.0 / 1.5);
   EXPECT_NEAR(time_of(monitor, MotionPhase::critical), push.t_touch + penetration / 0.015, 0.010);
+}
+
+TEST(PhaseMonitor, KeepsTheCriticalPhaseBeforeAShortSlipWhenTheLimitIsRight) {
+  // Loaded again over 167 ms.
+  const MadePush push = made_push(
+      0.0, {.loading_speed = 0.0012, .stiffness = 650e3, .slip = 2e-4, .sliding_force = 7.0});
+  PhaseMonitor monitor(0.0, {});
+  double t_reported = -1.0;
+  for (const MonitorSample& sample : push.samples) {
+    monitor.step(sample, ParameterValue{9.0, 0.1}, 0.0);
+    if (t_reported < 0.0) t_reported = time_of(monitor, MotionPhase::critical);
+  }
+  ASSERT_GT(t_reported, 0.0);
+  EXPECT_LT(t_reported, push.t_slide - 0.167);
+  EXPECT_EQ(time_of(monitor, MotionPhase::critical), t_reported);
+  EXPECT_NEAR(time_of(monitor, MotionPhase::sliding), push.t_slide, 0.050);
 }
 
 TEST(PhaseMonitor, StaysFreeIfNothingIsNear) {
