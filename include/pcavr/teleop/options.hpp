@@ -50,6 +50,7 @@ struct PhaseMonitorOptions {
   double critical_share;           ///< of F_M: minimum width of the critical band below it
   double leave_ratio;              ///< of the contact force: a contact ends below
   double leave_time;               ///< [s] ... for this long
+  double unloaded_time;            ///< [s] ... or this long, where the tip stays
   double retraction;               ///< [m] of the tip, at which a contact ends
   double line_guard;               ///< [s] newest samples that the contact line does not use
   double rate_window;              ///< [s] of the tip's speed, for damping
