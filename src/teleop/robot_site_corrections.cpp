@@ -106,6 +106,7 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
     learn(object, sample.t);
     if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
   }
+  if (object.identification && !is_by_force) return;  // it is composed with what that finds
   std::optional<CorrectionMessage> message =
       compose(index, *which, sample, prediction.pose, gap, seen);
   if (!message) {
@@ -119,7 +120,8 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
 std::optional<CorrectionCase> RobotSite::take_unfinished_law(RobotObject& object,
                                                              const SiteComparison& seen) {
   const bool is_touched = object.monitor.is_touched() || seen.operator_touches;
-  if (is_touched || object.in_flight || object.learn_at) return std::nullopt;
+  const bool is_identifying = object.learn_at || object.identification;
+  if (is_touched || object.in_flight || is_identifying) return std::nullopt;
   return std::exchange(object.unfinished_law, std::nullopt);
 }
 
@@ -177,9 +179,10 @@ bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& para
     // The surface is measured on the face that is touched now: another one's need not change.
     const bool is_newest = &seen == &object.seen_contacts().back();
     after.surface_offset = is_newest ? offset : before.surface_offset;
-    const std::optional<double> error = trial_.error_of(contact, before);
-    if (!error) continue;
-    if (*trial_.error_of(contact, after) > std::max(1.0, kMaxErrorRatio * *error)) return true;
+    const std::optional<double> error = trial_.error_of(contact, after);
+    // One that can't be noticed is right whatever the error was: a trial less.
+    if (!error || *error <= 1.0) continue;
+    if (*error > kMaxErrorRatio * *trial_.error_of(contact, before)) return true;
   }
   return false;
 }
