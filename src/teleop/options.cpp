@@ -241,6 +241,10 @@ constexpr auto kSwitchFields = std::to_array<OptionField<Switch>>({
     {"burst_bytes", &Switch::burst_bytes, 400.0, 1.0, 1e9, "bytes",
      "bytes that may be sent beyond the budget: a few corrections at the start",
      "lower: the first corrections are held back; higher: traffic of short sessions"},
+    {"keeps_off", &Switch::keeps_off, 0, 0, 1, "",
+     "where the phases differ and the parameters are wrong, a tool that follows commands is moved "
+     "off the object until its contact is identified [paper C]",
+     "0: the push goes on while it is corrected; 1: it ends, and the operator begins anew"},
 });
 static_assert(are_valid_fields(kSwitchFields));
 

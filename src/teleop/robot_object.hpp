@@ -123,6 +123,8 @@ class RobotObject {
   std::deque<LearnedContact> learned = {};  ///< the newest
   /// [s] begin of the contact whose limiting friction was last found to contradict its slides.
   std::optional<double> contradicted_contact = {};
+  /// [s] The tool is kept off [paper C, case 2] since then.
+  std::optional<double> kept_off_since = {};
   /// The next comparison sends everything: the sites were apart.
   bool is_full_state_due = false;
 

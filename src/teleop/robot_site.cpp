@@ -164,6 +164,7 @@ void RobotSite::restart(double now) {
   for (RobotObject& object : objects_) {
     object.in_flight.reset();
     object.correction_switch.restart();
+    object.kept_off_since.reset();
     object.is_full_state_due = true;
   }
 }

@@ -121,6 +121,9 @@ class RobotSite {
   /// Whether any of the last contacts would have been predicted worse with these parameters.
   [[nodiscard]] bool worsens_contacts(std::size_t index, const ObjectParameters& parameters);
   [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
+  /// Whether the contact of an object that the tool is kept off was identified.
+  [[nodiscard]] static bool is_release_due(const RobotObject& object, double t);
+  void send_release(std::size_t index, double t);
   void send_full_state(std::size_t index, const TouchSample& sample, const PlanarPose& predicted,
                        const SiteComparison& seen);
   void update_from_camera(double t);

@@ -121,6 +121,7 @@ struct CorrectionSwitchOptions {
   double max_threshold_factor;  ///< of the thresholds beyond the byte budget
   double byte_budget;           ///< of the corrections, relative to streaming
   double burst_bytes;           ///< [bytes] that may be sent beyond the budget
+  bool keeps_off;               ///< case 2 keeps a live tool off until new parameters [paper C]
 };
 
 /// What a correction contains ("teleop.messages").
