@@ -13,6 +13,8 @@ constexpr double kStampAfter = 0.150;
 // From the touch of a soft surface until its force is above the noise [s]: slower, the tip's speed
 // need not have been the same.
 constexpr double kMaxTouchTime = 0.25;
+// [m/s] A slower tip has come to rest in the contact: it was faster before.
+constexpr double kMinTouchSpeed = 0.005;
 // An onset is extrapolated from two levels of the displacement, this factor apart.
 constexpr double kLevels = 4.0;
 // [s] In which the tip must advance: one that has just stopped relaxes its contact, which also
@@ -434,7 +436,8 @@ void PhaseMonitor::stamp_contact() {
   const double advance = contact_[early].tip - contact_.front().tip;
   if (duration <= 0.0 || advance <= 0.0) return;
   const double inside = std::max(contact_.front().tip - line_.surface(), 0.0);
-  const double back = std::min(inside * duration / advance, kMaxTouchTime);
+  const double max_back = advance < kMinTouchSpeed * duration ? options_.line_guard : kMaxTouchTime;
+  const double back = std::min(inside * duration / advance, max_back);
   const double t_touch = std::min(contact_.front().t - back, contact_begin_);
   for (std::size_t i = changes_.size(); i-- > 1;) {
     if (changes_[i].phase != MotionPhase::static_contact || changes_[i].t != contact_stamp_)
