@@ -5,6 +5,8 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -19,11 +21,14 @@ namespace pcavr {
 namespace {
 
 constexpr char kEntry[] = "pcavr_get_robot_plugin";
-constexpr double kFar = 100.0;           // [m] beyond it a position is not plausible
-constexpr double kMaxAge = 10.0;         // [s] of a sample
-constexpr double kNormTolerance = 1e-3;  // of a quaternion
-constexpr double kSilence = 0.2;         // [s] without a pose of the tool, which is noted
-constexpr double kSlow = 5e-4;           // [s] of a call, which is noted: half a cycle
+constexpr double kFar = 100.0;              // [m] beyond it a position is not plausible
+constexpr double kMaxAge = 10.0;            // [s] of a sample
+constexpr double kNormTolerance = 1e-3;     // of a quaternion
+constexpr double kSilence = 0.2;            // [s] without a pose of the tool, which is noted
+constexpr std::uint32_t kMaxPixels = 4096;  // of a picture's edge
+// A plugin of before there were pictures ends there.
+constexpr std::size_t kMinPluginSize = offsetof(pcavr_robot_plugin, take_picture);
+constexpr double kSlow = 5e-4;  // [s] of a call, which is noted: half a cycle
 constexpr auto kStartInterval = std::chrono::milliseconds(1);
 
 using Vector = Eigen::Map<const Eigen::Vector3d>;
@@ -49,10 +54,10 @@ Expected<const pcavr_robot_plugin*> plugin_of(void* library, const std::string& 
   }
   const pcavr_robot_plugin* plugin = get();
   if (plugin == nullptr) return Error{.message = "returned no plugin", .file = file};
-  if (plugin->abi != PCAVR_ROBOT_PLUGIN_ABI || plugin->size < sizeof(pcavr_robot_plugin)) {
+  if (plugin->abi != PCAVR_ROBOT_PLUGIN_ABI || plugin->size < kMinPluginSize) {
     return Error{
         .message = fmt::format("has plugin ABI {} of {} bytes, expected {} of {}", plugin->abi,
-                               plugin->size, PCAVR_ROBOT_PLUGIN_ABI, sizeof(pcavr_robot_plugin)),
+                               plugin->size, PCAVR_ROBOT_PLUGIN_ABI, kMinPluginSize),
         .file = file,
         .hint = "build it with this version's robot_plugin.h"};
   }
@@ -63,7 +68,11 @@ Expected<const pcavr_robot_plugin*> plugin_of(void* library, const std::string& 
   return plugin;
 }
 
-class PluginRobot final : public RobotInterface {
+bool has_camera(const pcavr_robot_plugin& plugin) {
+  return plugin.size >= sizeof(pcavr_robot_plugin) && plugin.take_picture != nullptr;
+}
+
+class PluginRobot final : public RobotInterface, private PictureSource {
  public:
   PluginRobot(SharedLibrary library, const pcavr_robot_plugin& plugin, void* robot,
               std::size_t objects)
@@ -114,7 +123,27 @@ class PluginRobot final : public RobotInterface {
     return std::exchange(notices_, {});
   }
 
+  [[nodiscard]] PictureSource* pictures() override {
+    return has_camera(plugin_) ? static_cast<PictureSource*>(this) : nullptr;
+  }
+
  private:
+  // PictureSource.
+  [[nodiscard]] Expected<std::optional<CameraPicture>> newest(double t) override {
+    pcavr_robot_picture picture{};
+    picture.size = sizeof picture;
+    if (plugin_.take_picture(robot_, t, &picture) != 1) return std::optional<CameraPicture>();
+    const bool is_valid = picture.width > 0 && picture.width <= kMaxPixels && picture.height > 0 &&
+                          picture.height <= kMaxPixels && picture.rgb != nullptr &&
+                          is_age(picture.age);
+    if (!is_valid) return Error{.message = "the robot's plugin gives one that is not valid"};
+    CameraPicture taken{t - picture.age, ColorImage(static_cast<int>(picture.width),
+                                                    static_cast<int>(picture.height))};
+    static_assert(sizeof(Rgb8) == 3);
+    std::memcpy(taken.image.pixels().data(), picture.rgb, taken.image.pixels().size() * 3);
+    return std::optional(std::move(taken));
+  }
+
   void call(double t, const pcavr_robot_command* command, RobotSamples& samples) {
     pcavr_robot_state state{};
     state.size = sizeof state;

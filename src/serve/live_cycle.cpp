@@ -205,6 +205,7 @@ void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) 
   snapshot.published = now;
   snapshot.world = world_.state();
   snapshot.world.force_base *= cycle_scale_;
+  snapshot.world.p_base_proxy += shown_offset_;
   snapshot.speeds = speeds_;
   snapshot.is_on_hold = was_on_hold_;
   snapshot.is_stopped = is_stopped();

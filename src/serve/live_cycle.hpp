@@ -56,6 +56,8 @@ class LiveCycle {
   void open_clutch() noexcept { must_open_ = true; }
   /// Places the tool anew.
   void restart(const Eigen::Vector3d& p_base_tool) noexcept;
+  /// [m] From the proxy to where the tool is shown: what the site moves it by beside the hand.
+  void displace_shown_tool(const Eigen::Vector3d& offset) noexcept { shown_offset_ = offset; }
   /// What is published of the link.
   [[nodiscard]] std::optional<LinkSnapshot>& link() noexcept { return link_; }
   [[nodiscard]] const HapticWorldState& state() const noexcept { return world_.state(); }
@@ -111,6 +113,7 @@ class LiveCycle {
   Eigen::Quaterniond q_base_tool_ = Eigen::Quaterniond::Identity();  ///< of the last sample
   double weight_share_ = 0.0;  ///< of the tool's weight that is rendered
   Eigen::Vector3d p_tip_offset_ = Eigen::Vector3d::Zero();  ///< from the device's tip to the HIP
+  Eigen::Vector3d shown_offset_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace pcavr

@@ -35,6 +35,10 @@ class SiteBodies final : public PushedBodies {
     for (std::size_t i = 0; i < poses_.size(); ++i) poses_[i] = site_->world().T_base_object(i);
     site_ = nullptr;
   }
+  /// [m] By which the site moves the robot's tool, beside its command.
+  [[nodiscard]] Eigen::Vector3d tool_offset() const {
+    return site_ != nullptr ? site_->tool_offset() : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  }
   /// [m] Of the robot's tool, in the session's world.
   [[nodiscard]] const Eigen::Vector3d& p_base_tip() const { return p_base_tip_; }
 
@@ -140,6 +144,7 @@ struct OperatorPage::Content {
     publish_link(link);
     const double begin = LiveWorld::clock();
     cycle.step(begin);
+    cycle.displace_shown_tool(bodies.tool_offset());
     stop_robot();
     const double end = LiveWorld::clock();
     cycle.publish(end - begin, 0, end);

@@ -9,6 +9,9 @@
 namespace pcavr {
 namespace {
 
+/// Over the predictor's step: a trial needs the error to some per cent only, and takes the site's
+/// time.
+constexpr double kStepFactor = 2.0;
 /// Longest prediction [s]: beyond it every push is unstable.
 constexpr double kMaxTrial = 1.0;
 
@@ -35,7 +38,7 @@ CorrectionTrial::CorrectionTrial(const TeleopInput& world, const std::vector<Bod
       position_stds_(options.correction_switch.position_stds),
       min_position_error_(options.correction_switch.min_position_error),
       force_tolerance_(options.correction_switch.force_tolerance),
-      step_(options.predictor.step) {
+      step_(kStepFactor * options.predictor.step) {
   WorldModel model;
   model.tool_radius = world.tool_radius;
   model.gravity = options.gravity();

@@ -245,6 +245,17 @@ struct LiveOperatorSite::Impl {
     return site.world().state()[object].tool_force_base.squaredNorm() > 0.0;
   }
 
+  void retract(const CorrectionMessage& message, bool was_touched) {
+    const Eigen::Vector3d& displacement = *message.tool_retraction;
+    if (message.which != CorrectionCase::phases_differ) {
+      if (!was_touched) retraction.begin(message.object, displacement);
+    } else if (displacement.isZero()) {
+      retraction.release();
+    } else {
+      retraction.keep_off(message.object, displacement);
+    }
+  }
+
   OperatorSite site;
   std::size_t objects = 0;
   double step = 0.0;  ///< [s]
@@ -272,9 +283,7 @@ bool LiveOperatorSite::apply(double t, std::span<const std::uint8_t> bytes) {
   if (!message || message->object >= impl_->objects) return false;
   const bool was_touched = impl_->touches(message->object);
   const bool is_applied = impl_->site.apply(*message);
-  if (is_applied && message->tool_retraction && !was_touched) {
-    impl_->retraction.begin(message->object, *message->tool_retraction);
-  }
+  if (is_applied && message->tool_retraction) impl_->retract(*message, was_touched);
   return true;
 }
 

@@ -38,7 +38,8 @@ struct CorrectionMessage {
   std::optional<PlanarPose> pose = {};
   std::optional<Eigen::Vector3d> twist = {};  ///< [vx vy omega], only with the pose
   /// Case 1.2b: displacement by which the virtual tool is first retracted from the object, base
-  /// axes [m].
+  /// axes [m]. Case 2: the same, and the tool is kept off until a message of case 2 that retracts
+  /// it by zero.
   std::optional<Eigen::Vector3d> tool_retraction = {};
   /// Without those unknown at both sites. Of the standard deviations, only that of F_M is sent.
   ObjectParameters parameters = {};

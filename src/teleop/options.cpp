@@ -68,8 +68,12 @@ constexpr auto kPhaseFields = std::to_array<OptionField<Phases>>({
     {"leave_time", &Phases::leave_time, 0.008, 0.0, 10.0, "s",
      "time below that force after which a contact ends",
      "lower: noise ends contacts; higher: separation is detected late"},
+    // With the latencies of smoothing and spike filter a loss is noticed within 50 ms.
+    {"unloaded_time", &Phases::unloaded_time, 0.025, 0.0, 10.0, "s",
+     "time below that force after which a contact ends although the tip stays where it pressed",
+     "lower: noise ends light contacts; higher: an object that is taken away is missed late"},
     {"retraction", &Phases::retraction, 1e-4, 0.0, 0.1, "m",
-     "distance of the tip from where it last pressed, without which a contact does not end",
+     "distance of the tip from where it last pressed, from which on the shorter time counts",
      "lower: noise of the tip's pose ends light contacts; higher: separation is detected late"},
     {"line_guard", &Phases::line_guard, 0.080, 0.005, 10.0, "s",
      "newest samples of a push, in which the object may already move and which the contact line "
@@ -237,6 +241,10 @@ constexpr auto kSwitchFields = std::to_array<OptionField<Switch>>({
     {"burst_bytes", &Switch::burst_bytes, 400.0, 1.0, 1e9, "bytes",
      "bytes that may be sent beyond the budget: a few corrections at the start",
      "lower: the first corrections are held back; higher: traffic of short sessions"},
+    {"keeps_off", &Switch::keeps_off, 0, 0, 1, "",
+     "where the phases differ and the parameters are wrong, a tool that follows commands is moved "
+     "off the object until its contact is identified [paper C]",
+     "0: the push goes on while it is corrected; 1: it ends, and the operator begins anew"},
 });
 static_assert(are_valid_fields(kSwitchFields));
 

@@ -10,6 +10,11 @@ namespace {
 
 // After this the line's start is known well enough to estimate the time of contact [s].
 constexpr double kStampAfter = 0.150;
+// From the touch of a soft surface until its force is above the noise [s]: slower, the tip's speed
+// need not have been the same.
+constexpr double kMaxTouchTime = 0.25;
+// [m/s] A slower tip has come to rest in the contact: it was faster before.
+constexpr double kMinTouchSpeed = 0.005;
 // An onset is extrapolated from two levels of the displacement, this factor apart.
 constexpr double kLevels = 4.0;
 // [s] In which the tip must advance: one that has just stopped relaxes its contact, which also
@@ -17,6 +22,8 @@ constexpr double kLevels = 4.0;
 constexpr double kRecentTime = 0.020;
 // An apparent speed below this ratio of the tool's is the line's fit error, not motion.
 constexpr double kToolSpeedRatio = 0.35;
+// A press whose force falls below this share of its maximum is unloaded.
+constexpr double kUnloadedShare = 0.7;
 // After this long a slide is stamped with the available data [s].
 constexpr double kSlideSettled = 0.080;
 // Inertial force of a fast push over its friction [identification's README: 12 to 18 %].
@@ -71,13 +78,15 @@ void PhaseMonitor::step(const MonitorSample& sample,
     last_loaded_ = sample.t;
     loaded_tip_ = tip;
   }
-  // A tip that stays where it last pressed is still in contact, even if the force is below the
-  // noise. One that has drawn back has left; and so has one that goes on without a force: it has
-  // slipped off an edge, or the object has gone ahead of it.
+  // A tip that has drawn back has left; and so has one that goes on without a force: it has slipped
+  // off an edge, or the object has gone ahead of it. From one that stays where it last pressed the
+  // object may have been taken: a force that is low for a moment looks the same at first.
   const bool has_left =
       std::abs(tip - loaded_tip_) > std::max(options_.retraction, sensors_.tip_noise);
   if (!has_left) last_near_ = sample.t;
-  if (has_left && sample.t - last_loaded_ > options_.leave_time) {
+  const double unloaded = sample.t - last_loaded_;
+  if (unloaded > (has_left ? options_.leave_time : options_.unloaded_time)) {
+    if (!has_left) last_near_ = last_loaded_;
     end_contact();
     return;
   }
@@ -138,7 +147,9 @@ void PhaseMonitor::begin_contact(const MonitorSample& sample) {
   }
   touch_force_ = std::max(sample.force_base.dot(direction_base_), sensors_.enter_force);
   line_ = ContactLine(sample.p_base_tip.dot(advance_base_), touch_force_);
-  is_line_final_ = is_contact_stamped_ = has_slid_ = is_slow_slide_ = false;
+  is_line_final_ = has_slid_ = is_slow_slide_ = false;
+  max_force_ = 0.0;
+  contact_stamp_ = above_since_;
   next_for_line_ = 0;
   contact_.clear();
   speed_ = 0.0;
@@ -160,15 +171,23 @@ void PhaseMonitor::lose_force() {
   if (is_touched_) end_contact();
 }
 
+/// Its line is needed for its begin only, and a force that falls is on another one.
+void PhaseMonitor::end_line_of_press(double force) {
+  max_force_ = std::max(max_force_, force);
+  if (is_line_final_ || force > kUnloadedShare * max_force_) return;
+  is_line_final_ = true;
+  stamp_contact();
+}
+
 void PhaseMonitor::process(const Point& point,
                            const std::optional<ParameterValue>& limiting_friction) {
   contact_.push_back(point);
-  if (is_press_) return;
   while (!is_line_final_ && contact_[next_for_line_].t < point.t - options_.line_guard) {
     const Point& past = contact_[next_for_line_++];
     if (past.force > sensors_.enter_force) line_.add(past.tip, past.force, sensors_.correlated);
   }
-  if (point.t - contact_.front().t > kStampAfter) stamp_contact();
+  if (!is_line_final_ && point.t - contact_.front().t > kStampAfter) stamp_contact();
+  if (is_press_) return end_line_of_press(point.force);
   if (!line_.is_usable()) {
     if (!is_slow_slide_) update_static_phase(limiting_friction);
     return;
@@ -411,8 +430,7 @@ double PhaseMonitor::critical_force() const {
 }
 
 void PhaseMonitor::stamp_contact() {
-  if (is_contact_stamped_ || !line_.is_ready()) return;
-  is_contact_stamped_ = true;
+  if (!line_.is_ready() || contact_.empty()) return;
   // Extrapolates from the first sample in contact back to the surface, with the speed of the first
   // samples.
   const std::size_t early = std::min<std::size_t>(contact_.size() - 1, 20);
@@ -420,14 +438,14 @@ void PhaseMonitor::stamp_contact() {
   const double advance = contact_[early].tip - contact_.front().tip;
   if (duration <= 0.0 || advance <= 0.0) return;
   const double inside = std::max(contact_.front().tip - line_.surface(), 0.0);
-  const double back = std::min(inside * duration / advance, options_.line_guard);
-  const double t_touch = contact_.front().t - back;
+  const double max_back = advance < kMinTouchSpeed * duration ? options_.line_guard : kMaxTouchTime;
+  const double back = std::min(inside * duration / advance, max_back);
+  const double t_touch = std::min(contact_.front().t - back, contact_begin_);
   for (std::size_t i = changes_.size(); i-- > 1;) {
-    if (changes_[i].phase != MotionPhase::static_contact || changes_[i].t < contact_begin_)
+    if (changes_[i].phase != MotionPhase::static_contact || changes_[i].t != contact_stamp_)
       continue;
-    if (changes_[i].t == contact_begin_) {
-      changes_[i].t = std::max(std::min(t_touch, contact_begin_), changes_[i - 1].t);
-    }
+    changes_[i].t = contact_stamp_ = std::max(t_touch, changes_[i - 1].t);
+    return;
   }
 }
 

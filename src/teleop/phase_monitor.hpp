@@ -108,6 +108,7 @@ class PhaseMonitor {
   [[nodiscard]] double without_damping(double t, double tip, double force, double damping) const;
   void end_contact();
   void stamp_contact();
+  void end_line_of_press(double force);
   void process(const Point& point, const std::optional<ParameterValue>& limiting_friction);
   void update_static_phase(const std::optional<ParameterValue>& limiting_friction);
   void measure_speed();
@@ -140,7 +141,7 @@ class PhaseMonitor {
   double last_near_ = 0.0;    ///< [s] when the tip was last at its last loaded position
   double loaded_tip_ = 0.0;   ///< [m] last tip coordinate under load
   double contact_begin_ = 0.0;
-  bool is_contact_stamped_ = false;
+  double contact_stamp_ = 0.0;                              ///< [s] of its change of the phase
   Eigen::Vector3d inward_base_ = Eigen::Vector3d::UnitX();  ///< of the touched face
   std::optional<Eigen::Vector3d> opposite_base_ = {};       ///< inward, after the force has turned
   Eigen::Vector3d direction_base_ = Eigen::Vector3d::UnitX();
@@ -150,6 +151,7 @@ class PhaseMonitor {
   bool has_slid_ = false;
   bool is_slow_slide_ = false;
   double touch_force_ = 0.0;  ///< [N] when contact was detected
+  double max_force_ = 0.0;    ///< [N] of a press
   std::size_t next_for_line_ = 0;
   std::vector<Point> contact_;  ///< all samples of the current contact
   double window_;               ///< for the speed estimate [s]

@@ -65,6 +65,7 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
 }
 
 void RobotObject::forget_learned() {
+  identification.reset();
   learner = ObjectLearner(source_->parameters, learning_, source_->is_movable);
   learner.set_assumed_law(assumed_law_);
   learned.clear();

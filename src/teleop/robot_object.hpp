@@ -18,6 +18,7 @@
 #include "teleop/correction_switch.hpp"
 #include "teleop/message.hpp"
 #include "teleop/object_learner.hpp"
+#include "teleop/pending_identification.hpp"
 #include "teleop/phase_monitor.hpp"
 #include "teleop/slow_slide.hpp"
 #include "teleop/surface_offset.hpp"
@@ -122,6 +123,8 @@ class RobotObject {
   std::deque<LearnedContact> learned = {};  ///< the newest
   /// [s] begin of the contact whose limiting friction was last found to contradict its slides.
   std::optional<double> contradicted_contact = {};
+  /// [s] The tool is kept off [paper C, case 2] since then.
+  std::optional<double> kept_off_since = {};
   /// The next comparison sends everything: the sites were apart.
   bool is_full_state_due = false;
 
@@ -202,6 +205,10 @@ class RobotObject {
   double touched_std_ = 0.0;    ///< [m]; 0: not touched at this pose
   SurfaceOffset measured_surface_;
   std::size_t measured_frame_ = 0;  ///< the last of `frames_` in it
+
+ public:
+  /// In progress, for `learner`. Last: its thread uses the surface.
+  std::optional<PendingIdentification> identification = {};
 };
 
 }  // namespace pcavr

@@ -63,6 +63,7 @@ std::vector<TeleopObject> without_tracking(const std::vector<TeleopObject>& obje
 RobotSite::RobotSite(const TeleopInput& world, const TeleopOptions& options,
                      const std::vector<BodyPhysics>& physics, double start, std::launch background)
     : options_(options),
+      background_(background),
       world_(without_tracking(world.objects)),
       tip_(options.sensors.tip_noise, options.inputs),
       force_(options.sensors.force_noise),
@@ -163,6 +164,7 @@ void RobotSite::restart(double now) {
   for (RobotObject& object : objects_) {
     object.in_flight.reset();
     object.correction_switch.restart();
+    object.kept_off_since.reset();
     object.is_full_state_due = true;
   }
 }
@@ -299,7 +301,11 @@ void RobotSite::process_sample(const ForceStream::Sample& measured, const Predic
 
 void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log) {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (objects_[i].learn_at && *objects_[i].learn_at <= sample.t) learn(objects_[i], sample.t);
+    RobotObject& object = objects_[i];
+    if (object.identification && object.identification->is_due(sample.t)) {
+      apply_identification(object);
+    }
+    if (object.learn_at && *object.learn_at <= sample.t) learn(object, sample.t);
     if (sample.t < log.start()) continue;  // a correction of that time would come too late
     compare(i, sample, log.at(sample.t, i));
   }

@@ -68,6 +68,8 @@ class RobotSite {
   [[nodiscard]] std::vector<std::string> notes() const;
   /// [s] From now on: from sending a correction to the first prediction that contains it.
   void set_round_trip(double round_trip);
+  /// At the end: what is being identified applies, too.
+  void apply_identifications();
   void note_bytes(std::size_t sent) { sent_bytes_ += sent; }
   [[nodiscard]] std::size_t streaming_bytes() const { return streaming_bytes_; }
   /// The force has a fault, so that it is not used.
@@ -85,7 +87,11 @@ class RobotSite {
   void examine_inputs_at(double t);
   [[nodiscard]] double stored_time() const;  ///< [s] of samples that may be requested again
   void learn_again(double offset_change);
-  void learn_from(RobotObject& object, const RobotObject::LearnedContact& contact);
+  [[nodiscard]] ContactRecord record_of(RobotObject& object,
+                                        const RobotObject::LearnedContact& contact);
+  /// What was identified of it applies from now on. Waits for the thread.
+  void apply_identification(RobotObject& object);
+  void note_contradiction(RobotObject& object, double begin);
   [[nodiscard]] const UnusableInterval* unusable_in(double begin, double end) const;
   void process_time(const TouchSample& sample, const PredictionLog& log);
   [[nodiscard]] std::optional<TouchedBody> attribute(const TouchSample& sample,
@@ -115,6 +121,9 @@ class RobotSite {
   /// Whether any of the last contacts would have been predicted worse with these parameters.
   [[nodiscard]] bool worsens_contacts(std::size_t index, const ObjectParameters& parameters);
   [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
+  /// Whether the contact of an object that the tool is kept off was identified.
+  [[nodiscard]] static bool is_release_due(const RobotObject& object, double t);
+  void send_release(std::size_t index, double t);
   void send_full_state(std::size_t index, const TouchSample& sample, const PlanarPose& predicted,
                        const SiteComparison& seen);
   void update_from_camera(double t);
@@ -123,6 +132,7 @@ class RobotSite {
   void note_once(const std::string& text);
 
   TeleopOptions options_;
+  std::launch background_;
   std::vector<TeleopObject> world_;  ///< without tracking; the objects refer to it
   TipStream tip_;
   ForceStream force_;

@@ -26,6 +26,11 @@ constexpr double kRestStds = 2.0;
 // other causes too.
 constexpr double kMaxErrorRatio = 1.5;
 
+// [m] Between an object and a tool that is kept off it: more than both sites' poses differ by then.
+constexpr double kOffDistance = 0.003;
+// [s] after which a tool that is kept off is released whatever has been identified.
+constexpr double kMaxKeptOff = 3.0;
+
 /// That of the push; of the force itself where this has turned away from it, as in a hole, where
 /// the tip goes on from a wall to the floor.
 Eigen::Vector3d compared_direction(const Eigen::Vector3d& push_base,
@@ -95,6 +100,7 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
       options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
   std::optional<CorrectionCase> which =
       object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
+  if (is_release_due(object, sample.t)) return send_release(index, sample.t);
   if (!which) which = take_unfinished_law(object, seen);
   if (!which) return;
   const bool is_learned_lately =
@@ -106,6 +112,7 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
     learn(object, sample.t);
     if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
   }
+  if (object.identification && !is_by_force) return;  // it is composed with what that finds
   std::optional<CorrectionMessage> message =
       compose(index, *which, sample, prediction.pose, gap, seen);
   if (!message) {
@@ -119,8 +126,31 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
 std::optional<CorrectionCase> RobotSite::take_unfinished_law(RobotObject& object,
                                                              const SiteComparison& seen) {
   const bool is_touched = object.monitor.is_touched() || seen.operator_touches;
-  if (is_touched || object.in_flight || object.learn_at) return std::nullopt;
+  const bool is_identifying = object.learn_at || object.identification;
+  if (is_touched || object.in_flight || is_identifying) return std::nullopt;
   return std::exchange(object.unfinished_law, std::nullopt);
+}
+
+bool RobotSite::is_release_due(const RobotObject& object, double t) {
+  if (!object.kept_off_since) return false;
+  const bool is_identified =
+      !object.monitor.is_touched() && !object.learn_at && !object.identification;
+  return is_identified || t - *object.kept_off_since > kMaxKeptOff;
+}
+
+void RobotSite::send_release(std::size_t index, double t) {
+  RobotObject& object = objects_[index];
+  object.kept_off_since.reset();
+  CorrectionMessage message;
+  message.t = t;
+  message.object = index;
+  message.which = CorrectionCase::phases_differ;
+  message.tool_retraction = Eigen::Vector3d::Zero();
+  message.parameters = object.parameters();
+  message.sequence = ++object.sequence;
+  object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
+  object.correction_switch.note_sent(message.which, now_, message.sequence);
+  outgoing_.push_back(std::move(message));
 }
 
 bool RobotSite::grows_beyond(double gap, std::size_t index, const CorrectionMessage& message) {
@@ -177,9 +207,10 @@ bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& para
     // The surface is measured on the face that is touched now: another one's need not change.
     const bool is_newest = &seen == &object.seen_contacts().back();
     after.surface_offset = is_newest ? offset : before.surface_offset;
-    const std::optional<double> error = trial_.error_of(contact, before);
-    if (!error) continue;
-    if (*trial_.error_of(contact, after) > std::max(1.0, kMaxErrorRatio * *error)) return true;
+    const std::optional<double> error = trial_.error_of(contact, after);
+    // One that can't be noticed is right whatever the error was: a trial less.
+    if (!error || *error <= 1.0) continue;
+    if (*error > kMaxErrorRatio * *trial_.error_of(contact, before)) return true;
   }
   return false;
 }
@@ -242,6 +273,12 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
     message.tool_retraction = -inside * object.monitor.direction_base();
   }
   const bool has_parameters = !is_empty(message.parameters);
+  if (options_.correction_switch.keeps_off && which == CorrectionCase::phases_differ &&
+      has_parameters && object.is_pushed() && !object.kept_off_since) {
+    const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
+    message.tool_retraction = -(inside + kOffDistance) * object.monitor.direction_base();
+    object.kept_off_since = sample.t;
+  }
   if (!message.pose && !has_parameters) return std::nullopt;
   if (!has_parameters && object.correction_switch.had_no_effect(which)) return std::nullopt;
   if (message.parameters.contact_stiffness && object.monitor.is_touched()) {

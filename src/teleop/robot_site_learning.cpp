@@ -45,7 +45,9 @@ void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sampl
   if (!object.above_limit_since) object.above_limit_since = sample.t;
   if (sample.t - *object.above_limit_since < options_.learning.static_limit_time) return;
   const auto& supposed = object.learner.conservative_estimate().limiting_static_friction;
-  if (!supposed || friction > supposed->value) object.learner.raise_static_limit(friction);
+  if (supposed && friction <= supposed->value) return;
+  apply_identification(object);
+  object.learner.raise_static_limit(friction);
 }
 
 void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t) {
@@ -62,6 +64,18 @@ void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_
     note_once(object.source().name + " and " + other.source().name +
               " moved together: their shared force is not used to identify");
   }
+}
+
+void RobotSite::apply_identification(RobotObject& object) {
+  if (!object.identification) return;
+  object.learner = object.identification->take();
+  const double begin = object.identification->begin();
+  object.identification.reset();
+  note_contradiction(object, begin);
+}
+
+void RobotSite::apply_identifications() {
+  for (RobotObject& object : objects_) apply_identification(object);
 }
 
 void RobotSite::learn(RobotObject& object, double t) {
@@ -82,7 +96,10 @@ void RobotSite::learn(RobotObject& object, double t) {
       begin,
       t,
       {object.monitor.has_slid(), object.has_moved_in_contact(), !object.monitor.is_touched()}};
-  learn_from(object, object.learned.back());
+  apply_identification(object);  // of the data before, which are in the new record, too
+  const RobotObject::LearnedContact& contact = object.learned.back();
+  object.identification.emplace(background_, t, object.learner, record_of(object, contact),
+                                contact.begin, contact.facts);
 }
 
 const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
@@ -92,7 +109,8 @@ const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
   return nullptr;
 }
 
-void RobotSite::learn_from(RobotObject& object, const RobotObject::LearnedContact& contact) {
+ContactRecord RobotSite::record_of(RobotObject& object,
+                                   const RobotObject::LearnedContact& contact) {
   std::optional<double> ceiling;
   for (const SaturatedInterval& interval : force_.saturated()) {
     ceiling = std::min(ceiling.value_or(interval.force), interval.force);
@@ -104,13 +122,14 @@ void RobotSite::learn_from(RobotObject& object, const RobotObject::LearnedContac
   const auto to = std::upper_bound(from, t.end(), contact.until);
   const auto first = static_cast<std::size_t>(from - t.begin());
   const auto count = static_cast<std::size_t>(to - from);
-  object.learner.learn(
-      {force.t, force.clean_base, t.subspan(first, count), tip_.p_base().subspan(first, count),
-       object.seen_motion(contact.begin - kBefore, contact.until)},
-      contact.begin, contact.facts);
-  if (!object.learner.contradiction() || object.contradicted_contact == contact.begin) return;
-  object.contradicted_contact = contact.begin;
-  note_once(fmt::format("{}, contact at {}: {}", object.source().name, at_time(contact.begin),
+  return {force.t, force.clean_base, t.subspan(first, count), tip_.p_base().subspan(first, count),
+          object.seen_motion(contact.begin - kBefore, contact.until)};
+}
+
+void RobotSite::note_contradiction(RobotObject& object, double begin) {
+  if (!object.learner.contradiction() || object.contradicted_contact == begin) return;
+  object.contradicted_contact = begin;
+  note_once(fmt::format("{}, contact at {}: {}", object.source().name, at_time(begin),
                         *object.learner.contradiction()));
 }
 
@@ -123,7 +142,8 @@ void RobotSite::learn_again(double offset_change) {
       contact.until -= offset_change;
       if (contact.begin - kBefore < tip_.t().front()) continue;
       object.learned.push_back(contact);
-      learn_from(object, contact);
+      object.learner.learn(record_of(object, contact), contact.begin, contact.facts);
+      note_contradiction(object, contact.begin);
     }
   }
 }

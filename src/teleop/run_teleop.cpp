@@ -426,6 +426,7 @@ Expected<TeleopRun> run_teleop(const TeleopInput& recorded, const TeleopOptions&
   Session session(recorded, options, command, span, *site, robot, sink, physics);
   const Expected<void> done = session.run(observer, run);
   if (!done) return done.error();
+  robot.apply_identifications();
   run.inputs = robot.findings();
   if (run.inputs.fault && !run.inputs.fault->is_of_force_only()) return run.inputs.fault->error;
   run.notes = input_notes(recorded, robot, run.inputs);

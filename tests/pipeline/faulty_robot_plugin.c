@@ -4,6 +4,7 @@
  * Faults of a robot plugin, one for each FAULT that it is built with; with FAULT_answers, invalid
  * samples at run time, by its options. In C, as the header allows. */
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -49,9 +50,21 @@ static int exchange(void* robot, double t, const pcavr_robot_command* command,
   return is_fault("code") ? -7 : 0;
 }
 
+static int take_picture(void* robot, double t, pcavr_robot_picture* picture) {
+  (void)robot, (void)t;
+  static const unsigned char pixels[2 * 1 * 3] = {1, 2, 3, 4, 5, 6};
+  picture->width = is_fault("wide") ? 1000000 : 2;
+  picture->height = is_fault("flat") ? 0 : 1;
+  picture->age = is_fault("late") ? -1.0 : 0.05;
+  picture->rgb = is_fault("black") ? NULL : pixels;
+  return is_fault("dark") ? 0 : 1;
+}
+
 static const pcavr_robot_plugin plugin = {
 #if defined(FAULT_size)
-    sizeof(pcavr_robot_plugin) - 8,
+    offsetof(pcavr_robot_plugin, take_picture) - 8,
+#elif defined(FAULT_camera)
+    offsetof(pcavr_robot_plugin, take_picture), /* of before there were pictures */
 #else
     sizeof(pcavr_robot_plugin),
 #endif
@@ -67,7 +80,8 @@ static const pcavr_robot_plugin plugin = {
 #else
     close_robot,
 #endif
-    exchange};
+    exchange,
+    take_picture};
 
 #if defined(FAULT_symbol)
 const pcavr_robot_plugin* another_name(void);

@@ -89,6 +89,32 @@ TEST(PluginRobot, SaysThatTheRobotIsSilent) {
   EXPECT_EQ(lines((*robot)->take_notices()), "the robot gives no pose of its tool for 0.2 s\n");
 }
 
+TEST(PluginRobot, GivesThePicturesOfItsCamera) {
+  auto robot = make_plugin_robot(faulty("answers"), with_text(""));
+  ASSERT_TRUE(robot) << robot.error().to_string();
+  ASSERT_NE((*robot)->pictures(), nullptr);
+  const auto picture = (*robot)->pictures()->newest(1.0);
+  ASSERT_TRUE(picture && *picture);
+  EXPECT_NEAR((*picture)->t, 0.95, 1e-12);
+  ASSERT_EQ((*picture)->image.width(), 2);
+  ASSERT_EQ((*picture)->image.height(), 1);
+  EXPECT_EQ((*picture)->image(0, 0), (Rgb8{1, 2, 3}));
+  EXPECT_EQ((*picture)->image(1, 0), (Rgb8{4, 5, 6}));
+  auto dark = make_plugin_robot(faulty("answers"), with_text("dark"));
+  ASSERT_TRUE(dark && (*dark)->pictures());
+  EXPECT_FALSE((*dark)->pictures()->newest(1.0).value());
+  for (const char* const fault : {"wide", "flat", "late", "black"}) {
+    auto wrong = make_plugin_robot(faulty("answers"), with_text(fault));
+    ASSERT_TRUE(wrong && (*wrong)->pictures());
+    const auto none = (*wrong)->pictures()->newest(1.0);
+    ASSERT_FALSE(none) << fault;
+    EXPECT_PRED2(is_line_with, none.error().to_string(), "one that is not valid") << fault;
+  }
+  auto earlier = make_plugin_robot(faulty("camera"), with_text(""));
+  ASSERT_TRUE(earlier) << earlier.error().to_string();
+  EXPECT_EQ((*earlier)->pictures(), nullptr);
+}
+
 TEST(PluginRobot, TheSampleFollowsItsSetpointAndFeelsItsTable) {
   auto robot = make_plugin_robot(PCAVR_SAMPLE_ROBOT_PLUGIN, with_text("50"));
   ASSERT_TRUE(robot) << robot.error().to_string();
@@ -104,6 +130,11 @@ TEST(PluginRobot, TheSampleFollowsItsSetpointAndFeelsItsTable) {
   EXPECT_LT((samples.tool.front().p_base_tip - (*robot)->p_base_start()).norm(), 0.02);
   EXPECT_NEAR(samples.wrench.back().force_base.z(), -5000.0 * 0.002, 0.1);
   EXPECT_PRED2(is_line_with, error_text(PCAVR_SAMPLE_ROBOT_PLUGIN, "high"), "is not a height");
+  // Its tool ends above the table's edge.
+  const CameraPicture picture = (*robot)->pictures()->newest(0.5).value().value();
+  const int column = picture.image.width() / 2;
+  EXPECT_GT(picture.image(column, 0).r, 150);
+  EXPECT_GT(picture.image(column, picture.image.height() - 1).g, 100);
 }
 
 }  // namespace

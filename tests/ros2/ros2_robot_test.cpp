@@ -470,6 +470,14 @@ objects:
   EXPECT_GT(found.position_std, 1e-6);
   EXPECT_LT(found.position_std, 0.01);
   EXPECT_LT(std::abs(found.t - (local_now() - start_)), 5.0);
+  // The operator sees the same image.
+  ASSERT_NE((*robot)->pictures(), nullptr);
+  const auto picture = (*robot)->pictures()->newest(local_now() - start_);
+  ASSERT_TRUE(picture && *picture);
+  EXPECT_LT(std::abs((*picture)->t - found.t), 1e-3);
+  ASSERT_EQ((*picture)->image.width(), camera.width);
+  ASSERT_EQ((*picture)->image.height(), camera.height);
+  EXPECT_FALSE(*(*robot)->pictures()->newest(local_now() - start_)) << "it was had already";
 }
 
 TEST_F(Ros2RobotTest, NeedsTagsOfTheScene) {

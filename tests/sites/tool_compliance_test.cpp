@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sites/tool_compliance.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -15,6 +16,7 @@ struct Arm {
   double compliance = 2e-5;  ///< [m/N]
   double lag = 0.0;          ///< [s]
   double force = 20.0;       ///< [N] of its pushes
+  double spike = 0.0;        ///< [N] of one sample in 300
 };
 
 /// Pushes along y of a second each, with the noise and the offsets of real sensors.
@@ -36,7 +38,9 @@ void push(const Arm& arm, int pushes, ToolCompliance& found) {
     found.add_setpoint(t, setpoint);
     if (k % 2 != 0) continue;
     const Eigen::Vector3d tip = setpoint - arm.compliance * force - arm.lag * v + offset;
-    found.add_sample(t, tip + noise(5e-5), force + bias + noise(0.3));
+    const bool is_spike = arm.spike > 0.0 && k % 600 == 300;
+    const Eigen::Vector3d spike(0.0, is_spike ? arm.spike : 0.0, 0.0);
+    found.add_sample(t, tip + noise(5e-5), force + spike + bias + noise(0.3));
   }
 }
 
@@ -53,6 +57,49 @@ TEST(ToolCompliance, IsNotTakenForALag) {
   push({.lag = 0.05}, 2, found);
   ASSERT_TRUE(found.value());
   EXPECT_NEAR(*found.value(), 2e-5, 1e-6);
+}
+
+// Of the sensor: a force without a shortfall.
+TEST(ToolCompliance, IsNotTakenForStifferByAForcesSpikes) {
+  ToolCompliance found;
+  push({.force = 10.0, .spike = 35.0}, 4, found);
+  ASSERT_TRUE(found.value());
+  EXPECT_NEAR(*found.value(), 2e-5, 6e-7);
+}
+
+/// A mass on a damped spring, under a force that rises slowly, falls fast, and rises again.
+void push_sticking_object(double compliance, double mass, int pushes, ToolCompliance& found) {
+  constexpr double kStep = 0.001;        // [s]
+  constexpr double kForce = 8.0;         // [N]
+  constexpr double kSlip = 6.0;          // [N]
+  constexpr double kPeriod = 0.08;       // [s]
+  constexpr double kDampingRatio = 0.8;  // of a servo
+  const double rate = 1.0 / std::sqrt(compliance * mass);
+  Random random(5);
+  Eigen::Vector3d shortfall = Eigen::Vector3d::Zero();
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  const Eigen::Vector3d setpoint(0.5, 0.0, 0.1);
+  for (int k = 0; k < 2000 * pushes; ++k) {
+    const double t = kStep * k;
+    const double phase = std::fmod(t, 2.0);
+    const double share = std::clamp(std::min((phase - 0.8) / 0.2, (2.0 - phase) / 0.1), 0.0, 1.0);
+    const double slip = kSlip * std::fmod(phase, kPeriod) / kPeriod;
+    const Eigen::Vector3d force(0.0, share * (kForce + slip), 0.0);
+    v += kStep * (force / mass - rate * rate * shortfall - 2.0 * kDampingRatio * rate * v);
+    shortfall += kStep * v;
+    found.add_setpoint(t, setpoint);
+    if (k % 2 != 0) continue;
+    const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+    found.add_sample(t, setpoint - shortfall + 5e-5 * noise, force + 0.2 * noise.reverse());
+  }
+}
+
+// The arm swings under it, and follows it less.
+TEST(ToolCompliance, IsNotTakenForStifferByAnObjectThatSticksAndSlips) {
+  ToolCompliance found;
+  push_sticking_object(1.2e-5, 13.0, 10, found);
+  ASSERT_TRUE(found.value());
+  EXPECT_NEAR(*found.value(), 1.2e-5, 3e-7);
 }
 
 TEST(ToolCompliance, IsUnknownWithoutAContactAndOfAStiffArm) {

@@ -205,7 +205,7 @@ TEST(VirtualSites, MoveTheOperatorsTipAsAnArmThatGivesWay) {
   const Session session = run_session(link);
   ASSERT_TRUE(session.robot.tool_compliance);
   const double compliance = 1.0 / session.plant.tool.stiffness;
-  EXPECT_NEAR(*session.robot.tool_compliance, compliance, 0.15 * compliance);
+  EXPECT_NEAR(*session.robot.tool_compliance, compliance, 0.05 * compliance);
   EXPECT_GT(session.measured, 3.0);
   const PlantParameters& law = session.plant.bodies[kBox].parameters;
   const double penetration =

@@ -179,6 +179,51 @@ TEST(LiveSites, TakeSamplesWithAWrongClockAsTheyCome) {
   EXPECT_GT(site.streaming_bytes(), 0U);
 }
 
+/// [s] from the loss of a contact's force to its end at the robot's site, while the tip moves on
+/// at `speed` [m/s] along the push, and the camera sees the object where it was.
+double time_to_notice_loss(double speed) {
+  constexpr double kTouch = 1.0, kLoss = 2.0;  // [s]
+  constexpr double kForce = 5.0;               // [N]
+  TeleopInput input = plant_input(3, true).input;
+  input.objects.resize(1);
+  const Pose T_base_object = input.objects.front().T_base_object;
+  Eigen::Vector3d tip = T_base_object.translation() - Eigen::Vector3d(0.2, 0.0, 0.0);
+  LiveOperatorSite world = LiveOperatorSite::create(input, {}, 0.0, tip).value();
+  while (world.world().state().front().tool_force_base.isZero()) {
+    world.step(tip += Eigen::Vector3d(1e-4, 0.0, 0.0));
+  }
+  LiveRobotSite site = LiveRobotSite::create(input, {}, 0.0).value();
+  const std::vector<LinkPrediction> predictions(1);
+  Random random(6);
+  for (int k = 0; k < 3000; ++k) {
+    const double t = 1e-3 * k;
+    const bool is_loaded = t > kTouch && t < kLoss;
+    if (t < kTouch) tip.x() += 1e-6;
+    if (t >= kLoss) tip.x() += 1e-3 * speed;
+    site.set_arrival(t);
+    if (k % 2 == 0) {
+      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+      const Eigen::Vector3d force(is_loaded ? kForce : 0.0, 0.0, 0.0);
+      site.add_tool(t, tip + 2e-5 * noise.reverse(), Eigen::Quaterniond::Identity());
+      site.add_wrench(t, force + 0.08 * noise);
+    }
+    if (k % 33 == 0) site.add_tracked(0, {t, T_base_object, 2e-4, 1e-3});
+    site.add_predictions(t, predictions);
+    static_cast<void>(site.advance(t));
+    const bool is_free = site.phase(0) == MotionPhase::free;
+    if (k == 1900) {
+      EXPECT_FALSE(is_free);
+    }
+    if (t > kLoss && is_free) return t - kLoss;
+  }
+  return 1.0;
+}
+
+// By force, whatever the camera sees and the tip does.
+TEST(LiveSites, NoticeTheLossOfAContactWithin50Milliseconds) {
+  for (const double speed : {0.0, 0.03, -0.03}) EXPECT_LT(time_to_notice_loss(speed), 0.05);
+}
+
 /// One object, and the tip 0.5 mm before its face, where a correction of case 1.2b then puts it 1.5
 /// mm inside. The site 0.2 s later, and the pose of the correction.
 std::pair<LiveOperatorSite, PlanarPose> touched_by_robot(const TeleopOptions& options) {

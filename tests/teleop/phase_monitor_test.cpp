@@ -121,6 +121,7 @@ TEST(PhaseMonitor, DistinguishesAPressFromAPush) {
   MadePush push = made_push(1.0);
   PhaseMonitor monitor(0.0, {});
   for (MonitorSample& sample : push.samples) {
+    if (sample.t > push.t_slide) break;  // a press does not give way
     sample.direction_base = -Eigen::Vector3d::UnitZ();
     sample.force_base = Eigen::Vector3d(0.0, 0.0, -sample.force_base.x());
     sample.p_base_tip = Eigen::Vector3d(0.0, 0.0, -sample.p_base_tip.x());
@@ -128,6 +129,8 @@ TEST(PhaseMonitor, DistinguishesAPressFromAPush) {
   }
   EXPECT_TRUE(monitor.is_press());
   EXPECT_EQ(time_of(monitor, MotionPhase::sliding), -1.0);
+  // Not where its force has risen above the noise: that is 30 ms later.
+  EXPECT_NEAR(time_of(monitor, MotionPhase::static_contact), push.t_touch, 0.012);
 }
 
 TEST(PhaseMonitor, EndsTheContactOfATipThatGoesOnWithoutAForce) {

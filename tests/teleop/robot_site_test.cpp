@@ -24,8 +24,9 @@ namespace {
 /// The robot's site beside an operator's site that receives nothing, so that it keeps erring.
 class LoneRobotSite {
  public:
-  explicit LoneRobotSite(const TeleopInput& input)
+  explicit LoneRobotSite(const TeleopInput& input, const TeleopOptions& options = {})
       : input_(input),
+        options_(options),
         tip_(clean_tip_path(input.t_tool, input.p_base_tip, options_.inputs)),
         command_(tip_, height_over_objects(input), tip_.t.front(), options_.predictor.step) {
     for (const TeleopObject& object : input.objects) {
@@ -138,6 +139,39 @@ TEST(RobotSite, IgnoresAndNotesBadSamples) {
       6000);
   expect_same(expected, same);
   EXPECT_EQ(site.notes.size(), 3U);
+}
+
+// Case 2 of paper C: off the object until it is identified anew, and then it may go on.
+TEST(RobotSite, KeepsTheToolOffUntilTheContactIsIdentified) {
+  PlantInput made = plant_input(3, true);
+  for (TeleopObject& object : made.input.objects) {
+    object.parameters.limiting_static_friction->value *= 0.5;
+    object.parameters.sliding_friction_coefficient->value *= 0.5;
+  }
+  TeleopOptions options;
+  options.correction_switch.keeps_off = true;
+  LoneRobotSite site(made.input, options);
+  RecordingFeed feed(made.input, 0.03);
+  const auto sent =
+      site.run([&](double now, std::size_t, RobotSite& robot) { feed.pass_on(now, robot); });
+  std::vector<bool> is_kept_off(made.input.objects.size(), false);
+  int releases = 0;
+  for (const CorrectionMessage& message : sent) {
+    if (message.which != CorrectionCase::phases_differ || !message.tool_retraction) continue;
+    const bool is_release = message.tool_retraction->isZero();
+    EXPECT_EQ(is_kept_off[message.object], is_release) << message.t;
+    is_kept_off[message.object] = !is_release;
+    if (!is_release) {
+      EXPECT_LT(message.tool_retraction->norm(), 0.01);
+      continue;
+    }
+    ++releases;
+    ASSERT_TRUE(message.parameters.limiting_static_friction);
+    const PlantBody& body = made.plant.bodies[message.object];
+    const double truth = body.parameters.limiting_static_friction;
+    EXPECT_NEAR(message.parameters.limiting_static_friction->value, truth, 0.15 * truth);
+  }
+  EXPECT_GT(releases, 0);
 }
 
 TEST(RobotSite, SendsAllOfItsStateAfterAnOutage) {

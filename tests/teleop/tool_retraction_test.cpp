@@ -49,6 +49,28 @@ TEST(ToolRetraction, IsUsedUpAsTheOperatorMovesBackAndNotAsItAdvances) {
   EXPECT_EQ(retraction.offset().norm(), 0.0);
 }
 
+TEST(ToolRetraction, KeepsTheToolOffUntilTheRelease) {
+  ToolRetraction retraction(kRetractionSpeed);
+  Eigen::Vector3d command(0.4, 0.0, 0.1);
+  retraction.step(command, false, kRetractionStep);
+  retraction.keep_off(1, 0.002 * kOut);
+  const auto advance = [&] {
+    command -= 3e-5 * kOut;  // 30 mm/s into the object
+    retraction.step(command, false, kRetractionStep);
+    return command + retraction.offset();
+  };
+  for (int k = 0; k < 60; ++k) static_cast<void>(advance());
+  const Eigen::Vector3d off = advance();
+  EXPECT_NEAR((off - Eigen::Vector3d(0.4, 0.0, 0.1)).dot(kOut), 0.002, 1e-4);
+  for (int k = 0; k < 500; ++k) EXPECT_TRUE((advance() - off).isZero(1e-9));
+  EXPECT_EQ(retraction.object(), 1U);
+  retraction.release();
+  static_cast<void>(advance());
+  EXPECT_FALSE(retraction.object());
+  const Eigen::Vector3d released = advance();
+  EXPECT_NEAR((advance() - released).norm(), 3e-5, 1e-9);
+}
+
 TEST(ToolRetraction, EndsWhereTheToolStaysInContact) {
   ToolRetraction retraction(kRetractionSpeed);
   const Eigen::Vector3d command(0.4, 0.0, 0.1);

@@ -49,6 +49,16 @@ typedef struct pcavr_robot_state {
   double object_rotation_std; /* [rad] > 0 */
 } pcavr_robot_state;
 
+/* What the robot's camera sees. `size` is set by pcavr, the rest to zeros. */
+typedef struct pcavr_robot_picture {
+  uint32_t size;
+  uint32_t width; /* [pixels] 1 to 4096 */
+  uint32_t height;
+  uint32_t reserved;        /* 0 */
+  double age;               /* [s] from its exposure to this call, >= 0 */
+  const unsigned char* rgb; /* 3 bytes a pixel, row by row from the top; valid until the next call */
+} pcavr_robot_picture;
+
 typedef struct pcavr_robot_plugin {
   uint32_t size;    /* sizeof(pcavr_robot_plugin) */
   uint32_t abi;     /* PCAVR_ROBOT_PLUGIN_ABI */
@@ -65,6 +75,10 @@ typedef struct pcavr_robot_plugin {
    * if the robot can't follow: then nothing of the state is used. */
   int (*exchange)(void* robot, double t, const pcavr_robot_command* command,
                   pcavr_robot_state* state);
+  /* May be NULL, or missing from a plugin of a smaller `size`: the robot has no camera. From one
+   * thread, which is not that of exchange(), at most 10 times a second; may wait. Returns 1 with a
+   * picture that is newer than the last one, 0 without one. */
+  int (*take_picture)(void* robot, double t, pcavr_robot_picture* picture);
 } pcavr_robot_plugin;
 
 /* Exported by the library. The result must stay valid and constant while the library is loaded. */

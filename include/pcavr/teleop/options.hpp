@@ -50,6 +50,7 @@ struct PhaseMonitorOptions {
   double critical_share;           ///< of F_M: minimum width of the critical band below it
   double leave_ratio;              ///< of the contact force: a contact ends below
   double leave_time;               ///< [s] ... for this long
+  double unloaded_time;            ///< [s] ... or this long, where the tip stays
   double retraction;               ///< [m] of the tip, at which a contact ends
   double line_guard;               ///< [s] newest samples that the contact line does not use
   double rate_window;              ///< [s] of the tip's speed, for damping
@@ -120,6 +121,7 @@ struct CorrectionSwitchOptions {
   double max_threshold_factor;  ///< of the thresholds beyond the byte budget
   double byte_budget;           ///< of the corrections, relative to streaming
   double burst_bytes;           ///< [bytes] that may be sent beyond the budget
+  bool keeps_off;               ///< case 2 keeps a live tool off until new parameters [paper C]
 };
 
 /// What a correction contains ("teleop.messages").
