@@ -86,6 +86,7 @@ std::string surfaces_summary(const Scene& scene) {
   if (quality.tag_reprojection_rms) {
     text += fmt::format("; tag corners fit to {:.2f} px", *quality.tag_reprojection_rms);
   }
+  if (scene.mesh_base.triangles.empty()) return text + '\n';
   text += fmt::format("\nmesh       {} triangles, {:.2f} m^2", scene.mesh_base.triangles.size(),
                       surface_area(scene.mesh_base));
   if (quality.surface_rms) {
