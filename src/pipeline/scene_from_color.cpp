@@ -87,6 +87,9 @@ Expected<Scene> scene_from_color(const Recording& recording, const BuildOptions&
   }
   scene.support_planes = horizontal_planes(scene.objects, recording.tool);
   scene.quality = assess_quality(recording, *survey, scene, options.max_surface_distance);
+  // No frame is part of the scene: whoever replays a recording places its camera anew.
+  scene.quality.frames_used = 0;
+  scene.camera_trajectory = {};
   clock.end();
   scene.quality.times = clock.times();
   return scene;

@@ -59,14 +59,15 @@ TEST_F(ColourAlone, TagsPlaceCameraAndObjects) {
   EXPECT_TRUE(scene["surface_distance_median_m"].is_null());
   EXPECT_EQ(scene["mesh_triangles"], 0);
   const json errors = replay();
-  expect_within(errors, "tracked.all.translation.median_m", 0.004);
-  expect_within(errors, "tracked.all.rotation.median_rad", 0.02);
+  expect_within(errors, "object.box_1.tracked.absolute.translation.median_m", 0.001);
+  expect_within(errors, "object.box_1.tracked.moving.translation.median_m", 0.0015);
+  expect_within(errors, "object.box_1.tracked.absolute.rotation.median_rad", 0.005);
 }
 
 TEST_F(ColourAlone, PlacesObjectsByGivenCameraPoses) {
   fs::copy_file(path_of("recording/truth/camera.txt"), path_of("recording/groundtruth.txt"));
   build();
-  expect_within(replay(), "tracked.all.translation.median_m", 0.004);
+  expect_within(replay(), "object.box_1.tracked.absolute.translation.median_m", 0.002);
 }
 
 TEST_F(ColourAlone, InspectSaysSo) {

@@ -70,8 +70,12 @@ TEST(PlantCase, AWideCaseHasTheSameBoxesOnWornSupports) {
     EXPECT_NEAR(mean, 1.0, 1e-12);
     EXPECT_LT(least, 0.8);
   }
-  EXPECT_NE(wide.moves.back().target, plain.moves.back().target);
-  for (const auto& moves : {wide.moves, plain.moves}) EXPECT_EQ(moves.size(), plain.moves.size());
+  ASSERT_EQ(wide.moves.size(), plain.moves.size());
+  int turned = 0;
+  for (std::size_t i = 0; i < plain.moves.size(); ++i) {
+    turned += wide.moves[i].target != plain.moves[i].target ? 1 : 0;
+  }
+  EXPECT_GT(turned, 40);  // those of ten pushes and a slide for each box
 }
 
 TEST(PlantCase, BodiesCoverWideRangesAndArePhysical) {

@@ -155,8 +155,10 @@ TEST(Plant, FrictionThatDependsOnTheLoadGrowsLessThanIt) {
   }
   const double weight = body.parameters.mass * kStandardGravity;
   const double load = 1.0 + normal / weight;
-  // The push above the support tips pressure over; on the whole it is as even loading.
-  EXPECT_NEAR(maximum, 8.0 * std::pow(load, 0.8), 0.03 * maximum);
+  // At most that of an even pressure: the push at the top makes it uneven, and friction grows less
+  // where there is more. Coulomb friction would be a quarter more.
+  EXPECT_LT(maximum, 8.0 * std::pow(load, 0.8));
+  EXPECT_GT(maximum, 0.85 * 8.0 * std::pow(load, 0.8));
   // Under its weight alone the limit is that of the parameters.
   const PlantRun alone = run_plant({body}, a_tool_at_minus_y(), {along_y(0.004, 0.001)});
   EXPECT_NEAR(max_force(alone), 8.0, 0.03 * 8.0);
@@ -175,7 +177,9 @@ TEST(Plant, AWornSpotTurnsABoxThatIsPushedThroughItsCentre) {
   EXPECT_NEAR(even.bodies[0].back().yaw, 0.0, 0.1 * kDegree);
   // Less friction on the side of +x: that side goes ahead.
   EXPECT_GT(worn.bodies[0].back().yaw, 1.0 * kDegree);
-  EXPECT_NEAR(max_force(worn), max_force(even), 0.03 * max_force(even));
+  // The sum is as before, less what a body resists that turns.
+  EXPECT_LT(max_force(worn), max_force(even));
+  EXPECT_GT(max_force(worn), 0.93 * max_force(even));
 }
 
 /// A box with one coefficient of friction and no viscous part, as in quasi-static theory.

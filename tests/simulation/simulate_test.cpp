@@ -239,7 +239,7 @@ TEST(Simulate, ManyBoxesHaveUniqueTags) {
 double sharpness(const ColorImage& image) {
   double sum = 0.0;
   for (int y = 0; y < image.height(); ++y) {
-    for (int x = 1; x < image.width(); ++x) sum += std::abs(image(x, y)[1] - image(x - 1, y)[1]);
+    for (int x = 1; x < image.width(); ++x) sum += std::abs(image(x, y).g - image(x - 1, y).g);
   }
   return sum / (image.height() * (image.width() - 1));
 }
