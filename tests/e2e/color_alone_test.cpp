@@ -87,7 +87,8 @@ class ImportedDepth : public ColourAlone {
       fs::copy(fs::path(path_of("simulated")) / name, fs::path(path_of("recording")) / name,
                fs::copy_options::recursive);
     }
-    remove({"recording.yaml"});
+    // Poses and forces would be taken for the CSV files of a run.
+    remove({"recording.yaml", "tool.csv", "wrench.csv"});
   }
   static CommandOutcome import_with(const std::string& depth_scale) {
     const std::string camera = path_of("camera.yaml");
