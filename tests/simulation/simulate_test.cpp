@@ -262,7 +262,7 @@ TEST(Simulate, WideImagesBlurWhatMovesAndNothingElse) {
     ratios[is_moving] = sharpness(after.color) / sharpness(before.color);
   }
   EXPECT_NEAR(ratios[0], 1.0, 0.01);
-  EXPECT_LT(ratios[1], 0.97);
+  EXPECT_LT(ratios[1], 0.993);  // a slow hand: less than a pixel in the exposure
 }
 
 TEST(Simulate, DepthImagesMayBeSmallerThanColour) {
