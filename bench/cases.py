@@ -4,11 +4,16 @@
 """Accuracy of identification, prediction and correction over many simulated pushes.
 
     bench/cases.py --pcavr build/bench/apps/pcavr/pcavr --seeds 5001-5020 --work out/cases
+                   [--plants DIR | --wide]
 
 Each seed makes its own pair of boxes (size, mass, friction, stiffness, pressure). Parameters are
 identified from `probe` and evaluated on another recording, `push`, three times: open-loop
 prediction, corrected over delays of 200 + 200 ms, and corrected from wrong parameters and a start
-pose that is 10 mm off; `press` evaluates the estimators. Needs only python3.
+pose that is 10 mm off; `press` evaluates the estimators. The last table counts the parameters that
+probes and presses did not identify. Needs only python3.
+
+--plants takes the recordings DIR/probe-SEED, DIR/push-SEED and DIR/press-SEED instead of simulating
+them: those of another plant, or of a laboratory that knows the truth. --wide simulates a workshop.
 """
 import argparse
 import json
@@ -19,6 +24,7 @@ import subprocess
 import sys
 
 from command import run
+from coverage import PARAMETERS, reported_key
 
 
 # metric: (unit, required, target); both are upper limits.
@@ -53,10 +59,13 @@ METRICS = {
 class Cases:
     """Runs the command for each seed and collects the metrics."""
 
-    def __init__(self, pcavr, work):
-        self.pcavr = pcavr
-        self.work = work
+    def __init__(self, arguments):
+        self.pcavr = arguments.pcavr
+        self.work = arguments.work
+        self.plants = arguments.plants
+        self.simulate_options = ["--wide"] if arguments.wide else []
         self.samples = {metric: [] for metric in METRICS}
+        self.withheld = {}  # (case, parameter): [objects without it, all objects]
 
     def run(self, *words):
         return run(self.pcavr, *words)
@@ -67,9 +76,11 @@ class Cases:
 
     def prepare(self, case, seed):
         """A recording without images and its scene."""
-        recording = self.work / f"{case}-{seed}"
+        recording = (self.plants or self.work) / f"{case}-{seed}"
         scene = self.work / f"{case}-{seed}-scene"
-        self.run("simulate", case, "--seed", seed, "--no-images", "-o", recording, "--force")
+        if not self.plants:
+            self.run("simulate", case, "--seed", seed, "--no-images", "-o", recording, "--force",
+                     *self.simulate_options)
         self.run("build", recording, "-o", scene, "--force")
         return recording, scene
 
@@ -79,7 +90,21 @@ class Cases:
         parameters = self.work / f"{case}-{seed}.yaml"
         self.run("identify", goal, recording, "--scene", scene, "--tracked", recording / "tracked",
                  "-o", parameters, "--force")
+        self.count_withheld(case, parameters)
         return parameters, recording
+
+    def count_withheld(self, case, parameters):
+        report = json.loads((parameters.with_suffix(".report") / "report.json").read_text())
+        names = {match[1] for match in (re.match(r"object\.(\w+)\.contact\.stiffness\.", key)
+                                        for key in report) if match}
+        for name in names:
+            for key in PARAMETERS:
+                is_excited = report.get(f"{reported_key(report, name, key)}.is_excited")
+                if is_excited is None:
+                    continue
+                count = self.withheld.setdefault((case, key), [0, 0])
+                count[0] += not is_excited
+                count[1] += 1
 
     def evaluate_identification(self, parameters, recording, seed):
         report = self.run("evaluate", parameters, "--truth", recording / "truth", "-o",
@@ -235,15 +260,24 @@ def table(samples):
               f"{middle:>9.3g} {worst:>9.3g}  {where:<17} {verdict(worst, required, target)}")
 
 
+def print_withheld(withheld):
+    print(f"\n{'not identified':<52} {'of':<9}")
+    for (case, key), (count, of) in sorted(withheld.items()):
+        if count:
+            print(f"{case + ': ' + key:<52} {count} of {of}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--pcavr", default="build/bench/apps/pcavr/pcavr")
     parser.add_argument("--seeds", default="5001-5020")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/cases"))
+    parser.add_argument("--plants", type=pathlib.Path, help="folder of recordings CASE-SEED")
+    parser.add_argument("--wide", action="store_true", help="simulate with --wide")
     arguments = parser.parse_args()
     first, _, last = arguments.seeds.partition("-")
     arguments.work.mkdir(parents=True, exist_ok=True)
-    cases = Cases(arguments.pcavr, arguments.work)
+    cases = Cases(arguments)
     failures = []
     for seed in range(int(first), int(last or first) + 1):
         print(f"seed {seed}", file=sys.stderr, flush=True)
@@ -253,6 +287,7 @@ def main():
             failures.append(f"seed {seed}: {error}")
             print(failures[-1], file=sys.stderr, flush=True)
     table(cases.samples)
+    print_withheld(cases.withheld)
     for failure in failures:
         print(failure)
     return 1 if failures else 0

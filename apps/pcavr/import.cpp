@@ -123,11 +123,14 @@ Expected<CommandResult> import_from_bag(const ImportArguments& arguments,
   }
   options.stride = arguments.options.stride;
   options.first = arguments.options.first;
-  if (arguments.depth_scale > 0.0) options.depth_scale = arguments.depth_scale;
+  if (arguments.depth_scale > 0.0) {
+    options.depth_scale = options.raw_depth_scale = arguments.depth_scale;
+  }
   if (!arguments.camera.empty()) {
     const Expected<CameraFile> sensor = read_camera_file(arguments.camera);
     if (!sensor) return sensor.error();
     options.camera = sensor->camera;
+    if (!options.raw_depth_scale) options.raw_depth_scale = sensor->depth_scale;
   }
   return run_import_bag(arguments.source, arguments.output, arguments.bag, options, observer);
 }
@@ -162,10 +165,18 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
     const Expected<CameraFile> sensor = read_camera_file(arguments.camera);
     if (!sensor) return sensor.error();
     options.camera = sensor->camera;
+    if (!options.depth_scale) options.depth_scale = sensor->depth_scale;
   }
   const Expected<ImportReport> report =
       import_recording(arguments.source, folder->path(), options, observer);
   if (!report) return report.error();
+  const double usual_scale = usual_depth_scale(report->format);
+  if (!(arguments.depth_scale > 0.0) && options.depth_scale.value_or(usual_scale) != usual_scale) {
+    observer.on_warning(
+        fmt::format("{}: depth_scale {:g} is used, where such folders usually have {:g}; give "
+                    "--depth-scale {:g} if this one does",
+                    arguments.camera, *options.depth_scale, usual_scale, usual_scale));
+  }
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
   const std::string& folder_name = arguments.output.folder;
@@ -191,7 +202,8 @@ void add_import(CLI::App& app, Action& action) {
                          "recording");
   command->footer(
       "Example:\n  pcavr import rgbd_dataset_freiburg1_desk --camera calib/cameras/kinect_v1.yaml "
-      "-o desk\n  pcavr import clouds/ --poses poses.txt -o scan\n  pcavr import push.bag "
+      "--depth-scale 5000 -o desk\n  pcavr import clouds/ --poses poses.txt -o scan\n  pcavr "
+      "import push.bag "
       "--wrench-topic /netft_data --object "
       "box=/vicon/box/box -o push");
   auto arguments = std::make_shared<ImportArguments>();
@@ -209,7 +221,7 @@ void add_import(CLI::App& app, Action& action) {
   command->add_option("--camera", arguments->camera,
                       "Camera file for a source without intrinsics (see calib/cameras)");
   add_number(*command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
-             "Depth image units per metre");
+             "Depth image units per metre; without it, the camera file's, else the format's");
   add_number(*command, "--rate", arguments->options.frame_rate, ranges::kImportRate,
              "Frame rate of a source without timestamps [Hz]")
       ->capture_default_str();

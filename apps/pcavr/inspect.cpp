@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <fmt/core.h>
 
 #include "pcavr/bag_import/csv_series.hpp"
 #include "pcavr/core/input_file.hpp"
+#include "pcavr/core/median.hpp"
 #include "pcavr/pipeline/consistency.hpp"
 #include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/recording/line_counts.hpp"
@@ -42,6 +45,35 @@ std::string span_of(const Trajectory& trajectory) {
   return fmt::format("{} poses over {:.3f} s", trajectory.size(), seconds);
 }
 
+/// Nearest, median and farthest reading of all depth images: a wrong depth_scale is seen in them.
+class DepthReadings {
+ public:
+  void add(const DepthImage& depth) {
+    for (const float z : depth.pixels()) {
+      if (!(z > 0.0F)) continue;
+      nearest_ = count_ == 0 ? z : std::min(nearest_, z);
+      farthest_ = std::max(farthest_, z);
+      if (count_++ % kStride == 0) sample_.push_back(static_cast<double>(z));
+    }
+    ++frames_;
+  }
+  [[nodiscard]] SceneCheck check() const {
+    std::string figure =
+        std::to_string(frames_ == 0 ? 0 : count_ / frames_) + " readings per frame";
+    if (count_ > 0) {
+      figure += fmt::format(", nearest {:.3f} m, median {:.3f} m, farthest {:.3f} m", nearest_,
+                            median(sample_), farthest_);
+    }
+    return {"depth", std::move(figure), frames_ == 0 || count_ > 0};
+  }
+
+ private:
+  static constexpr std::size_t kStride = 499;  ///< prime: not a column of the image
+  std::size_t frames_ = 0, count_ = 0;
+  float nearest_ = 0.0F, farthest_ = 0.0F;  ///< [m]
+  std::vector<double> sample_;              ///< [m] every kStride-th reading, for the median
+};
+
 /// Cross-checks the recording's inputs.
 Expected<void> check_consistency(const Recording& recording, const PerceptionOptions& options,
                                  const Observer& observer, std::vector<SceneCheck>& checks) {
@@ -66,12 +98,12 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
   if (!recording) return recording.error();
   FrameReader reader(*recording);
   std::size_t frames = 0;
-  std::size_t readings = 0;
+  DepthReadings readings;
   while (true) {
     const Expected<std::optional<RgbdFrame>> frame = reader.next();
     if (!frame) return frame.error();
     if (!*frame) break;
-    for (const float z : (*frame)->depth.pixels()) readings += z > 0.0F ? 1 : 0;
+    readings.add((*frame)->depth);
     observer.on_progress("decoding", ++frames, recording->frames.size());
   }
   std::vector<SceneCheck> checks;
@@ -79,11 +111,14 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
   const Manifest& manifest = recording->manifest;
   checks.push_back({"recording.yaml", count(manifest.markers.size(), " markers, ") +
                                           count(manifest.objects.size(), " objects")});
-  checks.push_back({"frames", count(frames, " pairs, ") +
-                                  count(recording->unpaired_color, " colour and ") +
-                                  count(recording->unpaired_depth, " depth images unpaired")});
-  checks.push_back({"depth", count(frames == 0 ? 0 : readings / frames, " readings per frame"),
-                    frames == 0 || readings > 0});
+  if (recording->has_depth) {
+    checks.push_back({"frames", count(frames, " pairs, ") +
+                                    count(recording->unpaired_color, " colour and ") +
+                                    count(recording->unpaired_depth, " depth images unpaired")});
+    checks.push_back(readings.check());
+  } else {
+    checks.push_back({"frames", count(frames, " colour images, no depth.txt")});
+  }
   checks.push_back({"groundtruth.txt", span_of(recording->groundtruth)});
   checks.push_back({"tool.csv", span_of(recording->tool)});
   checks.push_back({"wrench.csv", count(recording->wrench.size(), " samples")});

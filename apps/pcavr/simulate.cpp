@@ -31,6 +31,7 @@ struct SimulateArguments {
   bool without_images = false;
   bool without_mass = false;
   bool is_immovable = false;
+  bool is_wide = false;
   SensorFaults faults;
   double saturation = 0.0;
   std::string lost;
@@ -158,6 +159,7 @@ Expected<SimulationCase> apply_options(SimulationCase simulation,
   simulation.with_images = !arguments.without_images;
   simulation.with_mass = !arguments.without_mass;
   simulation.faults = arguments.faults;
+  simulation.is_wide = arguments.is_wide;
   if (arguments.saturation > 0.0) simulation.faults.saturation = arguments.saturation;
   simulation.faults.lost_tracking = gap_of(arguments.lost);
   if (const Expected<void> done = change_scene(simulation, arguments); !done) return done.error();
@@ -265,6 +267,11 @@ void add_simulate(CLI::App& app, Action& action) {
   command->add_flag("--without-mass", arguments->without_mass, "No masses in the manifest");
   command->add_flag("--immovable", arguments->is_immovable,
                     "The boxes are fixed to the table (movable: false); for press and impact");
+  command->add_flag(
+      "--wide", arguments->is_wide,
+      "As in a workshop, by seed: worn supports, friction that depends on the load, "
+      "pushes beside the normal, a cable that pulls the sensor, late tracking, motion "
+      "blur");
   add_number(*command, "--clock-offset", arguments->faults.clock_offset, ranges::kClockOffset,
              "Delay of the wrench's timestamps [s]; negative: early");
   command->add_flag("--flip-force", arguments->faults.is_force_flipped,

@@ -104,13 +104,19 @@ std::string scene_summary(const Scene& scene, const std::string& folder) {
   const SceneQuality& quality = scene.quality;
   std::string text =
       frames_line(quality.frames_recorded, quality.frames_used, quality.frames_dropped);
-  if (!quality.tags_seen.empty()) text += tags_line(quality.tags_seen, quality.frames_used);
+  const bool is_scanned = quality.frames_used > 0;
+  if (!quality.tags_seen.empty()) {
+    text +=
+        tags_line(quality.tags_seen, is_scanned ? quality.frames_used : quality.frames_recorded);
+  }
   text += warnings_lines(quality.input_warnings);
-  if (quality.frames_used > 0) text += surfaces_summary(scene);
+  if (is_scanned) text += surfaces_summary(scene);
   for (const SupportPlane& plane : scene.support_planes) {
-    text += fmt::format("support    a plane at z = {:.3f} m, flat to {:.1f} mm\n",
-                        plane.plane_base.offset / plane.plane_base.normal.z(),
-                        plane.rms * kMillimetres);
+    text += fmt::format("support    a plane at z = {:.3f} m",
+                        plane.plane_base.offset / plane.plane_base.normal.z());
+    // Without surfaces it is where bodies stand, and nobody measured how flat it is.
+    if (plane.rms > 0.0) text += fmt::format(", flat to {:.1f} mm", plane.rms * kMillimetres);
+    text += '\n';
   }
   if (!scene.objects.empty()) text += "objects\n";
   for (const SceneObject& object : scene.objects) text += object_line(object);

@@ -168,8 +168,8 @@ class BagImport {
       manifest_.camera = *camera;
     }
     const bool is_metric = is_metric_depth(selection_.depth->image_format);
-    manifest_.depth_scale =
-        is_metric ? options_.depth_scale.value_or(kMetricScale) : kMillimetreScale;
+    manifest_.depth_scale = is_metric ? options_.depth_scale.value_or(kMetricScale)
+                                      : options_.raw_depth_scale.value_or(kMillimetreScale);
     if (selection_.color == nullptr) {
       warn("no colour topic is taken; frames are grey, in which no tags are found");
     } else if (selection_.color->frames != selection_.depth->frames) {

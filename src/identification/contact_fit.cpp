@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -29,20 +30,11 @@ constexpr double kMinExponentStd = 0.01;  // no measured law is linear to more t
 // Of the accelerations' rms: beyond, noise makes the mass smaller by its square and more, since at
 // one frequency the mass hardly differs from a stiffness.
 constexpr double kMaxNoiseShare = 0.05;
+/// Of the residual force, for a surface to be another one at each short press: two unknowns for
+/// each gain some per cent on one law that holds.
+constexpr double kMinShortGain = 1.25;
 constexpr double kMaxSmoothing = 4.0;   // times the half width of the options
 constexpr double kSmoothingStep = 1.4;  // from one half width to the next
-
-ContactSample mean_of(const std::vector<ContactSample>& samples) {
-  ContactSample mean;
-  const double weight = 1.0 / static_cast<double>(samples.size());
-  for (const ContactSample& sample : samples) {
-    mean.position += weight * sample.position;
-    mean.speed += weight * sample.speed;
-    mean.acceleration += weight * sample.acceleration;
-    mean.force += weight * sample.force;
-  }
-  return mean;
-}
 
 /// Typical magnitudes of acceleration, speed and position about each press's mean.
 std::array<double, 3> scales_of(const std::vector<PressSamples>& presses) {
@@ -240,12 +232,17 @@ void take_drifting_surface(std::span<const ForceMotion> presses, std::span<const
                            const ContactFitOptions& options, ContactIdentification& found) {
   const ContactFit fixed = found.best();
   ContactFit drifting = fit_drifting_surface(presses, options);
-  const bool is_fixed =
-      fixed.is_valid && fixed.residual < options.min_moving_gain * drifting.residual;
+  const auto short_presses =
+      std::count_if(presses.begin(), presses.end(),
+                    [&](const ForceMotion& press) { return is_short_press(press, options); });
+  const bool are_short = 2 * short_presses > std::ssize(presses);
+  const double min_gain =
+      are_short ? std::min(options.min_moving_gain, kMinShortGain) : options.min_moving_gain;
+  const bool is_fixed = fixed.is_valid && fixed.residual < min_gain * drifting.residual;
   if (!drifting.is_valid || is_fixed) return;
   found.proposal = fmt::format(
       "the surface moves under the presses: a law of one that stays leaves {:.2f} N unexplained, "
-      "one about the moving mean {:.2f} N; the damping is not identified, as a clock offset of "
+      "one that moves {:.2f} N; the damping is not identified, as a clock offset of "
       "some milliseconds would look the same",
       fixed.residual, drifting.residual);
   ContactFit along = fit_drifting_surface(local, options);

@@ -39,6 +39,18 @@ void subtract(const std::vector<SmoothedSample>& slow, std::vector<SmoothedSampl
 
 }  // namespace
 
+ContactSample mean_of(std::span<const ContactSample> samples) {
+  ContactSample mean;
+  const double weight = 1.0 / static_cast<double>(samples.size());
+  for (const ContactSample& sample : samples) {
+    mean.position += weight * sample.position;
+    mean.speed += weight * sample.speed;
+    mean.acceleration += weight * sample.acceleration;
+    mean.force += weight * sample.force;
+  }
+  return mean;
+}
+
 PressSamples press_samples(const ForceMotion& press, const ContactFitOptions& options) {
   PCAVR_REQUIRE(press.t.size() == press.tool.size() && press.t.size() == press.force.size());
   PCAVR_REQUIRE(options.half_width > 0.0, options.half_width);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "pcavr/identification/contact_fit.hpp"
@@ -33,6 +34,9 @@ struct PressSamples {
   double speed_noise = 0.0;         ///< [m/s] standard deviations of the smoothed derivatives
   double acceleration_noise = 0.0;  ///< [m/s^2]
 };
+
+/// Of at least one sample.
+[[nodiscard]] ContactSample mean_of(std::span<const ContactSample> samples);
 
 /// Despiked, smoothed, cut to the contact.
 [[nodiscard]] PressSamples press_samples(const ForceMotion& press,

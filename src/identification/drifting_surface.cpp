@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "pcavr/identification/limit_of_pushes.hpp"
@@ -24,6 +25,18 @@ constexpr double kWindowScatter = 0.05, kWindowScatterFactor = 2.0;
 /// surface tilted by 15 degrees by 7 % less.
 constexpr double kNormalShare = 0.05;
 constexpr double kMinPositionNoises = 10.0;  // smoothed, of the oscillation
+
+/// Of a contact that is shorter than a window: about its mean. A tip that is lifted between presses
+/// while it travels meets another place of the surface each time.
+std::vector<ContactSample> about_mean(std::vector<ContactSample> samples) {
+  const ContactSample mean = mean_of(samples);
+  for (ContactSample& sample : samples) {
+    sample.position -= mean.position;
+    sample.speed -= mean.speed;
+    sample.force -= mean.force;
+  }
+  return samples;
+}
 
 /// Least squares of one window, without a mass.
 struct WindowFit {
@@ -54,6 +67,10 @@ WindowFit fit_window(std::span<const ContactSample> samples, const PressSamples&
 
 }  // namespace
 
+bool is_short_press(const ForceMotion& press, const ContactFitOptions& options) {
+  return press.t.empty() || press.t.back() - press.t.front() < options.moving_window;
+}
+
 ContactFit fit_drifting_surface(std::span<const ForceMotion> presses,
                                 const ContactFitOptions& options) {
   ContactFit result;
@@ -62,10 +79,15 @@ ContactFit fit_drifting_surface(std::span<const ForceMotion> presses,
   std::vector<IdentifiedParameter> windows;
   double unexplained = 0.0, count = 0.0, energy = 0.0;
   for (const ForceMotion& series : presses) {
-    const PressSamples press = press_samples(series, drifting);
-    if (press.samples.empty()) continue;
-    const auto length = std::max(kMinWindowSamples,
-                                 static_cast<std::size_t>(options.moving_window / press.interval));
+    const bool is_short = is_short_press(series, options);
+    PressSamples press = press_samples(series, is_short ? options : drifting);
+    if (press.samples.size() < kMinWindowSamples) continue;
+    auto length = std::max(kMinWindowSamples,
+                           static_cast<std::size_t>(options.moving_window / press.interval));
+    if (is_short) {
+      press.samples = about_mean(std::move(press.samples));
+      length = press.samples.size();
+    }
     for (const ContactSample& sample : press.raw) energy += sample.force * sample.force;
     result.samples += press.raw.size();
     for (std::size_t i = 0; i + length <= press.samples.size(); i += length) {

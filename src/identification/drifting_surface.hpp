@@ -8,6 +8,9 @@
 
 namespace pcavr {
 
+/// Whether a press is shorter than a window of such a surface: it has one stiffness.
+[[nodiscard]] bool is_short_press(const ForceMotion& press, const ContactFitOptions& options);
+
 /// The linear law of a surface that moves while it is pressed, as when a tip travels over tissue
 /// that it presses periodically. Force and tip are taken about their moving means; windows of some
 /// periods each give a stiffness, and the mean over the windows, which scatter, is returned,

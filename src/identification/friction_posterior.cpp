@@ -182,12 +182,10 @@ class Inference {
               shared * kForceAccelerationCorrelation * sample.noise_covariance}}};
   }
 
-  /// Correlation of the friction at this sample's place with that at the one's before. The
-  /// correlation path is twice the autoregression's length: both then have the same number of
-  /// independent places on a long path.
+  /// Correlation of the friction at this sample's place with that at the one's before.
   [[nodiscard]] double kept_from_last(std::size_t i) const {
     if (i == 0 || samples_[i].push != samples_[i - 1].push) return 0.0;
-    return std::exp(-2.0 * samples_[i].travel / priors_.correlation_path);
+    return place_correlation(samples_[i].travel, priors_.correlation_path);
   }
 
   [[nodiscard]] Information prior_information() const {
@@ -363,7 +361,7 @@ void set_covariance(const Posterior& posterior, FrictionPosterior& result) {
   }
 }
 
-/// One row for each speed at which pushes slid.
+/// One row for each speed at which pushes slid, where the force there is identified.
 void set_forces(std::span<const FrictionSample> samples, const Posterior& posterior,
                 const Inference& inference, FrictionPosterior& result) {
   const FrictionPriors& priors = inference.priors();
@@ -386,7 +384,10 @@ void set_forces(std::span<const FrictionSample> samples, const Posterior& poster
     Unknowns by = Unknowns::Unit(kCoulomb);
     by[kStribeck] = level * std::exp(-speed / priors.stribeck_speed);
     const PosteriorMoments force = posterior.of(by, speed);
-    result.sliding_force.push_back({speed, force.mean, std::sqrt(force.variance)});
+    const double force_std = std::sqrt(force.variance);
+    // As of the coefficient: a body that hardly slides, or a force that is mostly inertia.
+    if (force_std * kIdentifiedFactor >= force.mean) continue;
+    result.sliding_force.push_back({speed, force.mean, force_std});
   }
 }
 
@@ -402,6 +403,10 @@ void set_coefficient(const FrictionPriors& priors, FrictionPosterior& result) {
 }
 
 }  // namespace
+
+double place_correlation(double travel, double correlation_path) {
+  return std::exp(-2.0 * travel / correlation_path);
+}
 
 FrictionPosterior infer_friction(std::span<const FrictionSample> samples,
                                  const FrictionPriors& priors) {
@@ -420,6 +425,7 @@ FrictionPosterior infer_friction(std::span<const FrictionSample> samples,
   result.viscous = marginal_of(posterior.of(Unknowns::Zero(), 1.0));
   for (std::size_t i = 0; i < posterior.grid.size(); ++i) {
     result.scatter += posterior.weights[i] * posterior.grid[i].between;
+    result.place_scatter += posterior.weights[i] * posterior.grid[i].within;
   }
   const double uniform_std = priors.max_viscous / std::sqrt(12.0);
   result.viscous.is_excited = result.viscous.std * kIdentifiedFactor < uniform_std;

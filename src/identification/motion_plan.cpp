@@ -57,23 +57,22 @@ class SimulatedSlides {
   }
 
  private:
-  /// `off`: this push's friction, less that of all, as a share.
+  /// `off`: this push's friction, less that of all, as a share. Along the path it varies as the
+  /// inference assumes.
   void append_one(std::size_t push, double off, Random& random,
                   std::vector<FrictionSample>& samples) const {
     const double omega = 2.0 * std::numbers::pi * motion_.frequency;
     const double duration =
         motion_.distance / motion_.speed - 2.0 * kSettlePeriods / motion_.frequency;
-    double travel = priors_.correlation_path, of_place = 0.0;
+    double of_place = known_.place_scatter * random.normal();
     for (double t = 0.0; t < duration; t += noise_.interval) {
       FrictionSample sample{.t = t, .push = push};
       sample.speed = motion_.speed + motion_.amplitude * omega * std::cos(omega * t);
       sample.acceleration = -motion_.amplitude * omega * omega * std::sin(omega * t);
       sample.travel = sample.speed * noise_.interval;
-      travel += sample.travel;
-      if (travel > priors_.correlation_path) {
-        travel = 0.0;
-        of_place = known_.scatter * random.normal();
-      }
+      const double kept = place_correlation(sample.travel, priors_.correlation_path);
+      of_place =
+          kept * of_place + std::sqrt(1.0 - kept * kept) * known_.place_scatter * random.normal();
       sample.force = mass_ * sample.acceleration + known_.viscous.value * sample.speed +
                      known_.coulomb.value * (1.0 + off + of_place) +
                      noise_.force_std * random.normal();

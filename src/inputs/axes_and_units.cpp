@@ -225,9 +225,10 @@ void leave_out_misdirected(std::span<const ContactEvidence> evidence,
     AttributedContact& contact = contacts[one.contact];
     if (cosine >= kMisdirected || !contact.left_out.empty()) continue;
     const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
+    // Rounded to tens: contacts are counted by their reason.
     contact.left_out = fmt::format(
-        "the force points {:.0f} degrees off the normal of the face that the tool touches",
-        degrees);
+        "the force points some {:.0f} degrees off the normal of the face that the tool touches",
+        10.0 * std::round(0.1 * degrees));
   }
 }
 

@@ -26,6 +26,7 @@
 #include "clock_checks.hpp"
 #include "follow_objects.hpp"
 #include "recorded_arm.hpp"
+#include "scene_from_color.hpp"
 #include "scene_from_manifest.hpp"
 #include "scene_quality.hpp"
 #include "scene_texture.hpp"
@@ -147,44 +148,6 @@ PointCloud registered_cloud(const MeasuredCloud& measured, const TriangleMesh& m
                          options.outliers);
 }
 
-SceneObject to_scene_object(const MovableBody& body, const std::vector<ObjectObservation>& track) {
-  SceneObject object;
-  object.model = body.model;
-  object.evidence = kNotSeen;
-  object.mass = body.entry.mass;
-  object.is_movable = body.entry.is_movable;
-  std::vector<double> translations;
-  std::vector<double> rotations;
-  const ObjectObservation* first = nullptr;
-  const ObjectObservation* last = nullptr;
-  bool still_at_start = true;
-  for (const ObjectObservation& seen : track) {
-    if (seen.evidence == ObjectEvidence::none) continue;
-    // While the object rests at its start, each observation is more accurate than the previous one.
-    still_at_start = still_at_start && (seen.is_at_rest || first == nullptr || !first->is_at_rest);
-    if (first == nullptr || (still_at_start && seen.is_at_rest)) first = &seen;
-    last = &seen;
-    if (seen.evidence != ObjectEvidence::tags_and_shape) continue;
-    translations.push_back(seen.refinement_translation);
-    rotations.push_back(seen.refinement_rotation);
-  }
-  if (last == nullptr) {
-    if (body.entry.T_base_object) {
-      object.evidence = kByManifest;
-      object.T_base_object = object.T_base_object_start = *body.entry.T_base_object;
-    }
-    return object;
-  }
-  object.T_base_object_start = first->T_base_object;
-  object.T_base_object = last->T_base_object;
-  object.evidence = evidence_name(last->evidence);
-  object.position_std = std::sqrt(last->covariance.topLeftCorner<3, 3>().trace());
-  object.rotation_std = std::sqrt(last->covariance.bottomRightCorner<3, 3>().trace());
-  object.refinement_translation = median(std::move(translations));
-  object.refinement_rotation = median(std::move(rotations));
-  return object;
-}
-
 std::vector<SupportedBody> standing_bodies(const std::vector<SceneObject>& objects) {
   std::vector<SupportedBody> bodies;
   for (const SceneObject& object : objects) {
@@ -253,6 +216,11 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     }
     return scene;
   }
+  if (!recording.has_depth) {
+    Expected<Scene> scene = scene_from_color(recording, options, observer);
+    if (scene && *arm) scene->robot = scene_robot_of(**arm);
+    return scene;
+  }
   StageClock clock;
   const SurveyOptions survey_options{.perception = options.perception,
                                      .trust_poses = options.trust_poses,
@@ -309,7 +277,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   scene.levels_of_detail_base = levels_of_detail(scene.mesh_base, options);
   scene.cloud_base = cloud.get();
   for (std::size_t i = 0; i < bodies->size(); ++i) {
-    scene.objects.push_back(to_scene_object((*bodies)[i], fusion.tracks[i]));
+    scene.objects.push_back(scene_object_of_track((*bodies)[i], fusion.tracks[i]));
     scene.objects.back().hertz_stiffness =
         hertz_stiffness_of(recording.manifest, (*bodies)[i].entry);
   }

@@ -86,6 +86,9 @@ std::vector<double> tip_std_of(const IdentificationInput& input, const ContactEp
   return stds;
 }
 
+/// Contacts that are left out are noted one by one up to this number; all are counted by reason.
+constexpr std::size_t kMaxContactNotes = 10;
+
 void note_contacts(Identification& result, const IdentificationInput& input) {
   for (std::size_t i = 0; i < result.objects.size(); ++i) {
     const bool is_touched =
@@ -96,13 +99,17 @@ void note_contacts(Identification& result, const IdentificationInput& input) {
                                             ? "was never touched: record a press and a push"
                                             : "was never touched: record a press");
   }
+  std::size_t left_out = 0;
   for (const IdentifiedContact& contact : result.contacts) {
-    if (contact.left_out.empty()) continue;
+    if (contact.left_out.empty() || ++left_out > kMaxContactNotes) continue;
     const std::string owner =
         contact.object ? input.objects[*contact.object].name : std::string("no object");
     result.notes.push_back("the contact at " + at_time(contact.episode.begin) + " (" + owner +
                            ") is not used: " + contact.left_out);
   }
+  if (left_out <= kMaxContactNotes) return;
+  result.notes.push_back(std::to_string(left_out - kMaxContactNotes) +
+                         " more contacts are not used, counted by reason below");
 }
 
 }  // namespace

@@ -104,7 +104,8 @@ bool has_value(const std::optional<ParameterValue>& known, const IdentifiedParam
 void take_correlation(const ContactFit& fit, ObjectParameters& parameters) {
   const std::pair<const char*, bool> rows[] = {
       {"contact.stiffness", has_value(parameters.contact_stiffness, fit.stiffness)},
-      {"contact.damping", has_value(parameters.contact_damping, fit.damping)},
+      {"contact.damping",
+       fit.damping.is_excited && has_value(parameters.contact_damping, fit.damping)},
       {"contact.exponent", has_value(parameters.contact_exponent, fit.exponent)}};
   std::vector<std::string> keys;
   std::vector<Eigen::Index> chosen;

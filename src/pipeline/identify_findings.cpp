@@ -84,13 +84,15 @@ void state_contact(ObjectIdentification& found, Findings& findings) {
   const char* const unit = is_linear ? "N s/m" : "N s/m^(n+1)";
   const bool is_bounded = by_presses && p.contact_damping && !impacts.gives_damping &&
                           !found.presses.best().damping.is_excited;
-  findings.add(
-      "contact.damping", unit, is_bounded ? std::optional<ParameterValue>() : p.contact_damping,
-      p.contact_damping && p.contact_damping->std && (is_identified || impacts.gives_damping),
+  ParameterFinding& damping = findings.add(
+      "contact.damping", unit, p.contact_damping,
+      !is_bounded && p.contact_damping && p.contact_damping->std &&
+          (is_identified || impacts.gives_damping),
       impacts.gives_damping ? by_impacts + ", damping law: " + std::string(name_of(impacts.law)) +
                                   ", " + impacts.choice
                             : source,
-      is_bounded ? kBoundedDamping + better : better);
+      better);
+  if (is_bounded) damping.remark = kBoundedDamping + better;
   if (p.contact_mass) {
     findings.add("contact.mass", "kg", p.contact_mass, by_presses, source,
                  "modulate the press at 10 Hz, 1 mm");

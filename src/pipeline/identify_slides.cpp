@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include <Eigen/Geometry>
 
@@ -40,6 +41,12 @@ constexpr double kMinPower = 0.3;           // of |F| |v|: less is no push throu
 /// Of the tip's speed along the normal, by tracking: less is an object that rests while what holds
 /// the tip gives way, or the tip leaves it. The speed by tracking has a noise of 2 to 4 %.
 constexpr double kMinFollowing = 0.5;
+
+// Of noise that the samples of a slow push show: their number, their travel [m], and the factor
+// over the stated noise from which it is no chance.
+constexpr std::size_t kMinShownSamples = 8;
+constexpr double kMaxSlowTravel = 0.001;
+constexpr double kMinShownNoise = 2.0;
 
 /// Motion of the object's centre from its tracked poses, smoothed.
 struct Twist {
@@ -173,6 +180,42 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
   return push;
 }
 
+/// [s] Where no breakaway was found: the first peak of the force above its median. What is loaded
+/// while something gives way, or while tracking is smoothed over the onset, looks like a slide.
+double end_of_loading(const SmoothSlide& push, const ContactEpisode& episode) {
+  std::vector<double> values;
+  for (const SmoothedSample& force : push.force) {
+    if (force.is_valid) values.push_back(force.value);
+  }
+  const double level = median(std::move(values));
+  double end = episode.begin, peak = level;
+  for (std::size_t i = 0; i < push.force.size(); ++i) {
+    if (!push.force[i].is_valid) continue;
+    if (push.force[i].value < level && peak > level) break;
+    if (push.force[i].value <= peak) continue;
+    peak = push.force[i].value;
+    end = episode.t[i];
+  }
+  return end;
+}
+
+/// Raises the noise of a push's samples to what they show where that is clearly more: errors of the
+/// tip and of tracking, over which slow motion is divided. Only where friction can't vary with the
+/// place from sample to sample: as such it would be taken, and the push's level for its first one.
+void raise_noise(std::span<FrictionSample> samples) {
+  if (samples.size() < kMinShownSamples) return;
+  std::vector<double> forces, travel, stated;
+  for (const FrictionSample& sample : samples) {
+    forces.push_back(sample.force);
+    travel.push_back(sample.travel);
+    stated.push_back(sample.force_std);
+  }
+  const double shown = estimate_noise_std(forces);
+  if (median(std::move(travel)) > kMaxSlowTravel) return;
+  if (shown < kMinShownNoise * median(std::move(stated))) return;
+  for (FrictionSample& sample : samples) sample.force_std = std::max(sample.force_std, shown);
+}
+
 class Slides {
  public:
   Slides(const BodyMotion& body, const PathView& tip, double tool_radius, const KnownSupport& known)
@@ -192,8 +235,10 @@ class Slides {
     const ContactEpisode& episode = contact.episode;
     if (episode.t.size() < 20 || episode.kind == ContactKind::press) return;
     const SmoothSlide push = smooth_slide(contact, compliance, mean_interval(tip_.t()));
-    double from = episode.begin;
-    if (episode.breakaway.is_found) from = episode.breakaway.t + kSlideSettle + push.half_width;
+    const double loaded =
+        episode.breakaway.is_found ? episode.breakaway.t : end_of_loading(push, episode);
+    const double from = loaded + kSlideSettle + push.half_width;
+    const std::size_t first = samples.size();
     double next = from;
     for (std::size_t i = 0; i < episode.t.size(); ++i) {
       const double t = episode.t[i];
@@ -208,6 +253,7 @@ class Slides {
       next = t + push.half_width;
       samples.push_back(*sample);
     }
+    raise_noise(std::span(samples).subspan(first));
   }
 
  private:

@@ -8,9 +8,12 @@
 #include <iterator>
 #include <utility>
 
+#include "pcavr/core/median.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
+#include "pcavr/pipeline/replay.hpp"
 
 #include "consistency_checks.hpp"
+#include "follow_objects.hpp"
 
 namespace pcavr {
 namespace {
@@ -21,12 +24,23 @@ constexpr double kSamePlane = 0.002;
 constexpr double kMargin = 0.1;
 
 Error missing_pose_error(const Recording& recording, const std::string& name) {
-  return {.message = name.empty() ? "the recording has no frames"
-                                  : "no frames, and no pose is stated for object " + name,
-          .file = recording.folder.string(),
-          .hint =
-              "a scene needs colour and depth images (rgb.txt and depth.txt with at least one "
-              "pair within 20 ms), or a pose in recording.yaml for every movable object"};
+  return {
+      .message = name.empty() ? "the recording has no frames"
+                              : "no frames, and no pose is stated for object " + name,
+      .file = recording.folder.string(),
+      .hint =
+          "a scene needs colour and depth images (rgb.txt and depth.txt with at least one "
+          "pair within 20 ms), or a pose in recording.yaml or tracked/ for every movable object"};
+}
+
+/// Where the manifest states no pose: the first one of the recording's own tracked/.
+Expected<void> place_by_tracking(const Recording& recording, ObjectEntry& entry) {
+  const auto folder = tracked_folder_of(recording, {});
+  if (entry.T_base_object || !folder) return {};
+  const Expected<TrackedFile> tracked = read_tracked_poses(*folder, entry.name);
+  if (!tracked) return tracked.error();
+  if (!tracked->poses.empty()) entry.T_base_object = tracked->poses.front().T_base_object;
+  return {};
 }
 
 /// A rectangle around the objects on the plane and the tool's path, counter-clockwise.
@@ -38,6 +52,18 @@ std::vector<Eigen::Vector3d> outline_around(Eigen::AlignedBox3d box, const Traje
   const double y0 = box.min().y() - kMargin;
   const double y1 = box.max().y() + kMargin;
   return {{x0, y0, height}, {x1, y0, height}, {x1, y1, height}, {x0, y1, height}};
+}
+
+}  // namespace
+
+SceneObject scene_object_at_stated_pose(const MovableBody& body) {
+  SceneObject object;
+  object.model = body.model;
+  object.T_base_object = object.T_base_object_start = *body.entry.T_base_object;
+  object.evidence = kByManifest;
+  object.mass = body.entry.mass;
+  object.is_movable = body.entry.is_movable;
+  return object;
 }
 
 std::vector<SupportPlane> horizontal_planes(const std::vector<SceneObject>& objects,
@@ -69,15 +95,42 @@ std::vector<SupportPlane> horizontal_planes(const std::vector<SceneObject>& obje
   return planes;
 }
 
-}  // namespace
-
-SceneObject scene_object_at_stated_pose(const MovableBody& body) {
+SceneObject scene_object_of_track(const MovableBody& body,
+                                  const std::vector<ObjectObservation>& track) {
   SceneObject object;
   object.model = body.model;
-  object.T_base_object = object.T_base_object_start = *body.entry.T_base_object;
-  object.evidence = kByManifest;
+  object.evidence = kNotSeen;
   object.mass = body.entry.mass;
   object.is_movable = body.entry.is_movable;
+  std::vector<double> translations;
+  std::vector<double> rotations;
+  const ObjectObservation* first = nullptr;
+  const ObjectObservation* last = nullptr;
+  bool still_at_start = true;
+  for (const ObjectObservation& seen : track) {
+    if (seen.evidence == ObjectEvidence::none) continue;
+    // While the object rests at its start, each observation is more accurate than the previous one.
+    still_at_start = still_at_start && (seen.is_at_rest || first == nullptr || !first->is_at_rest);
+    if (first == nullptr || (still_at_start && seen.is_at_rest)) first = &seen;
+    last = &seen;
+    if (seen.evidence != ObjectEvidence::tags_and_shape) continue;
+    translations.push_back(seen.refinement_translation);
+    rotations.push_back(seen.refinement_rotation);
+  }
+  if (last == nullptr) {
+    if (body.entry.T_base_object) {
+      object.evidence = kByManifest;
+      object.T_base_object = object.T_base_object_start = *body.entry.T_base_object;
+    }
+    return object;
+  }
+  object.T_base_object_start = first->T_base_object;
+  object.T_base_object = last->T_base_object;
+  object.evidence = evidence_name(last->evidence);
+  object.position_std = std::sqrt(last->covariance.topLeftCorner<3, 3>().trace());
+  object.rotation_std = std::sqrt(last->covariance.bottomRightCorner<3, 3>().trace());
+  object.refinement_translation = median(std::move(translations));
+  object.refinement_rotation = median(std::move(rotations));
   return object;
 }
 
@@ -110,6 +163,9 @@ Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_siz
               .voxel_size = voxel_size};
   scene.quality.left_out = recording.left_out;
   for (MovableBody& body : *bodies) {
+    if (Expected<void> placed = place_by_tracking(recording, body.entry); !placed) {
+      return placed.error();
+    }
     if (!body.entry.T_base_object) return missing_pose_error(recording, body.entry.name);
     scene.objects.push_back(scene_object_at_stated_pose(body));
     scene.objects.back().hertz_stiffness = hertz_stiffness_of(recording.manifest, body.entry);

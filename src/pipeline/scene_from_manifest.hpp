@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "pcavr/core/expected.hpp"
 #include "pcavr/recording/recording.hpp"
 #include "pcavr/scene/scene.hpp"
+#include "pcavr/tracking/object_tracker.hpp"
 
 #include "survey.hpp"
 
@@ -12,6 +15,15 @@ namespace pcavr {
 
 /// A body as an object of the scene, at the pose that its manifest states.
 [[nodiscard]] SceneObject scene_object_at_stated_pose(const MovableBody& body);
+
+/// A body as an object of the scene, as it was tracked; at its stated pose, if any, where it was
+/// not seen.
+[[nodiscard]] SceneObject scene_object_of_track(const MovableBody& body,
+                                                const std::vector<ObjectObservation>& track);
+
+/// Horizontal planes under the movable objects, which cover the tool's path.
+[[nodiscard]] std::vector<SupportPlane> horizontal_planes(const std::vector<SceneObject>& objects,
+                                                          const Trajectory& tool);
 
 /// The scene of a recording without images, from its manifest alone: bodies at their stated poses,
 /// with horizontal support planes under the movable ones. Fails where the manifest does not state a

@@ -36,7 +36,6 @@ void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
 /// Median distance of some frames' readings from the mesh that they were fused into [m].
 double surface_distance(const Recording& recording, const Survey& survey, const Scene& scene,
                         double max_distance) {
-  if (scene.mesh_base.triangles.empty()) return 0.0;
   const SurfaceQuery surface(scene.mesh_base);
   const std::vector<FramePlacement>& frames = survey.camera.frames;
   const std::size_t stride = std::max<std::size_t>(1, frames.size() / kComparedFrames);
@@ -83,7 +82,7 @@ SceneQuality assess_quality(const Recording& recording, const Survey& survey, co
   }
   quality.camera_position_std = median(position_stds);
   quality.camera_rotation_std = median(rotation_stds);
-  if (quality.frames_used > 0) {
+  if (quality.frames_used > 0 && !scene.mesh_base.triangles.empty()) {
     quality.surface_rms = surface_distance(recording, survey, scene, max_distance);
   }
   for (const ConsistencyFinding& finding : survey.findings) {

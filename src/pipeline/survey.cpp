@@ -130,7 +130,7 @@ Error not_placed_error(const Recording& recording, const Survey& survey,
     const std::string rejected =
         explain_rejected_tags(recording, survey.detections, "", options.body_pose);
     EmptySceneCause cause{survey.camera.failure_reason, ""};
-    if (is_out_of_range(survey.depth)) {
+    if (recording.has_depth && is_out_of_range(survey.depth)) {
       cause = explain_empty_scene(survey.depth, options.depth_noise, recording.manifest.depth_scale,
                                   {}, 1.0);
     }
@@ -287,10 +287,12 @@ Expected<Survey> survey_recording(const Recording& recording,
 
   const CameraModel& camera = *recording.manifest.camera;
   CameraTrackerOptions tracker_options = camera_options(perception);
-  tracker_options.trust_poses = options.trust_poses;
+  // Without depth there is nothing that could correct given poses.
+  const bool has_poses = !recording.groundtruth.empty();
+  tracker_options.trust_poses = options.trust_poses || (!recording.has_depth && has_poses);
   CameraTracker tracker(recording.manifest, recording.groundtruth, tracker_options);
   // Masks of dynamic pixels are needed only where the camera is tracked.
-  const bool needs_masks = !known_camera && !options.trust_poses;
+  const bool needs_masks = !known_camera && !tracker_options.trust_poses && recording.has_depth;
   BodyMasker masker(bodies, camera, perception, needs_masks);
   Survey survey;
   survey.findings = check_bodies(recording, bodies, masker.surfaces(), perception.consistency);
@@ -315,7 +317,7 @@ Expected<Survey> survey_recording(const Recording& recording,
     observer.on_progress("detecting tags", frame.index + 1, recording.frames.size());
   }
   survey.undecoded = reader.skipped();
-  if (!any_depth) return no_depth_error(recording);
+  if (recording.has_depth && !any_depth) return no_depth_error(recording);
 
   survey.camera = known_camera ? std::move(*known_camera) : tracker.solve(observer);
   survey.depth = collector.observations().depth;

@@ -31,6 +31,10 @@ Expected<RgbdFrame> decode_with(ImageDecoder& decoder, const Recording& recordin
   Expected<ColorImage> color = decoder.color(*color_bytes, color_image);
   if (!color) return color.error();
 
+  if (files.depth_path.empty()) {
+    return RgbdFrame{index, files.color_stamp, files.depth_stamp, *std::move(color),
+                     DepthImage(camera.width, camera.height)};
+  }
   const ExpectedImage depth_image = image_at(files.depth_path);
   const Expected<std::string> depth_bytes = read_file(depth_image.file);
   if (!depth_bytes) return depth_bytes.error();

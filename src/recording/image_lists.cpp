@@ -84,4 +84,18 @@ Expected<PairedImages> read_image_lists(const fs::path& folder, const ReadOption
                        std::to_string(std::lround(gap)) + " ms apart"};
 }
 
+Expected<PairedImages> read_color_list(const fs::path& folder, const ReadOptions& options) {
+  const Expected<Series<Images>> color = read_list(folder, "rgb.txt", options.skip_bad);
+  if (!color) return color.error();
+  PairedImages images;
+  images.color_report = color->report;
+  for (const ListedImage& image : color->content) {
+    images.frames.push_back({image.stamp, image.path, image.stamp, {}});
+  }
+  if (!images.frames.empty()) return images;
+  return Error{.message = "contains no frames: rgb.txt names no image",
+               .file = folder.string(),
+               .hint = "list the colour images, or remove rgb.txt"};
+}
+
 }  // namespace pcavr

@@ -25,4 +25,8 @@ struct PairedImages {
 [[nodiscard]] Expected<PairedImages> read_image_lists(const std::filesystem::path& folder,
                                                       const ReadOptions& options);
 
+/// Reads `rgb.txt` alone: frames without depth.
+[[nodiscard]] Expected<PairedImages> read_color_list(const std::filesystem::path& folder,
+                                                     const ReadOptions& options);
+
 }  // namespace pcavr

@@ -48,7 +48,8 @@ Expected<ImportReport> import_tum(const fs::path& source, const fs::path& target
   ImportReport report{.format = ImportFormat::tum_rgbd};
   report.left_out = images->unpaired_color + images->unpaired_depth;
   RecordingWriter writer(
-      target, {.camera = options.camera, .depth_scale = options.depth_scale.value_or(5000.0)});
+      target, {.camera = options.camera,
+               .depth_scale = options.depth_scale.value_or(usual_depth_scale(report.format))});
   const std::size_t count = images->frames.size();
   for (std::size_t i = options.first; i < count; i += options.stride) {
     const FrameFiles& frame = images->frames[i];
@@ -70,6 +71,10 @@ Expected<ImportReport> import_tum(const fs::path& source, const fs::path& target
 }
 
 }  // namespace
+
+double usual_depth_scale(ImportFormat format) {
+  return format == ImportFormat::tum_rgbd ? 5000.0 : 1000.0;
+}
 
 Expected<ImportReport> import_recording(const fs::path& source, const fs::path& target,
                                         const ImportOptions& options, const Observer& observer) {

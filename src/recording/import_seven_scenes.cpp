@@ -183,8 +183,10 @@ Expected<ImportReport> import_seven_scenes(const fs::path& source, const fs::pat
   if (frames.empty()) return report;
   const Expected<CameraModel> camera = find_camera(source, frames.begin()->second.depth, options);
   if (!camera) return camera.error();
-  RecordingWriter writer(target,
-                         {.camera = *camera, .depth_scale = options.depth_scale.value_or(1000.0)});
+  RecordingWriter writer(
+      target,
+      {.camera = *camera,
+       .depth_scale = options.depth_scale.value_or(usual_depth_scale(ImportFormat::seven_scenes))});
   ImageDecoder decoder;
   Trajectory T_base_camera;
   std::size_t done = 0;

@@ -52,17 +52,19 @@ Expected<void> read_frames(Recording& recording, const ReadOptions& options) {
   const Expected<bool> has_depth = is_present(recording.folder / "depth.txt");
   if (!has_depth) return has_depth.error();
   if (!*has_color && !*has_depth) return {};
-  if (*has_color != *has_depth) {
-    return Error{.message = std::string(*has_color ? "depth.txt" : "rgb.txt") + " is missing",
+  if (!*has_color) {
+    return Error{.message = "rgb.txt is missing",
                  .file = recording.folder.string(),
-                 .hint = "a recording has both lists, or neither if it has no images"};
+                 .hint = "a recording with depth images has colour images, too"};
   }
   if (!recording.manifest.camera) {
     return Error{.message = "key 'camera' is missing, but there are images",
                  .file = (recording.folder / "recording.yaml").string(),
                  .hint = "add the camera with its intrinsics and depth_scale"};
   }
-  Expected<PairedImages> images = read_image_lists(recording.folder, options);
+  recording.has_depth = *has_depth;
+  Expected<PairedImages> images = *has_depth ? read_image_lists(recording.folder, options)
+                                             : read_color_list(recording.folder, options);
   if (!images) return images.error();
   recording.frames = std::move(images->frames);
   recording.unpaired_color = images->unpaired_color;
@@ -134,8 +136,8 @@ Expected<void> check_spans(const Recording& recording) {
   add_span("wrench.csv", recording.wrench, spans);
   add_span("joints.csv", recording.joints, spans);
   if (!recording.frames.empty()) {
-    spans.push_back(
-        {"depth.txt", recording.frames.front().depth_stamp, recording.frames.back().depth_stamp});
+    spans.push_back({recording.has_depth ? "depth.txt" : "rgb.txt",
+                     recording.frames.front().depth_stamp, recording.frames.back().depth_stamp});
   }
   for (const SeriesSpan& span : spans) {
     std::optional<Error> error = check_range(ranges::kSpan, to_seconds(span.last - span.first));

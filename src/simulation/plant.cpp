@@ -174,7 +174,9 @@ double friction_radius(const std::vector<PlantPatch>& patches) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const PlantPatch& patch : patches) centre += patch.share * patch.p_body;
   double radius = 0.0;
-  for (const PlantPatch& patch : patches) radius += patch.share * (patch.p_body - centre).norm();
+  for (const PlantPatch& patch : patches) {
+    radius += patch.wear * patch.share * (patch.p_body - centre).norm();
+  }
   return radius;
 }
 

@@ -99,6 +99,22 @@ Pose sample_box_pose(int number, double half_height, Random& random) {
 
 }  // namespace
 
+void wear_support(PlantBody& body, Random& random) {
+  constexpr double kSpotShare = 0.6;  // of the smaller half side: a quarter of the support or less
+  const Eigen::Vector2d half = half_extents_of(body).head<2>();
+  const double x = random.uniform(-1.0, 1.0);
+  const Eigen::Vector2d centre = half.cwiseProduct(Eigen::Vector2d(x, random.uniform(-1.0, 1.0)));
+  const double worn = random.uniform(0.5, 0.7);
+  double mean = 0.0;
+  for (PlantPatch& patch : body.patches) {
+    const bool is_worn = (patch.p_body - centre).norm() < kSpotShare * half.minCoeff();
+    patch.wear = is_worn ? worn : 1.0;
+    mean += patch.share * patch.wear;
+  }
+  for (PlantPatch& patch : body.patches) patch.wear /= mean;
+  body.parameters.load_exponent = random.uniform(-0.2, 0.0);
+}
+
 std::vector<PlantBody> sample_boxes(std::uint64_t seed, int count) {
   std::vector<PlantBody> bodies;
   const bool is_grid = needs_grid(count);

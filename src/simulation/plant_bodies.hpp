@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcavr/core/random.hpp"
 #include "pcavr/simulation/plant.hpp"
 
 #include "simulation/shapes.hpp"
@@ -15,6 +16,10 @@ namespace pcavr::simulation {
 /// to 1.1, penetration at breakaway 0.2 to 2 mm. Up to two stand far apart; more are small and
 /// stand in a grid (box_grid.hpp).
 [[nodiscard]] std::vector<PlantBody> sample_boxes(std::uint64_t seed, int count = 2);
+
+/// A support as it is after years: a worn spot under the body, whose friction is lower by a third
+/// to a half, and friction that depends on the load. The limits under the weight alone stay.
+void wear_support(PlantBody& body, Random& random);
 
 /// The foam-faced and the rubber-faced box of paper C.
 [[nodiscard]] std::vector<PlantBody> paper_boxes(std::uint64_t seed);

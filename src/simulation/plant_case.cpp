@@ -24,6 +24,10 @@ constexpr double kStandoff = 0.025;              ///< between tip and face befor
 constexpr double kApproachGap = 0.0005;          ///< gap at which loading begins [m]
 constexpr double kBreakawayDisplacement = 5e-5;  ///< above the presliding displacement [m]
 
+constexpr std::uint64_t kVarietyStream = 300;  ///< and one for each body after it
+/// Of a push beside its face's normal [rad]: less than the tip's friction holds, for most bodies.
+constexpr double kMaxPushAngle = 12.0 * std::numbers::pi / 180.0;
+
 /// Of the tip in a soft body [m]: a large deformation, more than the tip's radius.
 constexpr double kSoftDepth = 0.015;
 
@@ -312,7 +316,8 @@ std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_r
 
 }  // namespace
 
-PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& push) {
+PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& push,
+                          PlantVariety variety) {
   PCAVR_REQUIRE(push.boxes >= 1 && push.boxes <= PushOptions::kMaxBoxes, push.boxes);
   PCAVR_REQUIRE(push.duration >= 0.0, push.duration);
   PlantCase made;
@@ -328,6 +333,13 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& 
   made.tool.p_base_start = {0.55, -0.55, Program::travel_height(made.bodies, made.tool)};
   Random random = Random(seed).fork(41);
   Program program(made.bodies, made.tool);
+  if (variety == PlantVariety::wide) {
+    for (std::size_t i = 0; i < made.bodies.size(); ++i) {
+      Random of_body = Random(seed).fork(kVarietyStream + i);
+      wear_support(made.bodies[i], of_body);
+      program.turn_pushes(of_body.uniform(-kMaxPushAngle, kMaxPushAngle));
+    }
+  }
   switch (task) {
     case ToolTask::push:
       add_push_moves(program, made.tool.radius, random, push);

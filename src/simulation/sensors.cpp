@@ -15,6 +15,7 @@ namespace {
 
 using namespace simulation;
 
+constexpr std::uint64_t kWorkshopStream = 9;
 constexpr std::uint64_t kJointStream = 8;  ///< of the seed; see sensor_streams.cpp for the others
 
 Stamp stamp_of_step(std::size_t step) {
@@ -39,6 +40,13 @@ bool is_resting_at(const PlantRun& run, std::size_t index, double t) {
 }
 
 }  // namespace
+
+SensorFaults with_workshop_faults(SensorFaults faults, std::uint64_t seed) {
+  Random random = Random(seed).fork(kWorkshopStream);
+  faults.tracking_delay = random.uniform(0.01, 0.06);
+  faults.cable_stiffness = random.uniform(0.5, 2.0);
+  return faults;
+}
 
 Trajectory measured_tool(const PlantRun& run, std::uint64_t seed) {
   ToolSensor sensor(seed);
@@ -93,8 +101,11 @@ std::vector<WrenchSample> measured_wrench(const PlantRun& run, std::uint64_t see
   WrenchSensor sensor(seed);
   std::vector<WrenchSample> samples;
   for (std::size_t i = 0; i + 1 < run.force_base.size(); i += kStepsPerSample) {
+    // The cable's pull on the tool appears as its opposite in the force on the surroundings.
+    const Eigen::Vector3d pull =
+        faults.cable_stiffness * (run.p_base_tip[i] - run.p_base_tip.front());
     const WrenchSensor::Sample measured =
-        sensor.measure(0.5 * (run.force_base[i] + run.force_base[i + 1]),
+        sensor.measure(0.5 * (run.force_base[i] + run.force_base[i + 1]) + pull,
                        0.5 * (run.torque_base[i] + run.torque_base[i + 1]));
     const double t = PlantRun::kStep * static_cast<double>(i + 1) + faults.clock_offset;
     if (t < 0.0) continue;
@@ -118,7 +129,7 @@ std::vector<SimulatedMeasurement> simulated_tracking(const PlantRun& run, const 
     const Stamp stamp{std::llround(1e6 * static_cast<double>(i) / kFrameRate) * 1000};
     const double t = stamp.seconds();
     SimulatedMeasurement measurement;
-    measurement.stamp = stamp;
+    measurement.stamp = Stamp::from_seconds(t + faults.tracking_delay);
     measurement.is_at_rest = is_resting_at(run, index, t);
     const Vector6d noise = measurement.is_at_rest ? error.at_rest() : error.in_motion();
     measurement.is_seen =

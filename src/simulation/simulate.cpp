@@ -23,7 +23,8 @@ namespace {
 
 using namespace simulation;
 
-constexpr double kDepthScale = 5000.0;  ///< image units in one metre, as in TUM RGB-D
+constexpr double kExposureTime = 1.0 / 60.0;  ///< [s]
+constexpr double kDepthScale = 5000.0;        ///< image units in one metre, as in TUM RGB-D
 
 void check(const SimulationCase& simulation) {
   PCAVR_REQUIRE(simulation.duration > 0.0 && simulation.frame_rate > 0.0, simulation.duration,
@@ -73,6 +74,7 @@ class FrameRenderer {
   FrameRenderer(const SimulationCase& simulation, std::uint64_t seed, const Truth& truth)
       : truth_(truth),
         seed_(seed),
+        exposure_time_(simulation.is_wide ? kExposureTime : 0.0),
         camera_(simulated_camera(simulation)),
         depth_camera_(depth_camera_of(simulation)),
         bodies_(truth.world),
@@ -109,19 +111,37 @@ class FrameRenderer {
  private:
   [[nodiscard]] Frame make(std::size_t index) const {
     const double t = truth_.frames[index].seconds();
-    const std::vector<Pose> poses = body_poses(truth_.world, truth_.plant, truth_.run, t);
-    const Pose T_base_camera = truth_.camera.T_base_camera(t);
     const std::uint64_t color_seed = hash(seed_, 100, index);
     const std::uint64_t depth_seed = hash(seed_, 101, index);
-    IdealFrame ideal = renderer_.render(T_base_camera, poses);
+    IdealFrame ideal = render(renderer_, t);
+    if (exposure_time_ > 0.0) blur(t, ideal.radiance);
     ColorImage color = expose(color_sensor_, ideal.radiance, color_seed);
-    if (depth_camera_.width != camera_.width) ideal = depth_renderer_.render(T_base_camera, poses);
+    if (depth_camera_.width != camera_.width) ideal = render(depth_renderer_, t);
     return {.color = std::move(color),
             .depth = measure_depth(depth_sensor_, depth_camera_, ideal, depth_seed)};
   }
 
+  [[nodiscard]] IdealFrame render(const Renderer& renderer, double t) const {
+    return renderer.render(truth_.camera.T_base_camera(t),
+                           body_poses(truth_.world, truth_.plant, truth_.run, t));
+  }
+
+  /// Averages the radiance over the exposure, of which `radiance` is the middle.
+  void blur(double t, Image<Eigen::Vector3f>& radiance) const {
+    constexpr int kInstants = 4;  // beside the middle: a tag at 60 mm/s moves by 0.2 px between two
+    for (int i = 0; i < kInstants; ++i) {
+      const double share = (i + 0.5) / kInstants - 0.5;
+      const IdealFrame other = render(renderer_, std::max(0.0, t + share * exposure_time_));
+      for (std::size_t p = 0; p < radiance.pixels().size(); ++p) {
+        radiance.pixels()[p] += other.radiance.pixels()[p];
+      }
+    }
+    for (Eigen::Vector3f& pixel : radiance.pixels()) pixel /= kInstants + 1;
+  }
+
   const Truth& truth_;
   std::uint64_t seed_;
+  double exposure_time_;  ///< [s]; 0: an instant
   CameraModel camera_;
   CameraModel depth_camera_;
   RayBodies bodies_;
@@ -250,7 +270,10 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
                         const Observer& observer) {
   check(simulation);
   const PushOptions push = push_options(simulation);
-  PlantCase plant = make_plant_case(simulation.task, seed, push);
+  const PlantVariety variety = simulation.is_wide ? PlantVariety::wide : PlantVariety::plain;
+  PlantCase plant = make_plant_case(simulation.task, seed, push, variety);
+  const SensorFaults faults =
+      simulation.is_wide ? with_workshop_faults(simulation.faults, seed) : simulation.faults;
   if (simulation.is_immovable) {
     for (PlantBody& body : plant.bodies) body.is_movable = false;
   }
@@ -277,13 +300,13 @@ Expected<void> simulate(const SimulationCase& simulation, std::uint64_t seed,
   }
   if (written && has_task) written = write_motion(writer, plant, run, seed);
   if (written && has_task) {
-    written = writer.write_wrench(measured_wrench(run, seed, simulation.faults));
+    written = writer.write_wrench(measured_wrench(run, seed, faults));
   }
   if (written && simulation.with_images) {
     written = FrameRenderer(simulation, seed, truth).write_all(writer, parallelism, observer);
   }
   if (written && !simulation.with_images) {
-    written = write_tracking(folder, truth, seed, simulation.faults);
+    written = write_tracking(folder, truth, seed, faults);
   }
   if (!written) return written;
   return writer.finish();

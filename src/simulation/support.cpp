@@ -3,6 +3,7 @@
 #include "simulation/support.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -30,13 +31,15 @@ Support::Support(const PlantBody& body) {
           .breakaway_deflection = p.breakaway_displacement};
   law_.damping = bristle_damping(law_.stiffness(), kStandardGravity);
   viscous_ = p.viscous_friction;
+  load_exponent_ = p.load_exponent;
   radius_ = friction_radius(body.patches);
   centre_ = centre_of(body.patches);
   Eigen::Vector2d farthest = Eigen::Vector2d::Zero();
   for (const PlantPatch& patch : body.patches) {
     const Eigen::Vector2d r = patch.p_body - centre_;
     farthest = farthest.cwiseMax(r.cwiseAbs());
-    patches_.push_back({.r_body = r, .share = patch.share, .pressure = patch.share * weight_});
+    patches_.push_back(
+        {.r_body = r, .share = patch.share, .wear = patch.wear, .pressure = patch.share * weight_});
   }
   half_side_ = farthest.minCoeff();
 }
@@ -72,6 +75,11 @@ void Support::distribute(double extra_normal_force, const Eigen::Vector2d& tippi
   for (Patch& patch : patches_) patch.pressure *= total / carried;
 }
 
+double Support::friction_factor(const Patch& patch) const {
+  if (load_exponent_ == 0.0 || patch.pressure <= 0.0) return patch.wear;
+  return patch.wear * std::pow(patch.pressure / (patch.share * weight_), load_exponent_);
+}
+
 Eigen::Vector3d Support::advance(const Eigen::Vector3d& twist, double yaw, const SupportLoad& load,
                                  double dt) {
   const Eigen::Rotation2Dd R_base_body(yaw);
@@ -82,7 +90,8 @@ Eigen::Vector3d Support::advance(const Eigen::Vector3d& twist, double yaw, const
     const Eigen::Vector2d r = R * patch.r_body;
     const Eigen::Vector2d velocity(twist.x() - twist.z() * r.y(), twist.y() + twist.z() * r.x());
     const Eigen::Vector2d friction = advance_bristles<2>(law_, velocity, dt, patch.deflection);
-    const Eigen::Vector2d force = -patch.pressure * friction - viscous_ * patch.share * velocity;
+    const Eigen::Vector2d force =
+        -friction_factor(patch) * patch.pressure * friction - viscous_ * patch.share * velocity;
     wrench += Eigen::Vector3d(force.x(), force.y(), r.x() * force.y() - r.y() * force.x());
   }
   return wrench;

@@ -38,15 +38,19 @@ class Support {
   struct Patch {
     Eigen::Vector2d r_body;  ///< from the centre of mass [m]
     double share;
+    double wear;
     double pressure;                                       ///< [N] at present
     Eigen::Vector2d deflection = Eigen::Vector2d::Zero();  ///< base axes [m]
   };
 
+  /// Friction coefficient of a patch over the body's.
+  [[nodiscard]] double friction_factor(const Patch& patch) const;
   void distribute(double extra_normal_force, const Eigen::Vector2d& tipping_moment_body);
 
   BristleLaw law_;
   double weight_ = 0.0;   ///< [N]
   double viscous_ = 0.0;  ///< [N s/m]
+  double load_exponent_ = 0.0;
   double radius_ = 0.0;
   double half_side_ = 0.0;  ///< half the smaller side of the patches' rectangle [m]
   Eigen::Vector2d centre_;

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "pcavr/core/gravity.hpp"
 #include "pcavr/simulation/plant.hpp"
 
@@ -19,7 +21,7 @@ inline constexpr double kClearance = 0.025;         ///< of the tip above the hi
 inline constexpr double kTravelSpeed = 0.9;         ///< [m/s]
 inline constexpr double kTravelAcceleration = 5.0;  ///< [m/s^2]
 
-/// Where a box is pushed, in its own frame: a point on a face, and the outward normal.
+/// Where a box is pushed, in its own frame: a point on a face, and the direction from which.
 struct PushContact {
   Eigen::Vector3d point;
   Eigen::Vector3d outward;
@@ -42,20 +44,23 @@ class Program {
   /// tip over.
   [[nodiscard]] PushContact minus_y_face(std::size_t body, double offset) const {
     const Eigen::Vector3d half = half_extents_of(bodies_[body]);
-    return {{offset, -half.y(), height(body, half.y())}, -Eigen::Vector3d::UnitY()};
+    return turned(body, {offset, -half.y(), height(body, half.y())}, -Eigen::Vector3d::UnitY());
   }
 
   /// On the face towards +y, from where a box is pushed back.
   [[nodiscard]] PushContact plus_y_face(std::size_t body, double offset) const {
     const Eigen::Vector3d half = half_extents_of(bodies_[body]);
-    return {{offset, half.y(), height(body, half.y())}, Eigen::Vector3d::UnitY()};
+    return turned(body, {offset, half.y(), height(body, half.y())}, Eigen::Vector3d::UnitY());
   }
 
   /// On the face towards -x.
   [[nodiscard]] PushContact minus_x_face(std::size_t body, double offset) const {
     const Eigen::Vector3d half = half_extents_of(bodies_[body]);
-    return {{-half.x(), offset, height(body, half.x())}, -Eigen::Vector3d::UnitX()};
+    return turned(body, {-half.x(), offset, height(body, half.x())}, -Eigen::Vector3d::UnitX());
   }
+
+  /// Of the next body, in order: its pushes are turned by this angle [rad] about the vertical.
+  void turn_pushes(double angle) { push_angles_.push_back(angle); }
 
   void add(const ToolMove& move) { moves_.push_back(move); }
   void wait(double seconds) { moves_.back().dwell += seconds; }
@@ -105,6 +110,12 @@ class Program {
   [[nodiscard]] std::vector<ToolMove> take() { return std::move(moves_); }
 
  private:
+  [[nodiscard]] PushContact turned(std::size_t body, const Eigen::Vector3d& point,
+                                   const Eigen::Vector3d& normal) const {
+    if (body >= push_angles_.size()) return {point, normal};
+    return {point, Eigen::AngleAxisd(push_angles_[body], Eigen::Vector3d::UnitZ()) * normal};
+  }
+
   /// Height of a push above the body's origin [m]: the middle, or lower where friction is high, so
   /// that the centre of pressure stays well inside the base (no tipping).
   [[nodiscard]] double height(std::size_t body, double half_along) const {
@@ -118,6 +129,7 @@ class Program {
   const std::vector<PlantBody>& bodies_;
   const PlantTool& tool_;
   double travel_height_;
+  std::vector<double> push_angles_;  ///< [rad] by body; empty: along the normals
   std::vector<ToolMove> moves_;
 };
 

@@ -27,10 +27,18 @@ struct SegmentPose {
   Pose T_segment_camera;
 };
 
+/// Share of the tags' corners that may be wrong, and their rms error in stds, for all frames to be
+/// from one place: a camera that moves unnoticed is off by the corners' noise at most.
+constexpr double kMaxRejectedShare = 0.05;
+constexpr double kMaxCornerStds = 2.0;
+
 class TrackSolver {
  public:
-  explicit TrackSolver(const SolverInput& input)
-      : input_(input), graph_(std::max<std::size_t>(1, input.records->size())) {}
+  /// `at_one_place`: all frames are taken as from one place, whatever they show.
+  TrackSolver(const SolverInput& input, bool at_one_place)
+      : input_(input),
+        at_one_place_(at_one_place),
+        graph_(std::max<std::size_t>(1, input.records->size())) {}
 
   CameraTrack solve() {
     locate_in_segments();
@@ -67,6 +75,7 @@ class TrackSolver {
   [[nodiscard]] std::vector<NodeStd> node_stds() const;
 
   const SolverInput& input_;
+  bool at_one_place_;
   CameraTrack track_;
   PoseGraph graph_;
   std::vector<CornerFactor> corners_;
@@ -86,6 +95,7 @@ void TrackSolver::locate_in_segments() {
     next_segment = std::max(next_segment, keyframe.segment + 1);
   }
   for (std::size_t r = 0; r < records().size(); ++r) {
+    if (at_one_place_) located_[r].segment = 0;
     if (located_[r].segment >= 0) continue;
     if (!records()[r].links.empty()) {
       const FrameLink& link = records()[r].links.front();
@@ -311,6 +321,19 @@ void TrackSolver::place_moving() {
 
 }  // namespace
 
-CameraTrack solve_track(const SolverInput& input) { return TrackSolver(input).solve(); }
+CameraTrack solve_track(const SolverInput& input) {
+  if (input.keyframes->empty()) {
+    // Without surfaces nothing but the tags shows whether the camera moves.
+    CameraTrack track = TrackSolver(input, true).solve();
+    const double rejected = track.tag_corners_rejected;
+    const double corners = rejected + track.tag_corners_used;
+    const double max_rms = kMaxCornerStds * input.options.body_pose.corner_std;
+    const bool is_at_one_place = track.is_fixed_camera && track.tag_corners_used > 0 &&
+                                 rejected <= kMaxRejectedShare * corners &&
+                                 track.tag_reprojection_rms <= max_rms;
+    if (is_at_one_place) return track;
+  }
+  return TrackSolver(input, false).solve();
+}
 
 }  // namespace pcavr::tracking

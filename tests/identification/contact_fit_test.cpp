@@ -282,6 +282,38 @@ TEST(IdentifyContact, DoesNotTakeASurfaceThatStaysForOneThatMoves) {
   EXPECT_EQ(found.proposal.find("the surface moves"), std::string::npos);
 }
 
+/// Presses of half a second, each on another place of a linear surface, while the tip drifts along
+/// it: the surface rises under it by up to 4 mm/s.
+TEST(IdentifyContact, FindsTheStiffnessOfShortPressesOnPlacesThatDrift) {
+  Random random(13);
+  std::vector<std::vector<double>> t, tool, force;
+  std::vector<ForceMotion> presses;
+  constexpr int kPresses = 40, kSamples = 44;
+  for (int p = 0; p < kPresses; ++p) {
+    const double rise = random.uniform(-0.004, 0.004), stiffness = random.uniform(370.0, 430.0);
+    t.emplace_back(), tool.emplace_back(), force.emplace_back();
+    for (int i = 0; i < kSamples; ++i) {
+      const double now = i / 66.0;
+      const double depth = 0.003 * std::sin(2.0 * std::numbers::pi * (now - 0.08));
+      t.back().push_back(now);
+      tool.back().push_back(depth + rise * now + 1e-5 * random.normal());
+      force.back().push_back(stiffness * std::max(0.0, depth) + 0.005 * random.normal());
+    }
+  }
+  for (int p = 0; p < kPresses; ++p) {
+    const auto i = static_cast<std::size_t>(p);
+    presses.push_back({t[i], tool[i], force[i]});
+  }
+  ContactFitOptions options;
+  options.is_surface_shared = false;
+  const ContactIdentification found = identify_contact(presses, options);
+  ASSERT_TRUE(found.best().is_valid);
+  EXPECT_EQ(found.chosen, ContactRegressor::mass_damper_spring);
+  EXPECT_NEAR(found.best().stiffness.value, 400.0, 3.0 * found.best().stiffness.std);
+  EXPECT_LT(found.best().stiffness.std, 0.07 * 400.0);
+  EXPECT_FALSE(found.best().damping.is_excited);
+}
+
 /// A tip that travels over a cylinder, whose normal tilts by 20 degrees to either side, and presses
 /// along z like the one above.
 struct TravellingTip {

@@ -304,6 +304,19 @@ TEST(FrictionPosterior, IsNeverCertain) {
   for (const SlidingForce& row : found.sliding_force) EXPECT_GT(row.std, 0.001 * row.force);
 }
 
+TEST(FrictionPosterior, StatesNoForceThatNoiseHides) {
+  Random random(4);
+  std::vector<FrictionSample> samples;
+  for (std::size_t i = 0; i < 8; ++i) {
+    samples.push_back({.force = -0.3 + random.normal(),
+                       .speed = 0.1,
+                       .force_std = 1.0,
+                       .travel = 0.002,
+                       .push = i / 4});
+  }
+  EXPECT_TRUE(infer_friction(samples).sliding_force.empty());
+}
+
 TEST(FrictionPosterior, IsInvalidWithoutSamples) { EXPECT_FALSE(infer_friction({}).is_valid); }
 
 TEST(FrictionPosterior, DoesNotIdentifyAMassThatNoFrictionAllows) {

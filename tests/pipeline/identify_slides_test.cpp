@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/random.hpp"
 #include "pcavr/identification/path_view.hpp"
 
 #include "support/meshes.hpp"
@@ -127,6 +128,42 @@ TEST(FrictionSamples, StateWhatTheContactsDampingChanges) {
     EXPECT_NEAR(sample.speed + sample.damping_speed_change, 0.04, 2e-5) << sample.t << " s";
   }
   EXPECT_LT(unexplained, 0.01 * missed);
+}
+
+TEST(FrictionSamples, BeginAfterTheLoadingWhereNoBreakawayWasFound) {
+  // What holds the tip gives way while it loads the object: that looks like a slide.
+  std::vector<double> object, force;
+  for (double t = 0.0; t < 2.0; t += kStep) {
+    object.push_back(0.002 * t);
+    force.push_back(t < 0.4 ? 1.2 * kSlidingForce * t / 0.4 : kSlidingForce);
+  }
+  IdentifiedContact contact = push_of(object, force, 0.0);
+  contact.episode.breakaway.is_found = false;
+  const std::vector<FrictionSample> samples = samples_of(contact);
+  ASSERT_GE(samples.size(), 20U);
+  EXPECT_GT(samples.front().t, 0.4);
+  for (const FrictionSample& sample : samples) EXPECT_NEAR(sample.force, kSlidingForce, 1e-6);
+}
+
+TEST(FrictionSamples, OfASlowSlideHaveTheNoiseThatTheyShow) {
+  const auto noise_of = [](double speed) {
+    std::vector<double> object, force;
+    Random random(3);
+    double swing = 0.0;
+    for (int i = 0; i < 1500; ++i) {
+      // An error that differs from one smoothing to the next, but not from sample to sample.
+      if (i % 20 == 0) swing = 1.5 * random.normal();
+      const double t = kStep * i;
+      object.push_back(speed * std::max(t - 0.2, 0.0));
+      force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce + swing);
+    }
+    IdentifiedContact contact = push_of(object, force, 0.2);
+    const std::vector<FrictionSample> samples = samples_of(contact);
+    return samples.empty() ? 0.0 : samples.back().force_std;
+  };
+  EXPECT_GT(noise_of(0.01), 0.3);
+  // At speed friction may differ from one sample to the next.
+  EXPECT_LT(noise_of(0.06), 0.3);
 }
 
 TEST(FrictionSamples, LeaveOutASlideThatSticksAndSlips) {

@@ -59,6 +59,16 @@ void expect_sliding(const fs::path& folder, double max_error) {
   }
 }
 
+TEST(LaboratoryPush, HasTheCoefficientOfASlowUnsteadySlideAlongTheFace) {
+  PCAVR_NEEDS_SHARED_DATA("real/push_mit_delrin/d1396");
+  const Identification found = identified(shared_data("real/push_mit_delrin/d1396"));
+  const auto& coefficient = found.objects.front().parameters.sliding_friction_coefficient;
+  ASSERT_TRUE(coefficient && coefficient->std);
+  // The median of |F| while it moves, over its weight.
+  EXPECT_NEAR(coefficient->value, 0.29, 0.05 * 0.29);
+  EXPECT_LT(*coefficient->std, 0.1 * 0.29);
+}
+
 TEST(StatedStds, OfSlidingFrictionCoverTheTruthOfOtherPlants) {
   PCAVR_NEEDS_SHARED_DATA("plants/probe-1");
   for (int seed = 1; seed <= 6; ++seed) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/recording/frame_reader.hpp"
 #include "pcavr/recording/time_series.hpp"
 
 #include "recording/small_recording.hpp"
@@ -146,12 +147,27 @@ TEST(ReadRecording, RefusesListsWithoutAPair) {
   EXPECT_NE(recording.error().message.find("no frames"), std::string::npos);
 }
 
-TEST(ReadRecording, RefusesOneListWithoutTheOther) {
+TEST(ReadRecording, RefusesDepthWithoutColour) {
   const SmallRecording folder;
-  std::filesystem::remove(folder.path() / "depth.txt");
+  std::filesystem::remove(folder.path() / "rgb.txt");
   const Expected<Recording> recording = read_recording(folder.path());
   ASSERT_FALSE(recording.has_value());
-  EXPECT_EQ(recording.error().message, "depth.txt is missing");
+  EXPECT_EQ(recording.error().message, "rgb.txt is missing");
+}
+
+TEST(ReadRecording, ReadsColourAlone) {
+  const SmallRecording folder;
+  const std::size_t frames = read_recording(folder.path()).value().frames.size();
+  std::filesystem::remove(folder.path() / "depth.txt");
+  const Expected<Recording> recording = read_recording(folder.path());
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  EXPECT_FALSE(recording->has_depth);
+  ASSERT_GE(recording->frames.size(), frames);
+  const Expected<RgbdFrame> frame = decode_frame(*recording, 0);
+  ASSERT_TRUE(frame.has_value()) << frame.error().to_string();
+  EXPECT_EQ(frame->depth_stamp, frame->color_stamp);
+  EXPECT_EQ(frame->depth.width(), frame->color.width());
+  for (const float z : frame->depth.pixels()) ASSERT_EQ(z, 0.0F);
 }
 
 TEST(ReadRecording, RefusesAFolderThatIsNotARecording) {

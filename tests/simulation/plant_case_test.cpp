@@ -51,6 +51,33 @@ TEST(PlantCase, TheSameSeedHasTheSameBoxesInEveryTask) {
             push.bodies[0].parameters.mass);
 }
 
+TEST(PlantCase, AWideCaseHasTheSameBoxesOnWornSupports) {
+  const PlantCase plain = make_plant_case(ToolTask::probe, 9);
+  const PlantCase wide = make_plant_case(ToolTask::probe, 9, {}, PlantVariety::wide);
+  const PlantCase pushed = make_plant_case(ToolTask::push, 9, {}, PlantVariety::wide);
+  ASSERT_EQ(wide.bodies.size(), plain.bodies.size());
+  for (std::size_t i = 0; i < plain.bodies.size(); ++i) {
+    const PlantBody& body = wide.bodies[i];
+    EXPECT_EQ(body.parameters.mass, plain.bodies[i].parameters.mass);
+    EXPECT_LT(body.parameters.load_exponent, 0.0);
+    EXPECT_EQ(body.parameters.load_exponent, pushed.bodies[i].parameters.load_exponent);
+    double mean = 0.0, least = 1.0;
+    for (std::size_t k = 0; k < body.patches.size(); ++k) {
+      mean += body.patches[k].share * body.patches[k].wear;
+      least = std::min(least, body.patches[k].wear);
+      EXPECT_EQ(body.patches[k].wear, pushed.bodies[i].patches[k].wear);
+    }
+    EXPECT_NEAR(mean, 1.0, 1e-12);
+    EXPECT_LT(least, 0.8);
+  }
+  ASSERT_EQ(wide.moves.size(), plain.moves.size());
+  int turned = 0;
+  for (std::size_t i = 0; i < plain.moves.size(); ++i) {
+    turned += wide.moves[i].target != plain.moves[i].target ? 1 : 0;
+  }
+  EXPECT_GT(turned, 40);  // those of ten pushes and a slide for each box
+}
+
 TEST(PlantCase, BodiesCoverWideRangesAndArePhysical) {
   double lightest = 1e9;
   double heaviest = 0.0;

@@ -138,6 +138,50 @@ TEST(Plant, APressOnTheTopRaisesTheLimit) {
   EXPECT_NEAR(maximum, 8.0 / weight * (weight + normal), 0.03 * maximum);
 }
 
+TEST(Plant, FrictionThatDependsOnTheLoadGrowsLessThanIt) {
+  PlantBody body = a_box();
+  body.parameters.tool_friction_coefficient = 1.0;
+  body.parameters.load_exponent = -0.2;
+  PlantTool tool;
+  tool.p_base_start = {0.0, 0.0, 0.1 + tool.radius + 0.001};
+  const ToolMove down{
+      .target = {0.0, 0.0, -0.005}, .is_offset = true, .speed = 0.01, .until_force = 30.0};
+  const PlantRun run = run_plant({body}, tool, {down, along_y(0.002, 0.001)});
+  double maximum = 0.0, normal = 0.0;
+  for (std::size_t i = 0; i < run.force_base.size(); ++i) {
+    if (run.bodies[0][i].p_base.y() > 1e-4) break;
+    maximum = std::max(maximum, run.force_base[i].y());
+    normal = -run.force_base[i].z();
+  }
+  const double weight = body.parameters.mass * kStandardGravity;
+  const double load = 1.0 + normal / weight;
+  // At most that of an even pressure: the push at the top makes it uneven, and friction grows less
+  // where there is more. Coulomb friction would be a quarter more.
+  EXPECT_LT(maximum, 8.0 * std::pow(load, 0.8));
+  EXPECT_GT(maximum, 0.85 * 8.0 * std::pow(load, 0.8));
+  // Under its weight alone the limit is that of the parameters.
+  const PlantRun alone = run_plant({body}, a_tool_at_minus_y(), {along_y(0.004, 0.001)});
+  EXPECT_NEAR(max_force(alone), 8.0, 0.03 * 8.0);
+}
+
+TEST(Plant, AWornSpotTurnsABoxThatIsPushedThroughItsCentre) {
+  PlantBody body = a_box();
+  double mean = 0.0;
+  for (PlantPatch& patch : body.patches) {
+    patch.wear = patch.p_body.x() > 0.03 ? 0.5 : 1.0;
+    mean += patch.share * patch.wear;
+  }
+  for (PlantPatch& patch : body.patches) patch.wear /= mean;
+  const PlantRun even = run_plant({a_box()}, a_tool_at_minus_y(), {along_y(0.02, 0.01)});
+  const PlantRun worn = run_plant({body}, a_tool_at_minus_y(), {along_y(0.02, 0.01)});
+  EXPECT_NEAR(even.bodies[0].back().yaw, 0.0, 0.1 * kDegree);
+  // Less friction on the side of +x: that side goes ahead.
+  EXPECT_GT(worn.bodies[0].back().yaw, 1.0 * kDegree);
+  // The sum is as before, less what a body resists that turns.
+  EXPECT_LT(max_force(worn), max_force(even));
+  EXPECT_GT(max_force(worn), 0.93 * max_force(even));
+}
+
 /// A box with one coefficient of friction and no viscous part, as in quasi-static theory.
 PlantBody a_dry_box() {
   PlantBody body = a_box();

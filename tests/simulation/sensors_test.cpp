@@ -89,6 +89,30 @@ TEST(Sensors, FaultsHaveTheirEffect) {
   }
 }
 
+TEST(Sensors, ACablePullsTheToolBackToWhereItStarted) {
+  PlantRun run = a_run();
+  for (std::size_t i = 10000; i < run.p_base_tip.size(); ++i) run.p_base_tip[i].x() += 0.2;
+  const auto plain = measured_wrench(run, 1);
+  SensorFaults faults;
+  faults.cable_stiffness = 2.0;
+  const auto pulled = measured_wrench(run, 1, faults);
+  EXPECT_EQ(pulled[100].force, plain[100].force);
+  EXPECT_NEAR(pulled[9000].force.x() - plain[9000].force.x(), 0.4, 1e-9);
+  EXPECT_EQ(pulled[9000].force.y(), plain[9000].force.y());
+}
+
+TEST(Sensors, LateTrackingHasTheSamePosesUnderLaterStamps) {
+  SensorFaults late;
+  late.tracking_delay = 0.05;
+  const auto plain = simulated_tracking(a_run(), a_body(), 0, 1);
+  const auto delayed = simulated_tracking(a_run(), a_body(), 0, 1, late);
+  ASSERT_EQ(plain.size(), delayed.size());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_NEAR(to_seconds(delayed[i].stamp - plain[i].stamp), 0.05, 1e-9);
+    EXPECT_EQ(delayed[i].T_base_object.translation(), plain[i].T_base_object.translation());
+  }
+}
+
 TEST(Sensors, TrackingIsNearlyConstantAtRestAndNoisyInMotion) {
   const PlantRun run = a_run();
   const PlantBody body = a_body();

@@ -235,6 +235,36 @@ TEST(Simulate, ManyBoxesHaveUniqueTags) {
   EXPECT_EQ(ids.size(), 41U);  // two on each box, one on the table
 }
 
+/// Mean magnitude of the differences of neighbours in a row, of the green channel.
+double sharpness(const ColorImage& image) {
+  double sum = 0.0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 1; x < image.width(); ++x) sum += std::abs(image(x, y).g - image(x - 1, y).g);
+  }
+  return sum / (image.height() * (image.width() - 1));
+}
+
+TEST(Simulate, WideImagesBlurWhatMovesAndNothingElse) {
+  double ratios[2];
+  for (const int is_moving : {0, 1}) {
+    SimulationCase simulation = tiny(is_moving ? "tabletop" : "push");
+    simulation.width = 320;
+    simulation.height = 240;
+    const TemporaryFolder sharp, blurred;
+    const Recording plain = simulated(simulation, 3, sharp.path());
+    simulation.is_wide = true;
+    const Recording wide = simulated(simulation, 3, blurred.path());
+    // The first frame of a push shows a fixed camera's view of bodies and a tool at rest.
+    const std::size_t frame = is_moving ? 3 : 0;
+    const RgbdFrame before = decode_frame(plain, frame).value();
+    const RgbdFrame after = decode_frame(wide, frame).value();
+    EXPECT_TRUE(std::ranges::equal(before.depth.pixels(), after.depth.pixels()));
+    ratios[is_moving] = sharpness(after.color) / sharpness(before.color);
+  }
+  EXPECT_NEAR(ratios[0], 1.0, 0.01);
+  EXPECT_LT(ratios[1], 0.993);  // a slow hand: less than a pixel in the exposure
+}
+
 TEST(Simulate, DepthImagesMayBeSmallerThanColour) {
   SimulationCase simulation = tiny("tabletop");
   const TemporaryFolder same;

@@ -21,9 +21,11 @@ namespace pcavr {
 struct BagImportOptions {
   BagTopicOptions topics = {};
   std::optional<CameraModel> camera = {};  ///< instead of the bag's camera info
-  /// [units/m] of the depth images written; default: 1000 for depth in millimetres (unchanged),
-  /// 5000 for depth in metres. Only for the latter.
+  /// [units/m] of the depth images written for depth in metres; default: 5000.
   std::optional<double> depth_scale = {};
+  /// [units/m] of the bag's 16-bit depth images, which are not changed; default: 1000, millimetres
+  /// [REP 118].
+  std::optional<double> raw_depth_scale = {};
   /// A recording.yaml of which markers, objects, tool and robot are taken over, with their files.
   std::filesystem::path manifest = {};
   bool use_receive_stamps = false;  ///< instead of the stamps in the headers

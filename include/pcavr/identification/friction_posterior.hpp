@@ -79,7 +79,8 @@ struct FrictionPosterior {
   IdentifiedParameter coefficient;
   /// Of mass, Coulomb force and viscous friction, in their units.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  double scatter = 0.0;  ///< share of friction, from push to push
+  double scatter = 0.0;        ///< share of friction, from push to push
+  double place_scatter = 0.0;  ///< and from place to place
   std::vector<SlidingForce> sliding_force;
   std::size_t samples = 0;
   std::size_t pushes = 0;  ///< with at least one sample
@@ -88,6 +89,11 @@ struct FrictionPosterior {
 /// A posterior narrower than its prior by this factor is identified; for the mass, which has no
 /// prior range, a std of a tenth of it.
 inline constexpr double kIdentifiedFactor = 3.0;
+
+/// Correlation of the friction at two places `travel` [m] apart along a push, which is a first
+/// order autoregression. `correlation_path` [m] is twice its length: on a long path it then has as
+/// many independent places as there are correlation paths.
+[[nodiscard]] double place_correlation(double travel, double correlation_path);
 
 /// The joint posterior of M, mu M g and B from all slides of one object, by Bayes' rule: viscous
 /// friction and scatter on a grid, all that is linear in closed form, one random effect per push

@@ -20,7 +20,7 @@ struct RgbdFrame {
   Stamp color_stamp;
   Stamp depth_stamp;
   ColorImage color;
-  DepthImage depth;  ///< [m]; 0 where nothing was measured
+  DepthImage depth;  ///< [m]; 0 where nothing was measured, as everywhere in a recording in colour
 };
 
 /// Decodes one pair of images. A missing or truncated image, or one of the wrong size or type, is

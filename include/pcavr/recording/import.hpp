@@ -14,12 +14,15 @@ namespace pcavr {
 
 enum class ImportFormat { tum_rgbd, seven_scenes };
 
+/// Depth image units in one metre as such folders are published: TUM RGB-D 5000, 7-Scenes 1000.
+[[nodiscard]] double usual_depth_scale(ImportFormat format);
+
 struct ImportOptions {
   std::optional<ImportFormat> format = {};  ///< detected from the folder's files where not given
   /// Required for TUM RGB-D. 7-Scenes: without it, that of camera-intrinsics.txt, or where that is
   /// absent fx = fy = 585, cx = 320, cy = 240 for 640 x 480, as published, scaled to the images.
   std::optional<CameraModel> camera = {};
-  std::optional<double> depth_scale = {};  ///< units in one metre; TUM 5000, 7-Scenes 1000
+  std::optional<double> depth_scale = {};  ///< units in one metre; without it, the usual one
   double frame_rate = 30.0;                ///< [Hz], 0.1 to 1e5, for sources without timestamps
   std::size_t stride = 1;                  ///< take every n-th frame
   std::size_t first = 0;                   ///< skip the frames before this one

@@ -23,8 +23,8 @@ struct OptionSection;  // core/options.hpp
 struct FrameFiles {
   Stamp color_stamp;
   std::filesystem::path color_path;
-  Stamp depth_stamp;
-  std::filesystem::path depth_path;
+  Stamp depth_stamp;                 ///< that of the colour image where there is no depth
+  std::filesystem::path depth_path;  ///< empty without depth
 };
 
 /// Force and torque that the tool exerts on the environment, at the tool tip, in base axes.
@@ -54,6 +54,8 @@ struct Recording {
   std::filesystem::path folder;
   Manifest manifest;
   std::vector<FrameFiles> frames;  ///< paired by time, ascending
+  /// False where there are colour images alone, in which tags are found and nothing else.
+  bool has_depth = true;
   std::size_t unpaired_color = 0;  ///< colour images with no depth image close enough in time
   std::size_t unpaired_depth = 0;
   Trajectory groundtruth;  ///< T_base_camera; empty where the file is absent

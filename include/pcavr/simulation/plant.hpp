@@ -46,12 +46,16 @@ struct PlantParameters {
   double tool_friction_coefficient = 0.3;     ///< between tip and body
   double stribeck_speed = 0.001;         ///< [m/s] Stribeck velocity: F_M falls to Coulomb friction
   double breakaway_displacement = 1e-5;  ///< [m] presliding displacement at breakaway
+  /// The friction coefficient of a patch goes with its pressure over that under the body's weight
+  /// alone to this power: -1/3 for elastic asperities, 0 for Coulomb friction [Archard 1957].
+  double load_exponent = 0.0;
 };
 
 /// A patch of the contact area under a body.
 struct PlantPatch {
   Eigen::Vector2d p_body;  ///< its centre, in the body's x and y [m]
   double share = 0.0;      ///< of the body's weight; the shares add up to 1
+  double wear = 1.0;       ///< friction coefficient over the body's; its mean by share is 1
 };
 
 /// An upright body on a horizontal table: it moves in the plane and turns about the vertical.
@@ -72,7 +76,7 @@ struct PlantBody {
                                                       int per_side);
 
 /// Maximum friction moment over maximum friction force [m]: the mean distance from the centre of
-/// pressure.
+/// pressure, by friction.
 [[nodiscard]] double friction_radius(const std::vector<PlantPatch>& patches);
 
 /// A position-controlled arm with a spherical tip and servo compliance: a damped spring between

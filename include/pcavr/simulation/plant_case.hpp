@@ -42,10 +42,19 @@ struct PushOptions {
   double duration = 0.0;
 };
 
+/// How much of the world outside of a laboratory there is.
+enum class PlantVariety {
+  plain,
+  /// Worn supports, friction that depends on the load, and boxes that are pushed up to 12 degrees
+  /// beside their faces' normals.
+  wide
+};
+
 /// The same seed gives the same boxes (except for their positions) in push, probe, press and turn,
 /// so that parameters identified in one case can be used in another.
 [[nodiscard]] PlantCase make_plant_case(ToolTask task, std::uint64_t seed,
-                                        const PushOptions& push = {});
+                                        const PushOptions& push = {},
+                                        PlantVariety variety = PlantVariety::plain);
 
 /// Gives the tool to a six-axis arm with its own dynamics [paper B's experiments]. The task has to
 /// be press, slot or soft, whose bodies are within its reach.

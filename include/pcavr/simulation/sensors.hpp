@@ -28,7 +28,13 @@ struct SensorFaults {
     double end = 0.0;    ///< [s]
   };
   std::optional<Gap> lost_tracking = {};
+  double tracking_delay = 0.0;  ///< [s]: added to the tracked poses' stamps
+  /// [N/m]: the sensor's cable pulls the tool back towards where it started.
+  double cable_stiffness = 0.0;
 };
+
+/// What a workshop adds, by seed: tracking 10 to 60 ms late, a cable of 0.5 to 2 N/m.
+[[nodiscard]] SensorFaults with_workshop_faults(SensorFaults faults, std::uint64_t seed);
 
 /// At 500 Hz with 0.05 mm and 0.2 mrad of noise. The tool's z axis points down.
 [[nodiscard]] Trajectory measured_tool(const PlantRun& run, std::uint64_t seed);

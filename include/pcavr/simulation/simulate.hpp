@@ -52,6 +52,9 @@ struct SimulationCase {
   /// The boxes are fixed to the table, with movable: false in the manifest; ToolTask::press only.
   bool is_immovable = false;
   SensorFaults faults = {};
+  /// PlantVariety::wide, with_workshop_faults, and images that are exposed for 1/60 s, in which
+  /// what moves is blurred.
+  bool is_wide = false;
 };
 
 /// The camera of the case.
