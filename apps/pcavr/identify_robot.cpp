@@ -273,13 +273,11 @@ Expected<CommandResult> run_robot(const RobotArguments& arguments, Configuration
   options.is_trial_wanted = arguments.method == "grid";
   Expected<RobotIdentification> found = identify_robot(*log, *model, options, fitted);
   if (!found) return found.error();
-  for (const Error& warning : found->warnings) observer.on_warning(warning.to_string());
   found->gains = *std::move(gains);
-  if (loaded) {
-    const Expected<void> added =
-        add_payload(*std::move(loaded), options, arguments.log, *model, *found);
-    if (!added) return added.error();
-  }
+  Expected<void> added;
+  if (loaded) added = add_payload(*std::move(loaded), options, arguments.log, *model, *found);
+  for (const Error& warning : found->warnings) observer.on_warning(warning.to_string());
+  if (!added) return added.error();
   found->configuration = configuration.changed();
   const Expected<void> written =
       write_robot_report(*found, fitted, arguments.robot, folder->path());

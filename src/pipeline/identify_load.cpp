@@ -55,7 +55,12 @@ Expected<void> add_payload(JointLog loaded, const RobotIdentificationOptions& op
     }
   }
   found.payload = identify_payload(sound->signals, found.model, found.fit);
-  return {};
+  const EstimatedLag& lag = found.payload->torque_lag;
+  return check_lag(lag.value, options.fit,
+                   {.message = lag_text(lag, "those of the unloaded run"),
+                    .file = file,
+                    .line = sound->signals.lines.front()},
+                   found.warnings);
 }
 
 Expected<std::vector<JointGain>> find_drive_gains(const NamedLog& unloaded, const NamedLog& loaded,

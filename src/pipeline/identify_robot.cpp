@@ -48,17 +48,15 @@ std::vector<std::string> signal_notes(const JointSignals& signals, const SampleC
   return notes;
 }
 
-std::string lag_text(const RobotFit& fit) {
-  return fmt::format("torques are {:.3g} ± {:.2g} ms {} the positions",
-                     std::abs(fit.torque_lag) * 1e3, fit.torque_lag_std * 1e3,
-                     fit.torque_lag > 0.0 ? "after" : "before");
+std::string text_of_lag(const RobotFit& fit) {
+  return lag_text({fit.torque_lag, fit.torque_lag_std}, "the positions");
 }
 
 std::vector<std::string> fit_notes(const RobotIdentification& found) {
   std::vector<std::string> notes;
   const RobotFit& fit = found.fit;
   if (std::abs(fit.torque_lag) > 3.0 * fit.torque_lag_std) {
-    notes.push_back(lag_text(fit) + "; removed");
+    notes.push_back(text_of_lag(fit) + "; removed");
   }
   if (!found.model.has_inertia()) {
     notes.emplace_back(
@@ -82,25 +80,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// A lag beyond a drive's filter is named; it is removed where it is not too long.
-Expected<void> check_lag(const RobotFitOptions& options, const std::string& file,
-                         RobotIdentification& found) {
-  const double lag = std::abs(found.fit.torque_lag);
-  if (lag <= options.usual_torque_lag) return {};
-  Error late{.message = lag_text(found.fit),
-             .file = file,
-             .line = found.signals.lines.front(),
-             .place = "tau, all joints",
-             .hint = "shift their stamps"};
-  if (lag > options.max_torque_lag) {
-    late.hint += ", or accept the lag by robot_identification.fit: max_torque_lag in --config";
-    return late;
-  }
-  late.message += ": this lag is removed";
-  found.warnings.push_back(std::move(late));
-  return {};
 }
 
 /// Names the joints of which twice the usual lag would not show.
@@ -235,9 +214,11 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   const Clock::time_point before_fit = Clock::now();
   found.fit = fit_robot(found.signals, found.model, options.fit);
   found.fit_time = seconds_since(before_fit);
-  if (Expected<void> checked = check_lag(options.fit, file, found); !checked) {
-    return checked.error();
-  }
+  const Expected<void> checked = check_lag(
+      found.fit.torque_lag, options.fit,
+      {.message = text_of_lag(found.fit), .file = file, .line = found.signals.lines.front()},
+      found.warnings);
+  if (!checked) return checked.error();
   check_joint_lags(options.fit, file, found);
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
   found.intervals = friction_by_interval(found.signals, found.model, found.fit, options.intervals);

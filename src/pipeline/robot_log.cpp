@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/robot_log.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -63,6 +64,25 @@ Expected<SoundLog> sound_log(const JointLog& log, const RobotModel& model,
       .message = fmt::format("only {} rows are left for the fit", sound.signals.position.rows()),
       .file = file,
       .hint = "record a longer motion without gaps"};
+}
+
+std::string lag_text(const EstimatedLag& lag, const std::string& reference) {
+  return fmt::format("torques are {:.3g} ± {:.2g} ms {} {}", std::abs(lag.value) * 1e3,
+                     lag.std * 1e3, lag.value > 0.0 ? "after" : "before", reference);
+}
+
+Expected<void> check_lag(double lag, const RobotFitOptions& options, Error late,
+                         std::vector<Error>& warnings) {
+  if (std::abs(lag) <= options.usual_torque_lag) return {};
+  late.place = "tau, all joints";
+  late.hint = "shift their stamps";
+  if (std::abs(lag) > options.max_torque_lag) {
+    late.hint += ", or accept the lag by robot_identification.fit: max_torque_lag in --config";
+    return late;
+  }
+  late.message += ": this lag is removed";
+  warnings.push_back(std::move(late));
+  return {};
 }
 
 }  // namespace pcavr

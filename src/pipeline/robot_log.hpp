@@ -33,4 +33,12 @@ struct SoundLog {
                                            const RobotIdentificationOptions& options,
                                            const std::string& file);
 
+/// "torques are 20 ± 0.3 ms after `reference`".
+[[nodiscard]] std::string lag_text(const EstimatedLag& lag, const std::string& reference);
+
+/// Adds `late`, the finding of a lag [s] of all torques, to the warnings where it is beyond a
+/// drive's filter; fails with it where the lag is too long to be removed.
+[[nodiscard]] Expected<void> check_lag(double lag, const RobotFitOptions& options, Error late,
+                                       std::vector<Error>& warnings);
+
 }  // namespace pcavr

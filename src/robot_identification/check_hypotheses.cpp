@@ -50,6 +50,7 @@ JointSignals thinned(const JointSignals& signals) {
         &JointSignals::torque, &JointSignals::torque_rate}) {
     thin(few.*values);
   }
+  for (Eigen::MatrixXd& sign : few.smoothed_sign) thin(sign);
   for (Eigen::MatrixXd& sign : few.presliding_sign) thin(sign);
   return few;
 }

@@ -17,6 +17,9 @@ constexpr double kMassStep = 1e-4;
 constexpr double kSettlingTimes = 5.0;
 /// Intervals longer than so many medians are gaps: the observer starts anew.
 constexpr double kGapIntervals = 10.0;
+/// A joint that has not moved by this displacement [rad] for this time [s] rests.
+constexpr double kRestDisplacement = 0.5e-3;
+constexpr double kRestTime = 0.1;
 
 }  // namespace
 
@@ -24,9 +27,10 @@ ContactObserver::ContactObserver(const RobotModel& robot, const std::vector<Join
                                  const ContactObserverOptions& options)
     : dynamics_(robot), friction_(friction), gain_(options.gain) {
   const auto dof = static_cast<Eigen::Index>(dynamics_.dof());
-  for (Eigen::VectorXd* vector : {&external_, &integral_, &momentum_, &start_, &rate_, &ahead_,
-                                  &behind_, &zero_, &gravity_, &bias_, &q_shifted_, &unresolved_,
-                                  &last_momentum_, &last_rate_, &last_step_, &last_rate_step_}) {
+  for (Eigen::VectorXd* vector :
+       {&external_, &integral_, &momentum_, &start_, &rate_, &ahead_, &behind_, &zero_, &gravity_,
+        &bias_, &q_shifted_, &unresolved_, &last_momentum_, &last_rate_, &last_step_,
+        &last_rate_step_, &rest_position_, &rest_time_}) {
     vector->setZero(dof);
   }
   for (const JointFit& joint : friction_) signs_.emplace_back(joint.sign);
@@ -50,7 +54,28 @@ void ContactObserver::reset(const Vector& q, const Vector& dq) {
   integral_.setZero();
   external_.setZero();
   unresolved_.setZero();
+  rest_position_ = q;
+  rest_time_.setZero();
   samples_ = 0;
+}
+
+/// Friction holds a joint at rest against torques up to Coulomb's, and creeps there: its sign is
+/// not known, and as much of an external torque is not.
+void ContactObserver::update_rest(const Vector& q, double dt) {
+  for (Eigen::Index j = 0; j < q.size(); ++j) {
+    rest_time_[j] += dt;
+    if (std::abs(q[j] - rest_position_[j]) > kRestDisplacement) {
+      rest_position_[j] = q[j];
+      rest_time_[j] = 0.0;
+    }
+    if (rest_time_[j] < kRestTime) continue;
+    const auto index = static_cast<std::size_t>(j);
+    const JointFit& joint = friction_[index];
+    signs_[index] = FrictionSign(joint.sign);
+    const double range = friction_torque(joint, q[j], 0.0, bias_[j], 1.0) -
+                         friction_torque(joint, q[j], 0.0, bias_[j], -1.0);
+    unresolved_[j] = std::max(unresolved_[j], 0.5 * std::abs(range));
+  }
 }
 
 /// Of the straight continuation of the last two samples: the step of the momentum, and half of the
@@ -90,6 +115,7 @@ const Eigen::VectorXd& ContactObserver::update(const Vector& q, const Vector& dq
     rate_[j] -= friction_torque(friction_[index], q[j], dq[j], bias_[j], signs_[index].at(dq[j]));
   }
   update_unresolved(dt);
+  update_rest(q, dt);
   integral_ += dt * rate_;
   // Implicit in the external torque: stable for any interval.
   external_ = (gain_ / (1.0 + gain_ * dt)) * (momentum_ - start_ - integral_);

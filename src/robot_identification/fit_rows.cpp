@@ -40,7 +40,9 @@ Eigen::VectorXd column(const LibraryColumn& entry, const LibraryInput& in,
 std::vector<SignModel> make_sign_models() {
   std::vector<SignModel> models;
   models.reserve(kSmoothingSpeeds.size() + kPreslidingDisplacements.size());
-  for (const double speed : kSmoothingSpeeds) models.push_back({.smoothing_speed = speed});
+  for (const double speed : kSmoothingSpeeds) {
+    models.push_back({.smoothing_speed = speed, .is_filtered = true});
+  }
   for (const double displacement : kPreslidingDisplacements) {
     models.push_back({.presliding_displacement = displacement});
   }

@@ -15,9 +15,6 @@
 
 namespace pcavr {
 
-/// Candidates for the speed over which friction changes its sign [rad/s]: from the resolution of
-/// encoders to the smoothing of the published identifications.
-inline constexpr std::array<double, 6> kSmoothingSpeeds{0.003, 0.01, 0.02, 0.035, 0.05, 0.1};
 /// Candidates for the sign of Coulomb friction: each smoothing speed, then each presliding
 /// displacement.
 [[nodiscard]] const std::vector<SignModel>& sign_models();

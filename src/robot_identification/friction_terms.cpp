@@ -73,14 +73,19 @@ bool JointFit::is_out_of_step(double usual) const {
 Eigen::VectorXd friction_sign(const SignModel& model, const JointSignals& signals,
                               std::size_t joint) {
   const auto column = static_cast<Eigen::Index>(joint);
-  if (model.presliding_displacement == 0.0) {
-    return (signals.velocity.col(column).array() / model.smoothing_speed).tanh();
+  const auto filtered = [column](const auto& candidates, double value, const auto& signs) {
+    const auto found = std::find(candidates.begin(), candidates.end(), value);
+    PCAVR_REQUIRE(found != candidates.end(), value);
+    return signs[static_cast<std::size_t>(found - candidates.begin())].col(column);
+  };
+  if (model.presliding_displacement > 0.0) {
+    return filtered(kPreslidingDisplacements, model.presliding_displacement,
+                    signals.presliding_sign);
   }
-  const auto found = std::find(kPreslidingDisplacements.begin(), kPreslidingDisplacements.end(),
-                               model.presliding_displacement);
-  PCAVR_REQUIRE(found != kPreslidingDisplacements.end(), model.presliding_displacement);
-  const auto k = static_cast<std::size_t>(found - kPreslidingDisplacements.begin());
-  return signals.presliding_sign[k].col(column);
+  if (model.is_filtered) {
+    return filtered(kSmoothingSpeeds, model.smoothing_speed, signals.smoothed_sign);
+  }
+  return (signals.velocity.col(column).array() / model.smoothing_speed).tanh();
 }
 
 FrictionSign::FrictionSign(const SignModel& model, double start)

@@ -81,7 +81,8 @@ double bounded_square(double error) {
 JointFit with_values(const JointFit& fitted, double viscous, double coulomb) {
   JointFit joint;
   joint.name = fitted.name;
-  joint.sign.smoothing_speed = fitted.sign.smoothing_speed;  // the trial keeps no state
+  joint.sign = fitted.sign;
+  joint.sign.presliding_displacement = 0.0;  // the trial keeps no state
   joint.friction = {{FrictionTerm::viscous, viscous, 0.0, true},
                     {FrictionTerm::coulomb, coulomb, 0.0, true}};
   return joint;

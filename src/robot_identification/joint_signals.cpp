@@ -324,6 +324,10 @@ JointSignals joint_signals(const JointLog& log, const JointSignalOptions& option
   signals.acceleration = selected_rows(on_grid.ddq, rows);
   signals.torque = selected_rows(on_grid.tau, rows);
   signals.torque_rate = selected_rows(differentiated(on_grid.tau, interval), rows);
+  for (std::size_t k = 0; k < kSmoothingSpeeds.size(); ++k) {
+    const Eigen::MatrixXd sign = (on_grid.dq.array() / kSmoothingSpeeds[k]).tanh();
+    signals.smoothed_sign[k] = selected_rows(filtered(sign, rate, signals.bandwidth), rows);
+  }
   for (std::size_t k = 0; k < kPreslidingDisplacements.size(); ++k) {
     Eigen::MatrixXd sign(on_grid.q.rows(), on_grid.q.cols());
     for (Eigen::Index j = 0; j < sign.cols(); ++j) {

@@ -117,6 +117,8 @@ class PayloadFit {
       payload.centre_of_mass_std[axis] = std::sqrt(std::max(0.0, variance)) / std::abs(solution[0]);
     }
     payload.inertia = solution.segment<6>(4);
+    const Eigen::Index lag = unknowns_ - 1;
+    payload.torque_lag = {solution[lag], std::sqrt(covariance(lag, lag))};
     payload.torque_rms = payload.residual_rms = Eigen::VectorXd::Zero(dof_);
     LoadRows rows{Eigen::MatrixXd::Zero(dof_, unknowns_), Eigen::VectorXd::Zero(dof_)};
     for (Eigen::Index i = 0; i < signals_.position.rows(); ++i) {

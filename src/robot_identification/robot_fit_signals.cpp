@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -193,7 +192,9 @@ void RobotFitter::find_joint_lags(RobotFit& fit) const {
 }
 
 /// By cross-validation; friction that builds up by displacement where it lowers the error of the
-/// best smoothing speed by min_gain.
+/// best smoothing speed by min_gain. With motor inertia: without it, its torque at reversals is
+/// taken for a sign that changes late or early. First all joints with the same candidate, then each
+/// joint beside the others' choices: a wrong sign of one joint moves the bodies that all share.
 void RobotFitter::choose_signs() {
   if (options_.smoothing_speed > 0.0) {
     signs_.assign(joints_.size(), {.smoothing_speed = options_.smoothing_speed});
@@ -204,27 +205,47 @@ void RobotFitter::choose_signs() {
   const BlockSystem system = train_system();
   set_library_std(system, library);
   const std::vector<int> common{column_of(library, FrictionTerm::offset),
-                                column_of(library, FrictionTerm::viscous)};
-  std::vector<double> best(joints_.size(), std::numeric_limits<double>::max());
+                                column_of(library, FrictionTerm::viscous),
+                                column_of(library, FrictionTerm::motor_inertia)};
+  const std::size_t count = joints_.size();
+  const auto selection_of = [&](const std::vector<std::size_t>& candidates) {
+    Selection selection(count, common);
+    for (std::size_t j = 0; j < count; ++j) {
+      selection[j].push_back(column_of(library, FrictionTerm::coulomb, candidates[j]));
+    }
+    return selection;
+  };
+  std::vector<std::vector<double>> errors(count);  // by joint and candidate
   for (std::size_t k = 0; k < sign_models().size(); ++k) {
-    const SignModel& model = sign_models()[k];
-    const bool is_first_presliding = k == kSmoothingSpeeds.size();
-    if (is_first_presliding) {
-      const double share = 1.0 - options_.min_gain;
-      for (double& error : best) error *= share * share;  // they are squared
-    }
-    Selection selection(joints_.size(), common);
-    for (auto& columns : selection) {
-      columns.push_back(column_of(library, FrictionTerm::coulomb, k));
-    }
-    const Eigen::VectorXd error = cross_validate(system, selection, prior_);
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      if (error[at(j)] >= best[j]) continue;
-      best[j] = error[at(j)];
-      signs_[j].presliding_displacement = model.presliding_displacement;
-      if (k < kSmoothingSpeeds.size()) signs_[j].smoothing_speed = model.smoothing_speed;
-    }
+    const Eigen::VectorXd error =
+        cross_validate(system, selection_of(std::vector<std::size_t>(count, k)), prior_);
+    for (std::size_t j = 0; j < count; ++j) errors[j].push_back(error[at(j)]);
   }
+  std::vector<std::size_t> chosen(count);
+  for (std::size_t j = 0; j < count; ++j) chosen[j] = choose_sign(j, errors[j]);
+  for (std::size_t j = 0; j < count; ++j) {
+    std::vector<std::size_t> tried = chosen;
+    for (std::size_t k = 0; k < sign_models().size(); ++k) {
+      tried[j] = k;
+      errors[j][k] = cross_validate(system, selection_of(tried), prior_)[at(j)];
+    }
+    chosen[j] = choose_sign(j, errors[j]);
+  }
+}
+
+/// Sets the sign of a joint by the squared errors of the candidates, and returns which it is.
+std::size_t RobotFitter::choose_sign(std::size_t joint, const std::vector<double>& errors) {
+  const auto speeds = errors.begin() + at(kSmoothingSpeeds.size());
+  const auto by_speed = std::min_element(errors.begin(), speeds);
+  const auto by_displacement = std::min_element(speeds, errors.end());
+  const double share = 1.0 - options_.min_gain;
+  const bool is_presliding = *by_displacement < share * share * *by_speed;
+  // With a displacement, the best speed stays: for what keeps no state.
+  signs_[joint] = sign_models()[static_cast<std::size_t>(by_speed - errors.begin())];
+  const auto best =
+      static_cast<std::size_t>((is_presliding ? by_displacement : by_speed) - errors.begin());
+  signs_[joint].presliding_displacement = sign_models()[best].presliding_displacement;
+  return best;
 }
 
 }  // namespace pcavr::detail

@@ -46,6 +46,7 @@ class RobotFitter {
                                                      const std::vector<int>& columns) const;
   void find_joint_lags(RobotFit& fit) const;
   void choose_signs();
+  std::size_t choose_sign(std::size_t joint, const std::vector<double>& errors);
   void set_variance();
   void fit_friction_terms();
   void update_noise(const FitSolution& solution, bool is_robust);

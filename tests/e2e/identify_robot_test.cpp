@@ -41,6 +41,7 @@ TEST(IdentifyRobot, RecoversThePa10FromItsLog) {
     const PlantFriction truth = plant_friction(j);
     EXPECT_NEAR(joint["viscous"].get<double>(), truth.viscous, 0.05 * truth.viscous) << j;
     EXPECT_NEAR(joint["coulomb"].get<double>(), truth.coulomb, 0.05 * truth.coulomb) << j;
+    EXPECT_LT(joint["held_out_relative_error"].get<double>(), 0.015) << j;
     EXPECT_LT(joint["replay_after_1s"].get<double>(), 0.5 * 3.14159 / 180.0) << j;
   }
   EXPECT_TRUE(std::filesystem::exists(report + "/report.json"));
@@ -140,6 +141,24 @@ TEST(IdentifyRobot, RejectsSwappedJointsOfTheLoadedArm) {
   EXPECT_NE(outcome.standard_error.find(loaded), std::string::npos) << outcome.standard_error;
   EXPECT_NE(outcome.standard_error.find("swapped"), std::string::npos) << outcome.standard_error;
   EXPECT_FALSE(std::filesystem::exists(report));
+}
+
+TEST(IdentifyRobot, NamesLateTorquesOfTheLoadedArm) {
+  const TemporaryFolder folder;
+  const std::string unloaded = (folder.path() / "unloaded.csv").string();
+  ASSERT_TRUE(write_file(unloaded, format_joint_log(simulated_log(pa10(), {.duration = 12.0}))));
+  const std::string report = (folder.path() / "report").string();
+  const auto outcome_of = [&](double delay) {
+    const std::string loaded = write_log(
+        folder, simulated_log(pa10(), {.duration = 12.0, .torque_delay = delay, .seed = 44}));
+    return run_pcavr({"identify", "robot", loaded, "--unloaded", unloaded, "--robot", pa10_file(),
+                      "-o", report, "--force"});
+  };
+  const CommandOutcome late = outcome_of(0.02);
+  EXPECT_EQ(late.exit_code, 0) << late.standard_error;
+  EXPECT_NE(late.standard_error.find("after those of the unloaded run"), std::string::npos)
+      << late.standard_error;
+  EXPECT_EQ(outcome_of(0.0).standard_error.find("those of the unloaded run"), std::string::npos);
 }
 
 TEST(IdentifyRobot, ComparesWithPaperAsTrialByMethodGrid) {

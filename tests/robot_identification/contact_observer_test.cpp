@@ -102,6 +102,37 @@ TEST(ContactObserver, AStopBetweenTwoSamplesIsUnresolved) {
   }
 }
 
+// Friction alone carries the joint at rest, and its motor's torque creeps away; then it moves on.
+TEST(ContactObserver, FrictionThatHoldsAJointAtRestIsUnresolved) {
+  constexpr double kInterval = 0.002, kSpeed = 0.1, kCoulomb = 5.0;
+  const RobotModel model = pa10();
+  std::vector<JointFit> friction = without_friction(model);
+  friction[0].friction = {{FrictionTerm::coulomb, kCoulomb}};
+  friction[0].sign.presliding_displacement = 0.002;
+  ContactObserver observer(model, friction);
+  RobotDynamics dynamics(model);
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(7), dq = q, tau = q;
+  dq[0] = kSpeed;
+  observer.reset(q, dq);
+  for (int i = 1; i <= 2000; ++i) {
+    const double t = kInterval * i;
+    const bool rests = t > 1.0 && t < 3.0;
+    dq[0] = rests ? 0.0 : kSpeed;
+    q += kInterval * dq;
+    dynamics.inverse_dynamics(q, dq, Eigen::VectorXd::Zero(7), tau);
+    tau[0] += rests ? kCoulomb * (2.0 - t) : kCoulomb;  // from one sign to the other
+    const double external = std::abs(observer.update(q, dq, tau, kInterval)[0]);
+    const double unresolved = observer.unresolved()[0];
+    if (t < 0.99 || t > 3.4) {
+      ASSERT_LT(external + unresolved, 0.05) << t;
+    }
+    if (t > 1.2 && t < 2.99) {
+      ASSERT_NEAR(unresolved, kCoulomb, 0.01) << t;
+      ASSERT_LE(external, unresolved + 0.01) << t;
+    }
+  }
+}
+
 TEST(TipForce, IsRecoveredFromItsJointTorques) {
   const RobotModel model = pa10();
   RobotDynamics kinematics(model);

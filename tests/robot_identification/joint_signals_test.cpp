@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/robot_identification/robot_fit.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -67,6 +69,19 @@ JointLog two_sines(double velocity_lag) {
     log.velocity.row(i) << 3.0 * std::cos(3.0 * late), -2.5 * std::sin(5.0 * late);
   }
   return log;
+}
+
+TEST(JointSignals, FiltersSignsOfSpeedsAsTheTorques) {
+  JointLog log = two_sines(0.0);
+  for (Eigen::Index i = 0; i < log.torque.rows(); ++i) {
+    log.torque(i, 0) = std::tanh(log.velocity(i, 0) / 0.01);
+  }
+  const JointSignals signals = joint_signals(log, {});
+  const Eigen::VectorXd sign =
+      friction_sign({.smoothing_speed = 0.01, .is_filtered = true}, signals, 0);
+  const Eigen::VectorXd of_speed = friction_sign({.smoothing_speed = 0.01}, signals, 0);
+  EXPECT_LT((sign - signals.torque.col(0)).cwiseAbs().maxCoeff(), 0.02);
+  EXPECT_GT((of_speed - signals.torque.col(0)).cwiseAbs().maxCoeff(), 0.3);
 }
 
 TEST(JointSignals, EstimatesTheDelayOfRecordedVelocities) {

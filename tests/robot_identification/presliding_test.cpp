@@ -63,6 +63,21 @@ TEST(FitRobot, FindsFrictionThatBuildsUpByDisplacement) {
               0.05 * plant_friction(kJoint).coulomb);
 }
 
+// Its motor inertia acts at reversals, as a sign that changes late or early would.
+TEST(FitRobot, FindsFrictionThatBuildsUpByDisplacementBesideMotorInertia) {
+  constexpr Eigen::Index kJoint = 4;
+  constexpr double kDisplacement = 0.004;  // [rad]
+  constexpr double kMotorInertia = 3.0;    // [kg m^2]
+  const RobotModel model = pa10();
+  JointLog log = with_presliding(simulated_log(model), kJoint, kDisplacement);
+  const Eigen::VectorXd position = filter_zero_phase(log.position.col(kJoint), 200.0, 10.0);
+  log.torque.col(kJoint) +=
+      kMotorInertia * differentiate(differentiate(position, 1.0 / 200.0), 1.0 / 200.0);
+  const JointFit found = fit_robot(joint_signals(log, {}), model, {}).joints[kJoint];
+  EXPECT_NEAR(found.sign.presliding_displacement, kDisplacement, 0.5 * kDisplacement);
+  EXPECT_NEAR(found.value_of(FrictionTerm::motor_inertia), kMotorInertia, 0.1 * kMotorInertia);
+}
+
 TEST(ReplayMotion, KeepsTheStateOfFrictionThatBuildsUpByDisplacement) {
   constexpr Eigen::Index kJoint = 6;
   const RobotModel model = pa10();

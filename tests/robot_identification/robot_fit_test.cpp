@@ -24,9 +24,9 @@ TEST(FitRobot, RecoversThePa10sFrictionFromNoisyTorques) {
   for (std::size_t j = 0; j < fit.joints.size(); ++j) {
     const PlantFriction truth = plant_friction(static_cast<Eigen::Index>(j));
     const JointFit& joint = fit.joints[j];
-    EXPECT_NEAR(joint.value_of(FrictionTerm::viscous), truth.viscous, 0.05 * truth.viscous)
+    EXPECT_NEAR(joint.value_of(FrictionTerm::viscous), truth.viscous, 0.02 * truth.viscous)
         << joint.name;
-    EXPECT_NEAR(joint.value_of(FrictionTerm::coulomb), truth.coulomb, 0.05 * truth.coulomb)
+    EXPECT_NEAR(joint.value_of(FrictionTerm::coulomb), truth.coulomb, 0.02 * truth.coulomb)
         << joint.name;
   }
 }

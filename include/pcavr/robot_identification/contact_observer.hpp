@@ -42,14 +42,16 @@ class ContactObserver {
   void reset(const Vector& q, const Vector& dq);
   /// A sample `dt` [s] > 0 after the last one; returns the external torque [N m].
   const Eigen::VectorXd& update(const Vector& q, const Vector& dq, const Vector& tau, double dt);
-  /// [N m] by joint: how far the samples' spacing may have moved the external torque. A momentum or
-  /// torque that leaves its straight continuation has changed between samples, at a time and by a
-  /// way that they do not show (an arm that stops at once, at 100 Hz).
+  /// [N m] by joint: how far the samples' spacing may have moved the external torque, or friction
+  /// at rest hides it. A momentum or torque that leaves its straight continuation has changed
+  /// between samples, at a time and by a way that they do not show (an arm that stops at once, at
+  /// 100 Hz). A joint at rest is held by any friction up to Coulomb's.
   [[nodiscard]] const Eigen::VectorXd& unresolved() const { return unresolved_; }
 
  private:
   void compute_momentum(const Vector& q, const Vector& dq, Eigen::VectorXd& momentum);
   void update_unresolved(double dt);
+  void update_rest(const Vector& q, double dt);
 
   RobotDynamics dynamics_;
   std::vector<JointFit> friction_;
@@ -58,7 +60,9 @@ class ContactObserver {
   Eigen::VectorXd external_, integral_, momentum_, start_, rate_, ahead_, behind_, zero_, gravity_;
   Eigen::VectorXd bias_, q_shifted_, unresolved_;
   Eigen::VectorXd last_momentum_, last_rate_, last_step_, last_rate_step_;  ///< of the last sample
-  int samples_ = 0;                                                         ///< since the start
+  Eigen::VectorXd rest_position_;                                           ///< [rad]
+  Eigen::VectorXd rest_time_;  ///< [s] since it was left
+  int samples_ = 0;            ///< since the start
 };
 
 /// The force at a point of a link that explains external torques at the joints best, each weighted
@@ -85,10 +89,9 @@ struct ObservedContacts {
 };
 
 /// Runs the observer over a log without contact before time `calibration_end` [s]: its largest
-/// external torques there beyond what is unresolved, times the margin, are the thresholds for the
-/// rows after it. Each stretch is also judged by the fit without it, as the errors of rows that
-/// were fitted are too small. Velocities of the log, else backward differences. `tip`: link. Pure
-/// function.
+/// external torques there, times the margin, are the thresholds for the rows after it. Each stretch
+/// is also judged by the fit without it, as the errors of rows that were fitted are too small.
+/// Velocities of the log, else backward differences. `tip`: link. Pure function.
 [[nodiscard]] ObservedContacts observe_contacts(const JointLog& log, const RobotModel& described,
                                                 const RobotFit& fit, bool is_sign_changed,
                                                 double calibration_end, std::size_t tip,

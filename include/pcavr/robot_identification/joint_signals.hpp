@@ -13,6 +13,10 @@
 
 namespace pcavr {
 
+/// Candidates for the speed over which friction changes its sign [rad/s]: from the resolution of
+/// encoders to the smoothing of the published identifications.
+inline constexpr std::array<double, 6> kSmoothingSpeeds{0.003, 0.01, 0.02, 0.035, 0.05, 0.1};
+
 struct OptionSection;  // core/options.hpp
 
 /// Defaults and ranges: src/robot_identification/options.cpp.
@@ -44,6 +48,10 @@ struct JointSignals {
   Eigen::MatrixXd acceleration;                 ///< [rad/s^2]
   Eigen::MatrixXd torque;                       ///< [N m]
   Eigen::MatrixXd torque_rate;                  ///< [N m/s]
+  /// tanh(velocity / speed) with each of kSmoothingSpeeds, filtered as the torques are: of a sign's
+  /// steps the filter leaves slopes, which would else be taken for friction that grows with the
+  /// speed.
+  std::array<Eigen::MatrixXd, kSmoothingSpeeds.size()> smoothed_sign;
   /// Signs of friction with each of kPreslidingDisplacements, filtered as the torques are.
   std::array<Eigen::MatrixXd, kPreslidingDisplacements.size()> presliding_sign;
 };

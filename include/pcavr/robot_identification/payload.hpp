@@ -21,6 +21,7 @@ struct Payload {
   Eigen::Vector3d centre_of_mass_std = Eigen::Vector3d::Zero();  ///< [m]
   /// The inertia about the joint frame's origin: Ixx, Ixy, Ixz, Iyy, Iyz, Izz [kg m^2].
   Eigen::Matrix<double, 6, 1> inertia = Eigen::Matrix<double, 6, 1>::Zero();
+  EstimatedLag torque_lag;       ///< of its torques after the unloaded run's; is removed
   Eigen::VectorXd torque_rms;    ///< [N m] of the load by joint: what the load adds
   Eigen::VectorXd residual_rms;  ///< [N m] that it does not explain
 };

@@ -73,6 +73,7 @@ struct SignModel {
   /// [rad] over which friction changes its sign after a reversal (PreslidingSign), where that
   /// explains the torques better than any speed; else 0.
   double presliding_displacement = 0.0;
+  bool is_filtered = false;  ///< tanh with one of kSmoothingSpeeds: JointSignals::smoothed_sign
 };
 
 struct JointFit {
