@@ -29,6 +29,16 @@ using Scene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 /// larger by this factor keeps all equally near triangles.
 constexpr float kRadiusFactor = 1.0F + 1e-6F;
 
+/// Keeps triangles that are equally near but for rounding.
+constexpr double kBoxFactor = 1.0 + 1e-9;
+
+/// From a triangle's bounding box: never more than from the triangle, and quicker to compute.
+double squared_distance_from_box(const model::Triangle& corners, const Eigen::Vector3d& point) {
+  const Eigen::Array3d low = corners.a.cwiseMin(corners.b).cwiseMin(corners.c);
+  const Eigen::Array3d high = corners.a.cwiseMax(corners.b).cwiseMax(corners.c);
+  return (low - point.array()).max(point.array() - high).max(0.0).matrix().squaredNorm();
+}
+
 void require_valid(const TriangleMesh& mesh) {
   for (const Eigen::Vector3f& vertex : mesh.vertices) {
     PCAVR_REQUIRE(vertex.allFinite(), vertex.x(), vertex.y(), vertex.z());
@@ -126,7 +136,10 @@ std::optional<SurfaceQuery::Closest> SurfaceQuery::closest(const Eigen::Vector3f
   const RTCPointQueryFunction visit = [](RTCPointQueryFunctionArguments* arguments) {
     auto& best = *static_cast<Search*>(arguments->userPtr);
     const std::uint32_t triangle = arguments->primID;
-    const Eigen::Vector3d nearest = model::closest_point(best.tree->corners(triangle), best.point);
+    const model::Triangle corners = best.tree->corners(triangle);
+    if (squared_distance_from_box(corners, best.point) > kBoxFactor * best.squared_distance)
+      return false;
+    const Eigen::Vector3d nearest = model::closest_point(corners, best.point);
     const double squared_distance = (nearest - best.point).squaredNorm();
     if (squared_distance > best.squared_distance) return false;
     if (best.found && squared_distance == best.squared_distance && triangle > best.triangle) {

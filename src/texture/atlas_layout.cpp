@@ -164,6 +164,11 @@ Image<std::uint32_t> draw_triangles(const std::vector<TriangleMesh>& levels_base
           box.extend(at[i]);
         }
         const float turn = cross(at[1] - at[0], at[2] - at[0]) < 0.0F ? -1.0F : 1.0F;
+        std::array<Eigen::Vector2f, 3> side;  // of the length that makes `cross` a distance
+        for (std::size_t i = 0; i < 3; ++i) {
+          side[i] = at[(i + 1) % 3] - at[i];
+          side[i] *= turn / std::max(side[i].norm(), 1e-9F);
+        }
         const int left = std::max(0, static_cast<int>(std::ceil(box.min().x() - margin)));
         const int right =
             std::min(layout.width - 1, static_cast<int>(std::floor(box.max().x() + margin)));
@@ -172,8 +177,7 @@ Image<std::uint32_t> draw_triangles(const std::vector<TriangleMesh>& levels_base
             std::min(layout.height - 1, static_cast<int>(std::floor(box.max().y() + margin)));
         const auto is_inside = [&](const Eigen::Vector2f& texel) {
           for (std::size_t i = 0; i < 3; ++i) {
-            const Eigen::Vector2f side = at[(i + 1) % 3] - at[i];
-            if (turn * cross(side, texel - at[i]) < -margin * side.norm()) return false;
+            if (cross(side[i], texel - at[i]) < -margin) return false;
           }
           return true;
         };

@@ -156,27 +156,46 @@ class ChartGrowth {
   std::vector<std::vector<std::uint32_t>> members_;
 };
 
+/// Root mean square edge of the triangles, as if they were right-angled.
+float typical_edge(const TriangleMesh& mesh) {
+  double sum = 0.0;
+  for (const Triangle& triangle : mesh.triangles)
+    sum += static_cast<double>(doubled_area(mesh, triangle).norm());
+  return static_cast<float>(
+      std::sqrt(sum / std::max(1.0, static_cast<double>(mesh.triangles.size()))));
+}
+
 /// The chart of each triangle of a finer level: that of the nearest coarse triangle, searched from
-/// in front of the triangle, so that of a thin sheet's two sides its own is nearer.
+/// in front of the surface, so that of a thin sheet's two sides its own is nearer. Searched for
+/// the vertices, which are half as many as the triangles; for a triangle where they disagree.
 std::vector<std::uint32_t> charts_of_level(const TriangleMesh& level, const SurfaceQuery& coarse,
                                            const std::vector<std::uint32_t>& chart_of_coarse,
                                            Parallelism parallelism) {
-  std::vector<std::uint32_t> charts(level.triangles.size(), 0);
+  const auto chart_at = [&](const Eigen::Vector3f& point) {
+    for (float radius = 0.005F; radius < 10.0F; radius *= 4.0F) {
+      const auto closest = coarse.closest(point, radius);
+      if (closest) return chart_of_coarse[closest->triangle];
+    }
+    return 0U;
+  };
+  const float to_front = 0.5F * typical_edge(level);
+  std::vector<std::uint32_t> of_vertex(level.vertices.size());
+  parallel_for(parallelism, of_vertex.size(), kTrianglesPerChunk,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t i = begin; i < end; ++i)
+                   of_vertex[i] = chart_at(level.vertices[i] + to_front * level.normals[i]);
+               });
+  std::vector<std::uint32_t> charts(level.triangles.size());
   parallel_for(parallelism, charts.size(), kTrianglesPerChunk,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t i = begin; i < end; ++i) {
                    const auto& [a, b, c] = level.triangles[i];
-                   const Eigen::Vector3f area = doubled_area(level, level.triangles[i]);
-                   const float edge = std::sqrt(area.norm());
-                   Eigen::Vector3f point =
+                   charts[i] = of_vertex[a];
+                   if (of_vertex[b] == charts[i] && of_vertex[c] == charts[i]) continue;
+                   const Eigen::Vector3f center =
                        (level.vertices[a] + level.vertices[b] + level.vertices[c]) / 3.0F;
-                   if (edge > 0.0F) point += 0.5F * area / edge;
-                   for (float radius = 0.02F; radius < 10.0F; radius *= 4.0F) {
-                     const auto closest = coarse.closest(point, radius);
-                     if (!closest) continue;
-                     charts[i] = chart_of_coarse[closest->triangle];
-                     break;
-                   }
+                   const Eigen::Vector3f area = doubled_area(level, level.triangles[i]);
+                   charts[i] = chart_at(center + to_front * area.normalized());
                  }
                });
   return charts;

@@ -36,7 +36,7 @@ struct ChartSet {
 /// Divides the surface of the last (coarsest) level into connected parts within a cone of normals
 /// [as in Levy et al. 2002, sec. 3: region growing], each projected along its mean normal. A
 /// triangle of a finer level belongs to the chart of the nearest coarse triangle: so every level
-/// finds its colours at the same place of the atlas.
+/// finds its colours at the same place of the atlas. Normals must be set.
 [[nodiscard]] ChartSet make_charts(const std::vector<TriangleMesh>& levels_base,
                                    Parallelism parallelism);
 

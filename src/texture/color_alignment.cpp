@@ -46,25 +46,37 @@ constexpr double kMinDisplacement = 0.004;
 /// it.
 constexpr double kMinMotion = 0.02;
 
-/// A gray image, binned, in which points are looked up.
-class GrayLevel {
- public:
-  GrayLevel(const ColorImage& color, int factor)
-      : factor_(factor), image_(color.width() / factor, color.height() / factor) {
-    const float scale = 1.0F / static_cast<float>(3 * factor * factor);
-    for (int y = 0; y < image_.height(); ++y) {
-      for (int x = 0; x < image_.width(); ++x) {
-        int sum = 0;
-        for (int dy = 0; dy < factor; ++dy) {
-          for (int dx = 0; dx < factor; ++dx) {
-            const Rgb8& c = color(x * factor + dx, y * factor + dy);
-            sum += c.r + c.g + c.b;
-          }
-        }
-        image_(x, y) = scale * static_cast<float>(sum);
-      }
+float gray_of(const Rgb8& c) { return static_cast<float>(c.r + c.g + c.b) / 3.0F; }
+
+/// Means of the gray values of squares of 2 x 2 pixels.
+Image<float> halved(const ColorImage& color) {
+  Image<float> half(color.width() / 2, color.height() / 2);
+  for (int y = 0; y < half.height(); ++y) {
+    for (int x = 0; x < half.width(); ++x) {
+      half(x, y) =
+          0.25F * (gray_of(color(2 * x, 2 * y)) + gray_of(color(2 * x + 1, 2 * y)) +
+                   gray_of(color(2 * x, 2 * y + 1)) + gray_of(color(2 * x + 1, 2 * y + 1)));
     }
   }
+  return half;
+}
+
+/// Means of squares of `factor` pixels a side.
+Image<float> binned(const Image<float>& fine, int factor) {
+  Image<float> coarse(fine.width() / factor, fine.height() / factor, 0.0F);
+  const float scale = 1.0F / static_cast<float>(factor * factor);
+  for (int y = 0; y < coarse.height() * factor; ++y) {
+    for (int x = 0; x < coarse.width() * factor; ++x)
+      coarse(x / factor, y / factor) += scale * fine(x, y);
+  }
+  return coarse;
+}
+
+/// A gray image, binned by `factor`, in which points are looked up.
+class GrayLevel {
+ public:
+  explicit GrayLevel(const ColorImage& color) : factor_(1), color_(&color) {}
+  GrayLevel(Image<float> image, int factor) : factor_(factor), image_(std::move(image)) {}
 
   struct Value {
     double gray = 0.0;
@@ -74,8 +86,9 @@ class GrayLevel {
   [[nodiscard]] std::optional<Value> at(const Eigen::Vector2d& pixel) const {
     const double u = (pixel.x() + 0.5) / factor_ - 0.5;
     const double v = (pixel.y() + 0.5) / factor_ - 0.5;
-    if (!(u > 1.0 && v > 1.0 && u < image_.width() - 3 && v < image_.height() - 3))
-      return std::nullopt;
+    const int width = color_ != nullptr ? color_->width() : image_.width();
+    const int height = color_ != nullptr ? color_->height() : image_.height();
+    if (!(u > 1.0 && v > 1.0 && u < width - 3 && v < height - 3)) return std::nullopt;
     const auto value = [&](double du, double dv) {
       const double at_u = u + du;
       const double at_v = v + dv;
@@ -83,8 +96,8 @@ class GrayLevel {
       const int y = static_cast<int>(at_v);
       const double a = at_u - x;
       const double b = at_v - y;
-      const double above = (1.0 - a) * double(image_(x, y)) + a * double(image_(x + 1, y));
-      const double below = (1.0 - a) * double(image_(x, y + 1)) + a * double(image_(x + 1, y + 1));
+      const double above = (1.0 - a) * gray(x, y) + a * gray(x + 1, y);
+      const double below = (1.0 - a) * gray(x, y + 1) + a * gray(x + 1, y + 1);
       return (1.0 - b) * above + b * below;
     };
     Value result;
@@ -96,7 +109,12 @@ class GrayLevel {
   }
 
  private:
+  [[nodiscard]] double gray(int x, int y) const {
+    return static_cast<double>(color_ != nullptr ? gray_of((*color_)(x, y)) : image_(x, y));
+  }
+
   double factor_;
+  const ColorImage* color_ = nullptr;  ///< in place of an image of its own
   Image<float> image_;
 };
 
@@ -156,13 +174,20 @@ class Alignment {
  public:
   Alignment(std::vector<PaintedView>& views, std::vector<SeenPoint> points,
             const ColorRegistration& given, Parallelism parallelism)
-      : views_(views), points_(std::move(points)), given_(given), parallelism_(parallelism) {}
+      : views_(views), points_(std::move(points)), given_(given), parallelism_(parallelism) {
+    halves_.resize(views_.size());
+    for_each_view([&](std::size_t i) { halves_[i] = halved(views_[i].view().color); });
+  }
 
-  /// Prepares the images binned by `factor`.
+  /// Prepares the images binned by `factor`, 1 or even.
   void set_level(int factor) {
     levels_.assign(views_.size(), std::nullopt);
-    parallel_for(parallelism_, views_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) levels_[i].emplace(views_[i].view().color, factor);
+    for_each_view([&](std::size_t i) {
+      if (factor == 1) {
+        levels_[i].emplace(views_[i].view().color);
+      } else {
+        levels_[i].emplace(binned(halves_[i], factor / 2), factor);
+      }
     });
   }
 
@@ -351,7 +376,15 @@ class Alignment {
     return sums;
   }
 
+  template <typename Do>
+  void for_each_view(Do act) const {
+    parallel_for(parallelism_, views_.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) act(i);
+    });
+  }
+
   std::vector<PaintedView>& views_;
+  std::vector<Image<float>> halves_;  ///< of the views: gray, binned by 2
   std::vector<SeenPoint> points_;
   const ColorRegistration& given_;
   Parallelism parallelism_;

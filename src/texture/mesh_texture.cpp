@@ -21,6 +21,10 @@ namespace {
 
 constexpr int kBlock = 32;  ///< [px] edge of a block of texels that shares its list of views
 
+/// Share of the best view's weight below which a view is left out: with the default exponent, it
+/// has less than 0.1 % of the best one's share of the mean.
+constexpr float kNegligible = 0.1F;
+
 /// A point of the surface that a texel shows.
 struct Texel {
   Eigen::Vector3f p_base;
@@ -81,7 +85,8 @@ class AtlasPainter {
         views_(views),
         options_(options),
         image_(triangles.width(), triangles.height()),
-        is_known_(triangles.width(), triangles.height()) {}
+        is_known_(triangles.width(), triangles.height()),
+        is_doubtful_(triangles.width(), triangles.height()) {}
 
   void paint(Parallelism parallelism) {
     const int columns = (image_.width() + kBlock - 1) / kBlock;
@@ -95,6 +100,7 @@ class AtlasPainter {
         paint_block(block % columns * kBlock, block / columns * kBlock, i);
       }
     });
+    continue_colors(image_, is_known_, is_doubtful_);
     fill_gaps(image_, is_known_);
   }
 
@@ -166,20 +172,45 @@ class AtlasPainter {
     for (const PaintedView& view : views_) {
       if (view.may_see(box.center(), 0.5F * box.diagonal().norm() + 1e-3F)) views.push_back(&view);
     }
+    std::vector<SeenFrom> sightings;
     std::vector<Sample> samples;
     for (const Entry& entry : entries) {
+      look_up(views, entry.texel, sightings);
       samples.clear();
-      for (const PaintedView* view : views) {
-        const auto sighting = view->look_up(entry.texel.p_base, entry.texel.normal_base);
-        if (!sighting) continue;
-        const Eigen::Vector3f color = view->sharp_color_at(sighting->pixel);
+      for (const auto& [view, sighting] : sightings) {
+        const Eigen::Vector3f color = view->sharp_color_at(sighting.pixel);
         samples.push_back(
-            {color, sighting->weight, 0.3F * color.x() + 0.6F * color.y() + 0.1F * color.z()});
+            {color, sighting.weight, 0.3F * color.x() + 0.6F * color.y() + 0.1F * color.z()});
       }
       seen_[block] += samples.empty() ? 0U : 1U;
       set(entry.x, entry.y, samples.empty() ? entry.texel.fused : blend(samples, options_));
+      const bool is_doubtful = !sightings.empty() && std::all_of(sightings.begin(), sightings.end(),
+                                                                 [](const SeenFrom& seen) {
+                                                                   return seen.sighting.is_mixed;
+                                                                 });
+      is_doubtful_(entry.x, entry.y) = is_doubtful ? 1 : 0;
     }
     used_[block] = entries.size();
+  }
+
+  struct SeenFrom {
+    const PaintedView* view;
+    Sighting sighting;
+  };
+
+  /// The views that see a texel, without those that would not change its colour.
+  static void look_up(const std::vector<const PaintedView*>& views, const Texel& texel,
+                      std::vector<SeenFrom>& sightings) {
+    sightings.clear();
+    float best = 0.0F;
+    for (const PaintedView* view : views) {
+      const auto sighting = view->look_up(texel.p_base, texel.normal_base);
+      if (!sighting) continue;
+      best = std::max(best, sighting->weight);
+      sightings.push_back({view, *sighting});
+    }
+    std::erase_if(sightings,
+                  [&](const SeenFrom& seen) { return seen.sighting.weight < kNegligible * best; });
   }
 
   void set(int x, int y, const Eigen::Vector3f& color) {
@@ -197,6 +228,7 @@ class AtlasPainter {
   const TextureOptions& options_;
   ColorImage image_;
   MaskImage is_known_;
+  MaskImage is_doubtful_;          ///< may have the colour of a nearer surface
   std::vector<std::size_t> seen_;  ///< by block: texels with a colour from an image
   std::vector<std::size_t> used_;  ///< by block: texels
 };

@@ -3,8 +3,10 @@
 #include "painted_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "pcavr/geometry/depth_grid.hpp"
@@ -18,6 +20,10 @@ constexpr float kMinCosine = 0.17F;  ///< of the incidence, 80 degrees
 constexpr float kBorder = 24.0F;     ///< [px] within which a view fades out
 constexpr float kDoubtful = 0.05F;   ///< weight without depth, and next to a nearer surface
 constexpr int kEdgeRadius = 3;       ///< [px] of depth: its edges are that uncertain
+/// [px] of depth from an edge: a pixel that sees both sides, and one by interpolation.
+constexpr int kMixedRadius = 2;
+/// [px]; the fused surface's edges are no finer.
+constexpr int kMaxSurfaceWidth = 320;
 /// Errors of poses and of the fused surface, beside the sensor's noise [m].
 constexpr float kSurfaceError = 0.008F;
 constexpr float kNoiseFactor = 3.0F;  ///< [std]
@@ -26,24 +32,31 @@ constexpr std::uint8_t kSaturated = 250;  ///< JPEG leaves it a little below 255
 
 /// The smallest positive value in a square window; a row, then a column filter.
 DepthImage minimum_around(const DepthImage& depth, int radius) {
-  const auto pass = [&](const DepthImage& from, int dx, int dy) {
-    DepthImage to(from.width(), from.height());
-    for (int y = 0; y < from.height(); ++y) {
-      for (int x = 0; x < from.width(); ++x) {
-        float nearest = 0.0F;
-        for (int i = -radius; i <= radius; ++i) {
-          const int at_x = x + i * dx;
-          const int at_y = y + i * dy;
-          if (!from.contains(at_x, at_y)) continue;
-          const float value = from(at_x, at_y);
-          if (value > 0.0F && (nearest == 0.0F || value < nearest)) nearest = value;
-        }
-        to(x, y) = nearest;
-      }
+  using Row = Eigen::ArrayXf;
+  constexpr float kNone = std::numeric_limits<float>::infinity();  // larger than any depth
+  const auto width = static_cast<Eigen::Index>(depth.width());
+  const int window = 2 * radius + 1;
+  std::vector<Row> rows(static_cast<std::size_t>(window), Row::Constant(width, kNone));
+  Row padded = Row::Constant(width + 2 * radius, kNone);
+  DepthImage nearest(depth.width(), depth.height());
+  // Row y + radius enters the window, in place of the one that leaves it.
+  for (int y = -radius; y < depth.height(); ++y) {
+    Row& entering = rows[static_cast<std::size_t>((y + radius) % window)];
+    if (y + radius < depth.height()) {
+      const Eigen::Map<const Row> row(depth.row(y + radius).data(), width);
+      padded.segment(radius, width) = (row > 0.0F).select(row, kNone);
+      entering = padded.head(width);
+      for (int i = 1; i < window; ++i) entering = entering.min(padded.segment(i, width));
+    } else {
+      entering = kNone;
     }
-    return to;
-  };
-  return pass(pass(depth, 1, 0), 0, 1);
+    if (y < 0) continue;
+    Eigen::Map<Row> smallest(nearest.row(y).data(), width);
+    smallest = rows.front();
+    for (const Row& row : rows) smallest = smallest.min(row);
+    smallest = (smallest < kNone).select(smallest, 0.0F);
+  }
+  return nearest;
 }
 
 /// City-block distance from the mask's pixels by two passes [Rosenfeld & Pfaltz 1966].
@@ -121,15 +134,18 @@ void PaintedView::set_surface(const SurfaceQuery& surface_base) {
   const CameraModel& camera = registration_.camera;
   const Pose T_color_base =
       registration_.T_color_depth * T_corrected_camera_ * view_->T_base_camera.inverse();
-  surface_ = render_depth(surface_base, on_grid(camera, camera.width / 2, camera.height / 2),
+  pixels_per_surface_pixel_ = std::max(2, (camera.width + kMaxSurfaceWidth - 1) / kMaxSurfaceWidth);
+  surface_ = render_depth(surface_base,
+                          on_grid(camera, camera.width / pixels_per_surface_pixel_,
+                                  camera.height / pixels_per_surface_pixel_),
                           T_color_base.inverse(), Parallelism{1});
   nearest_surface_ = minimum_around(surface_, kEdgeRadius);
 }
 
 float PaintedView::share_seen(const Eigen::Vector2f& pixel, float depth, float tolerance) const {
   if (surface_.empty()) return 1.0F;
-  const int x = static_cast<int>(pixel.x()) / 2;
-  const int y = static_cast<int>(pixel.y()) / 2;
+  const int x = static_cast<int>(pixel.x()) / pixels_per_surface_pixel_;
+  const int y = static_cast<int>(pixel.y()) / pixels_per_surface_pixel_;
   if (!surface_.contains(x, y)) return 1.0F;
   const auto hides = [&](float nearer) { return nearer > 0.0F && nearer < depth - tolerance; };
   if (hides(surface_(x, y))) return 0.0F;
@@ -177,7 +193,8 @@ std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
   const float tilted = tolerance / std::max(cosine, 0.3F);
   if (measured > 0.0F && std::abs(measured - z) > tilted) return std::nullopt;
   const bool is_beside_nearer = nearest_(*x, *y) > 0.0F && nearest_(*x, *y) < z - 2.0F * tilted;
-  if (!(measured > 0.0F) || is_beside_nearer) weight *= kDoubtful;
+  const bool is_measured = measured > 0.0F;
+  if (!is_measured || is_beside_nearer) weight *= kDoubtful;
   if (!from_dynamic_.empty()) {
     const float distance = from_dynamic_(*x, *y);
     if (distance == 0.0F) return std::nullopt;
@@ -197,7 +214,20 @@ std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
   weight *= share_seen(pixel, in_color.z(), 2.0F * tilted);
   if (!(weight > 0.0F)) return std::nullopt;
   weight *= std::min(1.0F, border / kBorder);
-  return Sighting{pixel, weight};
+  const bool is_mixed =
+      is_beside_nearer && (!is_measured || touches_nearer(*x, *y, z - 2.0F * tilted));
+  return Sighting{pixel, weight, is_mixed};
+}
+
+bool PaintedView::touches_nearer(int x, int y, float depth) const {
+  const DepthImage& measured = view_->depth;
+  for (int at_y = y - kMixedRadius; at_y <= y + kMixedRadius; ++at_y) {
+    for (int at_x = x - kMixedRadius; at_x <= x + kMixedRadius; ++at_x) {
+      if (!measured.contains(at_x, at_y)) continue;
+      if (measured(at_x, at_y) > 0.0F && measured(at_x, at_y) < depth) return true;
+    }
+  }
+  return false;
 }
 
 Eigen::Vector3f PaintedView::color_at(const Eigen::Vector2f& pixel) const {
@@ -221,16 +251,21 @@ Eigen::Vector3f PaintedView::sharp_color_at(const Eigen::Vector2f& pixel) const 
   const int y = std::clamp(static_cast<int>(pixel.y()), 1, image.height() - 3);
   const Eigen::Array4f along_x = cubic_weights(pixel.x() - static_cast<float>(x));
   const Eigen::Array4f along_y = cubic_weights(pixel.y() - static_cast<float>(y));
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  // Along y first: all channels of four pixels at once.
+  std::array<float, 12> columns{};
   for (int dy = 0; dy < 4; ++dy) {
-    const std::span<const Rgb8> row = image.row(y - 1 + dy);
-    Eigen::Vector3f of_row = Eigen::Vector3f::Zero();
-    for (int dx = 0; dx < 4; ++dx) {
-      const Rgb8& c = row[static_cast<std::size_t>(x) - 1 + static_cast<std::size_t>(dx)];
-      of_row += along_x[dx] * Eigen::Vector3f(c.r, c.g, c.b);
+    const Rgb8* row = &image(x - 1, y - 1 + dy);
+    const float weight = along_y[dy];
+    for (std::size_t i = 0; i < 4; ++i) {
+      columns[3 * i] += weight * static_cast<float>(row[i].r);
+      columns[3 * i + 1] += weight * static_cast<float>(row[i].g);
+      columns[3 * i + 2] += weight * static_cast<float>(row[i].b);
     }
-    sum += along_y[dy] * of_row;
   }
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (std::size_t i = 0; i < 4; ++i)
+    sum +=
+        along_x[static_cast<Eigen::Index>(i)] * Eigen::Map<const Eigen::Vector3f>(&columns[3 * i]);
   return brightening(pixel) * gain.cwiseProduct(sum) + offset;
 }
 

@@ -17,6 +17,7 @@ namespace pcavr {
 struct Sighting {
   Eigen::Vector2f pixel;  ///< of the colour image
   float weight = 0.0F;    ///< > 0
+  bool is_mixed = false;  ///< the colour may be, in part, that of a nearer surface beside it
 };
 
 /// A view with what is needed to look up surface points in it. const members are thread-safe.
@@ -74,15 +75,19 @@ class PaintedView {
   /// image; 0 where that hides it. `tolerance` in m.
   [[nodiscard]] float share_seen(const Eigen::Vector2f& pixel, float depth, float tolerance) const;
 
+  /// Whether a pixel beside one of the depth image is nearer than `depth` [m].
+  [[nodiscard]] bool touches_nearer(int x, int y, float depth) const;
+
   const TextureView* view_;
   ColorRegistration registration_;
   Pose T_corrected_camera_;
   CameraModel depth_camera_;
   DepthNoise noise_;
   float mask_distance_;
-  DepthImage nearest_;                ///< smallest depth around each pixel [m]
-  DepthImage surface_;                ///< in the colour camera, half as fine [m]
-  DepthImage nearest_surface_;        ///< the smallest around each pixel [m]
+  DepthImage nearest_;          ///< smallest depth around each pixel [m]
+  DepthImage surface_;          ///< in the colour camera, on a coarser grid [m]
+  DepthImage nearest_surface_;  ///< the smallest around each pixel [m]
+  int pixels_per_surface_pixel_ = 1;
   Image<std::uint8_t> from_dynamic_;  ///< distance from dynamic pixels [px of depth], to 255
   Eigen::Matrix3f R_camera_base_;
   Eigen::Vector3f t_camera_base_;

@@ -102,6 +102,32 @@ TEST(MeshTexture, AShadowInAMinorityOfTheViewsDoesNotStay) {
   EXPECT_NEAR(texture_at(texture, levels[0], 0, 0.0, 0.0).x(), 150.0, 4.0);
 }
 
+/// A view of the gray wall with a green post before it, which is wider in the colours than in the
+/// depth, and beside which the sensor measured nothing.
+TextureView view_of_post() {
+  TextureView view = take_view(wall_view({0.0, 0.0, 0.6}), [](double, double) {
+    return Eigen::Vector3d::Constant(150.0).eval();
+  });
+  for (int y = 0; y < view.depth.height(); ++y) {
+    for (int x = 149; x < 171; ++x) {
+      view.depth(x, y) = x >= 150 && x < 170 ? 0.4F : 0.0F;
+      view.color(x, y) = {20, 200, 20};
+    }
+  }
+  return view;
+}
+
+TEST(MeshTexture, HasNoColourOfANearerSurfaceBesideIt) {
+  std::vector<TriangleMesh> levels = wall_levels();
+  const MeshTexture texture = paint(levels, {view_of_post()}, without_registration());
+  ASSERT_FALSE(texture.empty());
+  for (double pixel = 136.0; pixel < 149.5; pixel += 0.5) {
+    const double x = 0.6 * (pixel - 159.5) / 300.0;
+    const Eigen::Vector3d color = texture_at(texture, levels[0], 0, x, 0.0);
+    EXPECT_LT(color.y() - color.x(), 12.0) << "pixel " << pixel;
+  }
+}
+
 /// Ratio of the highest to the lowest brightness relative to blobs in a texture from views with
 /// these gains and offsets.
 double unevenness(double gain_step, double offset_step) {

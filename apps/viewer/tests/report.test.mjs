@@ -150,6 +150,26 @@ test('a printed report has all sections, and neither buttons nor long tables', l
   );
 });
 
+test('the text of printed plots can be read', limit, async () => {
+  const { page } = await open(report.url);
+  await page.setViewportSize({ width: 718, height: 1000 }); // A4 without its margins
+  await page.emulateMedia({ media: 'print' });
+  const sizes = () =>
+    page
+      .locator('.drawing svg')
+      .evaluateAll((all) =>
+        all.map((svg) => (12 * svg.getBoundingClientRect().width) / svg.viewBox.baseVal.width),
+      );
+  const minSize = 8.6; // [px]: 6.5 points
+  await page.evaluate(() => dispatchEvent(new Event('beforeprint')));
+  const printed = await sizes();
+  assert.equal(printed.length, 4);
+  for (const size of printed) assert.ok(size > minSize, `${printed}`);
+  await screenshot(page, 'report-printed');
+  await page.evaluate(() => dispatchEvent(new Event('afterprint')));
+  assert.ok(Math.min(...(await sizes())) < minSize, 'drawn for the screen again');
+});
+
 test('the reports of the command open', { timeout: 180_000 }, async (t) => {
   const made = makeScene();
   const path = (name) => join(made.folder, name);

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { labelRows, placeLabels, type PlacedLabel } from '../src/report/mark_labels';
+import { placeLabels, type PlacedLabel } from '../src/report/mark_labels';
+import { screen } from '../src/report/medium';
 import { number } from '../src/report/number';
 import { type PlotData, readReport, type Series, type TableData } from '../src/report/report_data';
 import { numberColumns } from '../src/report/tables';
@@ -100,7 +101,7 @@ test('data of another format are refused', () => {
 
 /// The labels' extents in SVG units, by row.
 function extentsOf(labels: PlacedLabel[], perUnit: number): [number, number][][] {
-  return Array.from({ length: labelRows }, (_, row) =>
+  return Array.from({ length: screen.markRows }, (_, row) =>
     labels
       .filter((label) => label.row === row)
       .map(({ x, text }): [number, number] => [x * perUnit, x * perUnit + 7 * text.length]),
@@ -114,7 +115,7 @@ test('the labels of sixty time nodes do not overlap, and count those without roo
     label: `t${i + 1}`,
   }));
   const perUnit = 564 / 60;
-  const labels = placeLabels(marks, perUnit);
+  const labels = placeLabels(marks, perUnit, screen.markRows);
   for (const row of extentsOf(labels, perUnit)) {
     row.forEach(([from], i) => assert.ok(i === 0 || row[i - 1][1] <= from, `${row[i - 1]}`));
   }
@@ -125,7 +126,7 @@ test('the labels of sixty time nodes do not overlap, and count those without roo
   );
   assert.ok(labels.some(({ text }) => text.includes(' +')));
   // Zoomed in to one push, each has its own.
-  const push = placeLabels(marks.slice(0, 5), 564 / 2);
+  const push = placeLabels(marks.slice(0, 5), 564 / 2, screen.markRows);
   assert.deepEqual(
     push.map(({ text }) => text),
     ['t1', 't2', 't3', 't4', 't5'],
@@ -136,6 +137,7 @@ test('marks that are far apart have their labels in the first row', () => {
   const labels = placeLabels(
     [0, 1, 2].map((x) => ({ x, label: `t${x}` })),
     100,
+    screen.markRows,
   );
   assert.deepEqual(
     labels.map(({ row }) => row),

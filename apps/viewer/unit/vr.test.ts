@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { Quaternion, Vector3 } from 'three';
-import { clearPlace, hides } from '../src/vr/clear_view';
+import { clearPlace, hides, isInView } from '../src/vr/clear_view';
 import { Clutch } from '../src/vr/clutch';
 import { nextScale } from '../src/vr/locomotion';
 import { Person } from '../src/vr/person';
@@ -180,14 +180,49 @@ test('the user starts at the side of the robot, or where the cameras were', () =
 test('a sheet stays at the hand, and moves only where it would hide a body', () => {
   const eye = new Vector3(0, 1.6, 0);
   const place = new Vector3(-0.1, 1.4, -0.4);
-  near(clearPlace(place, 0.1, eye, [], -1), place);
+  const size = { width: 0.16, height: 0.2 };
+  const gaze = { head: eye, forward: new Vector3(0, -0.3, -1).normalize() };
+  near(clearPlace(place, size, gaze, [], -1), place);
   const far = { center: new Vector3(1, 1, -1), radius: 0.1 };
-  near(clearPlace(place, 0.1, eye, [far], -1), place);
+  near(clearPlace(place, size, gaze, [far], -1), place);
   const behind = { center: place.clone().sub(eye).multiplyScalar(3).add(eye), radius: 0.15 };
-  assert.ok(hides(place, 0.1, eye, behind));
-  const clear = clearPlace(place, 0.1, eye, [behind], -1);
-  assert.ok(!hides(clear, 0.1, eye, behind));
+  assert.ok(hides(place, size, eye, behind));
+  const clear = clearPlace(place, size, gaze, [behind], -1);
+  assert.ok(!hides(clear, size, eye, behind));
   assert.ok(clear.distanceTo(place) > 0.05 && clear.distanceTo(place) < 0.4);
+});
+
+test('a sheet that has to move stays in the view of both eyes', () => {
+  const eye = new Vector3(0, 1.6, 0);
+  const gaze = { head: eye, forward: new Vector3(0, -0.35, -1).normalize() };
+  const size = { width: 0.16, height: 0.24 };
+  const place = new Vector3(-0.2, 1.4, -0.4);
+  assert.ok(isInView(place, size, gaze));
+  const body = { center: new Vector3(-0.3, 0.8, -1.2), radius: 0.15 };
+  assert.ok(hides(place, size, eye, body));
+  const clear = clearPlace(place, size, gaze, [body], -1);
+  assert.ok(!hides(clear, size, eye, body));
+  assert.ok(isInView(clear, size, gaze), `${clear.toArray()}`);
+  const atTheEdge = new Vector3(-0.3, 1.4, -0.4);
+  assert.ok(!isInView(atTheEdge, size, gaze));
+  assert.ok(isInView(clearPlace(atTheEdge, size, gaze, [], -1), size, gaze));
+  const outOfView = new Vector3(-0.5, 1.2, 0.1);
+  near(clearPlace(outOfView, size, gaze, [], -1), outOfView);
+});
+
+test('a high, narrow sheet hides what is above and below its middle, not what is beside it', () => {
+  const eye = new Vector3(0, 1.6, 0);
+  const place = new Vector3(0, 1.6, -0.5);
+  const size = { width: 0.16, height: 0.3 };
+  const at = (x: number, y: number, z: number) => ({
+    center: new Vector3(x, y, z).add(eye),
+    radius: 0.1,
+  });
+  assert.ok(hides(place, size, eye, at(0, 0.35, -1.5)));
+  assert.ok(hides(place, size, eye, at(0.3, 0, -1.5)));
+  assert.ok(!hides(place, size, eye, at(0.42, 0, -1.5)));
+  assert.ok(!hides(place, size, eye, at(0, 0.65, -1.5)));
+  assert.ok(!hides(place, size, eye, at(0, 0, 1.5)), 'behind the head');
 });
 
 test('a sign names the most urgent trouble', () => {

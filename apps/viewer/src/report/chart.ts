@@ -2,31 +2,31 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
 import { bandColors, pinColor, seriesColors, softInk } from './colors';
-import { labelHeight, labelRows, placeLabels } from './mark_labels';
+import { labelHeight, placeLabels } from './mark_labels';
+import type { Medium } from './medium';
 import { number } from './number';
 import type { PlotData, Series } from './report_data';
 import { pointsOf, type ValueRow, valuesByX } from './values';
 import type { View } from './view';
 
-// [SVG units], about pixels on a desktop screen.
-const width = 640;
-const margins = { marginTop: 14, marginRight: 14, marginBottom: 40, marginLeft: 62 };
-const chartHeight = 300;
-const mapHeight = 690; // two stacked charts with their headings
-const stripHeight = 130;
+const margins = { marginTop: 14, marginRight: 14, marginBottom: 40 }; // [SVG units]
 
 /// The plot's inner width over its inner height.
-export function aspectOf(plot: PlotData): number {
-  const inner = width - margins.marginLeft - margins.marginRight;
-  return inner / (heightOf(plot) - margins.marginTop - margins.marginBottom);
+export function aspectOf(plot: PlotData, medium: Medium): number {
+  return innerWidth(medium) / (heightOf(plot, medium) - margins.marginTop - margins.marginBottom);
+}
+
+function innerWidth({ width, left }: Medium): number {
+  return width - left - margins.marginRight;
 }
 
 /// Draws the part of a plot that is in the view.
-export function drawChart(plot: PlotData, view: View): Plot.Plot & SVGSVGElement {
+export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot & SVGSVGElement {
   return Plot.plot({
-    width,
-    height: heightOf(plot),
+    width: medium.width,
+    height: heightOf(plot, medium),
     ...margins,
+    marginLeft: medium.left,
     ariaLabel: plot.title,
     style: { fontSize: '12px' },
     x: { domain: view.x },
@@ -39,9 +39,9 @@ export function drawChart(plot: PlotData, view: View): Plot.Plot & SVGSVGElement
         insetRight: -1, // a band of a single frame is visible
         clip: true,
       }),
-      ...drawAxes(plot, view),
+      ...drawAxes(plot, view, medium),
       ...plot.series.map(drawSeries),
-      ...drawMarks(plot, view),
+      ...drawMarks(plot, view, medium),
       ...drawPins(plot, view),
       Plot.frame({ stroke: softInk }),
       drawTip(plot, view),
@@ -50,13 +50,19 @@ export function drawChart(plot: PlotData, view: View): Plot.Plot & SVGSVGElement
 }
 
 /// A low chart of one line over its own axis.
-export function drawStrip(strip: Series, xLabel: string, title: string): SVGSVGElement {
+export function drawStrip(
+  strip: Series,
+  xLabel: string,
+  title: string,
+  { width, stripHeight, left }: Medium,
+): SVGSVGElement {
   const points = pointsOf(strip);
   const axis = { tickSize: 0, labelAnchor: 'center' as const, labelArrow: 'none' as const };
   return Plot.plot({
     width,
     height: stripHeight,
     ...margins,
+    marginLeft: left,
     ariaLabel: `${title}: ${strip.label}`,
     style: { fontSize: '12px' },
     y: { zero: true },
@@ -69,7 +75,7 @@ export function drawStrip(strip: Series, xLabel: string, title: string): SVGSVGE
   }) as Plot.Plot & SVGSVGElement;
 }
 
-function drawAxes(plot: PlotData, view: View): Plot.Markish[] {
+function drawAxes(plot: PlotData, view: View, { left }: Medium): Plot.Markish[] {
   const axis = {
     tickSize: 0,
     labelAnchor: 'center' as const,
@@ -82,7 +88,12 @@ function drawAxes(plot: PlotData, view: View): Plot.Markish[] {
     Plot.gridY({ strokeOpacity: 0.15, tickSpacing }),
     Plot.axisX({ ...axis, label: plot.x_label }),
     // Longer numbers would run into the label.
-    Plot.axisY({ ...axis, label: plot.y_label, labelOffset: 56, tickFormat: tickFormat(view.y) }),
+    Plot.axisY({
+      ...axis,
+      label: plot.y_label,
+      labelOffset: left - 6,
+      tickFormat: tickFormat(view.y),
+    }),
   ];
 }
 
@@ -99,8 +110,8 @@ function tickFormat(range: readonly number[]): (value: number) => string {
   return (value) => format.format(value).replace('-', '−');
 }
 
-function heightOf(plot: PlotData): number {
-  if (!plot.equal_axes) return chartHeight;
+function heightOf(plot: PlotData, { height, mapHeight, stripHeight }: Medium): number {
+  if (!plot.equal_axes) return height;
   return plot.strip ? mapHeight - stripHeight : mapHeight;
 }
 
@@ -112,11 +123,10 @@ function drawSeries({ x, y, color, dashed, points }: Series): Plot.Markish {
 }
 
 /// Labels are at the top of their line; lower where they would overlap another one.
-function drawMarks(plot: PlotData, view: View): Plot.Markish[] {
+function drawMarks(plot: PlotData, view: View, medium: Medium): Plot.Markish[] {
   const shown = plot.marks.filter((mark) => isIn(view, mark.x));
-  const inner = width - margins.marginLeft - margins.marginRight;
-  const placed = placeLabels(shown, inner / (view.x[1] - view.x[0]));
-  const labels = Array.from({ length: labelRows }, (_, row) =>
+  const placed = placeLabels(shown, innerWidth(medium) / (view.x[1] - view.x[0]), medium.markRows);
+  const labels = Array.from({ length: medium.markRows }, (_, row) =>
     Plot.text(
       placed.filter((label) => label.row === row),
       {

@@ -6,29 +6,42 @@ import { saveText, svgText } from '../ui/plot_files';
 import { aspectOf, drawChart, drawStrip } from './chart';
 import { bandColors, laneColors, pinColor, seriesColors } from './colors';
 import { drawLanes, wholeSpan } from './lane_chart';
+import { type Medium, onPrint, screen } from './medium';
 import type { LaneData, PlotData, Series } from './report_data';
 import { csvOfLanes, csvOfPlot } from './csv';
 import { addSelection, type Area } from './selection';
-import { type Range, viewOfArea, viewOfColumns, wholeView } from './view';
+import { type Range, type View, viewOfArea, viewOfColumns, wholeView } from './view';
 
 type Chart = Plot.Plot & SVGSVGElement;
 
 /// A plot with caption and legend; dragging across it zooms in.
 export function plotFigure(plot: PlotData): HTMLElement {
-  const aspect = aspectOf(plot);
-  const whole = wholeView(plot, aspect);
+  const viewOf = (area: Area | null, medium: Medium): View => {
+    const aspect = aspectOf(plot, medium);
+    if (!area) return wholeView(plot, aspect);
+    return plot.equal_axes ? viewOfArea(area, aspect) : viewOfColumns(plot, area.x);
+  };
   const figure = zoomableFigure(
     plot.title,
     plotLegend(plot),
-    () => drawChart(plot, whole),
-    ({ x, y }) =>
-      drawChart(plot, plot.equal_axes ? viewOfArea({ x, y }, aspect) : viewOfColumns(plot, x)),
+    (area, medium) => drawChart(plot, viewOf(area, medium), medium),
     plot.equal_axes ?? false,
     () => csvOfPlot(plot),
   );
-  if (plot.strip) figure.append(drawStrip(plot.strip, plot.strip_x_label ?? '', plot.title));
+  if (plot.strip) figure.append(stripOf(plot, plot.strip));
   figure.classList.toggle('map', plot.equal_axes ?? false);
   return figure;
+}
+
+function stripOf({ title, strip_x_label: xLabel = '' }: PlotData, strip: Series): SVGSVGElement {
+  let shown = drawStrip(strip, xLabel, title, screen);
+  const first = shown;
+  onPrint((medium) => {
+    const next = drawStrip(strip, xLabel, title, medium);
+    shown.replaceWith(next);
+    shown = next;
+  });
+  return first;
 }
 
 /// Lanes over one x axis; dragging across them zooms in.
@@ -37,8 +50,7 @@ export function laneFigure(chart: LaneData): HTMLElement {
   const figure = zoomableFigure(
     chart.title,
     legend,
-    () => drawLanes(chart, wholeSpan(chart)),
-    ({ x }) => drawLanes(chart, x),
+    (area, medium) => drawLanes(chart, area?.x ?? wholeSpan(chart), medium),
     false,
     () => csvOfLanes(chart),
   );
@@ -46,28 +58,38 @@ export function laneFigure(chart: LaneData): HTMLElement {
   return figure;
 }
 
+/// `draw`: the part in an area (in the axes' units), or all.
 function zoomableFigure(
   title: string,
   legend: HTMLElement[],
-  drawWhole: () => Chart,
-  drawPart: (area: { x: Range; y: Range }) => Chart,
+  draw: (area: Area | null, medium: Medium) => Chart,
   selectsArea: boolean,
   tableText: () => string,
 ): HTMLElement {
-  let chart = drawWhole();
+  let shown: Area | null = null;
+  let chart = draw(shown, screen);
   const reset = create('button', { type: 'button', textContent: 'Show all', hidden: true });
   const save = create('button', { type: 'button', textContent: 'Save SVG' });
   const drawing = create('div', { className: 'drawing' }, chart);
-  const show = (next: Chart, isPart: boolean) => {
+  const redraw = (medium: Medium) => {
+    const next = draw(shown, medium);
     chart.replaceWith(next);
     chart = next;
-    reset.hidden = !isPart;
   };
-  const select = (area: Area) => show(drawPart(inUnits(chart, area)), true);
-  addSelection(drawing, () => chart, select, selectsArea);
-  const showAll = () => show(drawWhole(), false);
-  drawing.addEventListener('dblclick', showAll);
-  reset.addEventListener('click', showAll);
+  const show = (area: Area | null) => {
+    shown = area;
+    redraw(screen);
+    reset.hidden = area === null;
+  };
+  onPrint(redraw);
+  addSelection(
+    drawing,
+    () => chart,
+    (area) => show(inUnits(chart, area)),
+    selectsArea,
+  );
+  drawing.addEventListener('dblclick', () => show(null));
+  reset.addEventListener('click', () => show(null));
   save.addEventListener('click', () =>
     saveText(title, 'svg', 'image/svg+xml', svgText(chart, '#1c2126')),
   );
@@ -82,7 +104,7 @@ function zoomableFigure(
   );
 }
 
-function inUnits(chart: Chart, { x, y }: Area): { x: Range; y: Range } {
+function inUnits(chart: Chart, { x, y }: Area): Area {
   const invert = (name: 'x' | 'y', [from, to]: Range): Range => {
     const scale = chart.scale(name);
     return [Number(scale?.invert?.(from) ?? 0), Number(scale?.invert?.(to) ?? 0)];

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
 import { laneColors } from './colors';
+import type { Medium } from './medium';
 import { number } from './number';
 import type { Interval, LaneData } from './report_data';
 import type { Range } from './view';
 
-// [SVG units], about pixels on a desktop screen.
-const width = 1120;
-const laneHeight = 22;
+// [SVG units]
 const marginLeft = 190;
 const marginBottom = 40;
 const marginTop = 6;
@@ -26,7 +25,11 @@ export function wholeSpan(chart: LaneData): Range {
 }
 
 /// Draws the lanes below one another, with a gap between groups.
-export function drawLanes(chart: LaneData, [from, to]: Range): Plot.Plot & SVGSVGElement {
+export function drawLanes(
+  chart: LaneData,
+  [from, to]: Range,
+  { laneWidth, laneHeight }: Medium,
+): Plot.Plot & SVGSVGElement {
   const keys: string[] = [];
   const heads: { row: string; group: string }[] = [];
   const rows: Row[] = [];
@@ -40,7 +43,7 @@ export function drawLanes(chart: LaneData, [from, to]: Range): Plot.Plot & SVGSV
     rows.push(...shown.map((one) => ({ ...one, row, name: `${group}, ${label}` })));
   });
   return Plot.plot({
-    width,
+    width: laneWidth,
     height: marginTop + keys.length * laneHeight + marginBottom,
     marginTop,
     marginRight: 14,

@@ -12,7 +12,6 @@ export interface PlacedLabel {
   text: string;
 }
 
-export const labelRows = 4;
 // [SVG units] at a font of 12 px.
 export const labelHeight = 14;
 const characterWidth = 7;
@@ -21,9 +20,9 @@ const gap = 12; // between labels, and from a line to its label
 /// Places the labels of marks, in ascending order, so that none overlap: each in the highest row
 /// that has room. A mark without room adds to the count of the label before it: "t4 +2" are three
 /// marks, which zooming in separates. `perUnit`: SVG units per unit of the x axis.
-export function placeLabels(marks: Mark[], perUnit: number): PlacedLabel[] {
+export function placeLabels(marks: Mark[], perUnit: number, rows: number): PlacedLabel[] {
   const placed: PlacedLabel[] = [];
-  const ends = new Array<number>(labelRows).fill(-Infinity);
+  const ends = new Array<number>(rows).fill(-Infinity);
   const widthOf = (text: string) => characterWidth * text.length + gap;
   let hidden = 0;
   for (const { x, label } of marks) {

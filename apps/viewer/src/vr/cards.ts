@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Group, Mesh, MeshBasicMaterial, PlaneGeometry, Vector3 } from 'three';
 import { drawnTexture } from '../scene/drawn_texture';
-import { type Ball, clearPlace } from './clear_view';
+import { type Ball, clearPlace, type Gaze } from './clear_view';
 import { faceHead } from './face_head';
 import type { Hand, Side } from './hands';
 
 const width = 512;
 const rowHeight = 62;
 const maxRows = 3;
-const metres = 0.17; // the card's width
+const size = { width: 0.17, height: (0.17 * maxRows * rowHeight) / width }; // [m]
 const below = 0.14; // [m] of the hand: the panel is above it
 const stickUse = 0.7; // deflection
 
@@ -57,7 +57,7 @@ export class Cards {
   }
 
   /// Once a frame; all in the headset's space. `balls`: what the cards may not hide.
-  update(hands: readonly Hand[], tool: Side, head: Vector3, balls: readonly Ball[]): void {
+  update(hands: readonly Hand[], tool: Side, gaze: Gaze, balls: readonly Ball[]): void {
     for (const side of ['left', 'right'] as const) {
       const hand = hands.find((other) => other.side === side);
       const card = this.cards[side];
@@ -68,7 +68,7 @@ export class Cards {
       const key = (control: Control) => `${role} ${control.name}`;
       for (const control of controls) if (control.isUsed(hand)) this.used.add(key(control));
       const unused = controls.filter((control) => !this.used.has(key(control)));
-      card.show(unused, hand.position, head, balls, side === 'right' ? 1 : -1);
+      card.show(unused, hand.position, gaze, balls, side === 'right' ? 1 : -1);
     }
   }
 
@@ -85,9 +85,8 @@ class Card {
   private readonly sheet = drawnTexture(width, maxRows * rowHeight);
 
   constructor() {
-    const height = (metres * maxRows * rowHeight) / width;
     this.mesh = new Mesh(
-      new PlaneGeometry(metres, height),
+      new PlaneGeometry(size.width, size.height),
       new MeshBasicMaterial({ map: this.sheet.texture, toneMapped: false, transparent: true }),
     );
     this.mesh.name = 'card';
@@ -97,7 +96,7 @@ class Card {
   show(
     rows: readonly Control[],
     hand: Vector3,
-    head: Vector3,
+    gaze: Gaze,
     balls: readonly Ball[],
     outward: number,
   ): void {
@@ -106,8 +105,8 @@ class Card {
     if (rows.length !== this.rows.length || rows.some((row, i) => row !== this.rows[i]))
       this.draw(rows);
     const under = hand.clone().add(new Vector3(0, -below, 0));
-    this.mesh.position.copy(clearPlace(under, metres / 2, head, balls, outward));
-    faceHead(this.mesh, head);
+    this.mesh.position.copy(clearPlace(under, size, gaze, balls, outward));
+    faceHead(this.mesh, gaze.head);
   }
 
   private draw(rows: readonly Control[]): void {

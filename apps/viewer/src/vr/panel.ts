@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Mesh, MeshBasicMaterial, PlaneGeometry, Vector3 } from 'three';
 import { drawnTexture } from '../scene/drawn_texture';
-import { type Ball, clearPlace } from './clear_view';
+import { type Ball, clearPlace, type Gaze } from './clear_view';
 import { faceHead } from './face_head';
 import { type ButtonState, labelOf, type PanelButton, panelButtons } from './panel_buttons';
 import { Press } from './press';
+import { stopButtonHeight } from './stop_button';
 import { timeSlider } from './time_slider';
 
 export type { PanelButton } from './panel_buttons';
@@ -49,8 +50,8 @@ function toPanel({ x, y }: { x: number; y: number }): Vector3 {
 // Hysteresis of a fingertip's distance to a button [m].
 const pressDistance = 0.012;
 const releaseDistance = 0.035;
-// Of the circle around the panel [m].
-const panelRadius = (0.5 * metres * Math.hypot(width, height)) / width;
+// With the emergency stop [m].
+const wholeSize = { width: metres, height: panelHeight + stopButtonHeight };
 
 /// A small panel at the free hand, with state, force and touch buttons.
 export class Panel {
@@ -73,10 +74,13 @@ export class Panel {
 
   /// Above a hand, facing the head, and beside it where it would hide one of `balls`; all in the
   /// headset's space. `outward`: the hand's side, +1 right, -1 left.
-  placeAbove(hand: Vector3, head: Vector3, balls: readonly Ball[], outward: number): void {
-    const above = hand.clone().add(new Vector3(0, 0.12, 0));
-    this.mesh.position.copy(clearPlace(above, panelRadius, head, balls, outward));
-    faceHead(this.mesh, head);
+  placeAbove(hand: Vector3, gaze: Gaze, balls: readonly Ball[], outward: number): void {
+    const lift = stopButtonHeight / 2; // of the whole's centre above the panel's
+    const above = hand.clone().add(new Vector3(0, 0.12 + lift, 0));
+    this.mesh.position.copy(clearPlace(above, wholeSize, gaze, balls, outward));
+    faceHead(this.mesh, gaze.head);
+    this.mesh.translateY(-lift);
+    this.mesh.updateMatrix();
   }
 
   /// A button's centre in the panel's frame [m].

@@ -6,11 +6,15 @@ import { Press } from './press';
 
 const width = 0.16; // [m] as the panel
 const height = 0.045; // [m]
+const gap = 0.008; // [m] to the panel
 const pixels = { x: 512, y: 144 };
 // Hysteresis of a fingertip's distance [m], as of the panel's buttons.
 const pressDistance = 0.012;
 const releaseDistance = 0.035;
 const confirmMs = 3000; // in which a second press confirms a release
+
+/// What it adds to the panel's height [m].
+export const stopButtonHeight = gap + height;
 
 /// The emergency stop above the panel: one touch stops, two touches release.
 export class StopButton {
@@ -27,7 +31,7 @@ export class StopButton {
       new MeshBasicMaterial({ map: this.sheet.texture, toneMapped: false }),
     );
     this.mesh.name = 'emergency-stop';
-    this.mesh.position.set(0, panelHeight / 2 + 0.008 + height / 2, 0);
+    this.mesh.position.set(0, panelHeight / 2 + gap + height / 2, 0);
     this.draw(false, false);
   }
 

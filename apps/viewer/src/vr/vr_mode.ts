@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Vector3 } from 'three';
+import { Vector3 } from 'three';
 import type { App } from '../app';
 import { Command, Device, type LiveState, type Quaternion, type Vector } from '../protocol';
 import { BodyLabels } from './body_labels';
 import { BodySizes } from './body_sizes';
 import { Cards } from './cards';
+import type { Gaze } from './clear_view';
 import { Clutch } from './clutch';
 import { type Hand, HandReader, type Side, toQuaternion, toVector } from './hands';
 import { HandsView } from './hands_view';
@@ -144,7 +145,8 @@ export class VrMode {
     }
     const head = toVector(viewer.transform.position);
     const state = this.app.session.latest();
-    this.sign.show(this.trouble(state), head, toQuaternion(viewer.transform.orientation));
+    const rotation = toQuaternion(viewer.transform.orientation);
+    this.sign.show(this.trouble(state), head, rotation);
     if (!this.isPlaced) this.placePerson(head);
     const hands = this.reader.read(frame, space);
     const tool = hands.find((h) => h.side === this.toolSide);
@@ -154,7 +156,8 @@ export class VrMode {
     this.placing.update(hands);
     this.moveUser(tool, free, head);
     if (state) this.pulses.update(now, state, this.clutch.isClosed ? tool?.actuator : undefined);
-    this.show(now, hands, tool, free, head, state);
+    const gaze = { head, forward: new Vector3(0, 0, -1).applyQuaternion(rotation) };
+    this.show(now, hands, tool, free, gaze, state);
   }
 
   private trouble(state: LiveState | null) {
@@ -345,7 +348,7 @@ export class VrMode {
     hands: Hand[],
     tool: Hand | undefined,
     free: Hand | undefined,
-    head: Vector3,
+    gaze: Gaze,
     state: LiveState | null,
   ): void {
     this.hands.show(hands, this.toolSide);
@@ -360,10 +363,10 @@ export class VrMode {
     const bodies = view.bodies.filter((body) => body.object.movable);
     const balls = bodies.map((body) => this.sizes.ball(body));
     const outward = panelHand?.side === 'right' ? 1 : -1;
-    if (panelHand) this.panel.placeAbove(panelHand.position, head, balls, outward);
-    this.cards.update(hands, this.toolSide, head, balls);
+    if (panelHand) this.panel.placeAbove(panelHand.position, gaze, balls, outward);
+    this.cards.update(hands, this.toolSide, gaze, balls);
     this.labels.mesh.visible = view.layers.isShown('labels') && view.layers.isShown('bodies');
-    this.labels.update(bodies, this.sizes, head);
+    this.labels.update(bodies, this.sizes, gaze.head);
     this.panel.show(this.panelText(state), now);
   }
 
