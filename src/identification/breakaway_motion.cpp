@@ -107,7 +107,7 @@ class BreakawayFit {
     const Unknowns by = limit_by(theta);
     const double variance = inflation * by.dot(covariance * by);
     if (!std::isfinite(variance) || !(variance > 0.0)) return {};
-    // What this push says by itself, without the prior, if all that is shared is known.
+    // What this push says alone, without the prior, if all that is shared is known.
     Own own = normal.topLeftCorner<kOwn, kOwn>();
     own(kLogExcess, kLogExcess) = std::max(own(kLogExcess, kLogExcess) - 1.0, 1e-9);
     const Own inverse = own.llt().solve(Own::Identity());

@@ -227,15 +227,16 @@ std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
 LimitOfMotion limit_of(const ContactEpisode& episode, const std::optional<PushedObject>& object,
                        const std::optional<HuntCrossley>& contact_law,
                        const std::optional<ParameterValue>& mass, const OnsetOptions& options) {
-  const Breakaway& breakaway = episode.breakaway;
-  if (object) {
+  const Breakaway breakaway = with_final_rate(episode);
+  // In a slow push, the little that it can be off by is all that the motion could show.
+  const double min_overshoot = options.max_acceleration_share * breakaway.force;
+  if (object && inertial_overshoot(breakaway, object->mass) > min_overshoot) {
     const LimitOfMotion found = limit_by_motion(episode.series(), breakaway, *object);
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
   if (contact_law && mass) {
-    found.limit = limit_of_push(episode.series(), with_final_rate(episode), *contact_law,
-                                mass->value, options);
+    found.limit = limit_of_push(episode.series(), breakaway, *contact_law, mass->value, options);
   }
   if (breakaway.loading_rate > 0.0) {
     const double loading_time = found.limit.value / breakaway.loading_rate;
