@@ -9,7 +9,9 @@
 PLANTS holds recordings named KIND-SEED, each with truth/parameters.yaml and, where it was tracked,
 tracked/. For each kind of motion and each parameter: how often it was identified and withheld, the
 median and the worst relative error, the share of truths within 1, 2 and 3 stated standard
-deviations, the median and the worst |z|. `sliding_force` is the friction at each speed that the
+deviations, the median and the worst |z|. `of n` is where the share within 1 lies in 95 of 100 cases if
+the deviations are right, by the binomial distribution over the recordings: a share outside it is
+marked with `-` (stated too small) or `+` (too large). `sliding_force` is the friction at each speed that the
 report states, against mu m g + B v; `contact.penetration` the depth at the force that the report
 states it for, against that of the true law there; `contact.force` the law's force at the
 penetration that the true limiting friction causes (no standard deviation is stated for it).
@@ -29,6 +31,7 @@ import subprocess
 import sys
 
 GRAVITY = 9.80665  # [m/s^2]
+WITHIN_ONE = math.erf(math.sqrt(0.5))  # of a normal distribution
 PARAMETERS = ("mass", "limiting_static_friction", "sliding_friction_coefficient", "viscous_friction",
               "friction_radius", "tool_friction_coefficient", "contact.stiffness",
               "contact.damping", "contact.exponent")
@@ -46,6 +49,18 @@ def read_truth(file):
         if value and depth > 0 and re.fullmatch(r"[-+.\deE]+", value):  # no name of a law
             objects.setdefault(stack[0], {})[".".join(stack[1:])] = float(value)
     return objects
+
+
+def binomial_range(count, share, confidence=0.95):
+    """The shares that `count` draws of probability `share` give: the central interval."""
+    below, low = 0.0, None
+    for hits in range(count + 1):
+        below += math.comb(count, hits) * share**hits * (1.0 - share) ** (count - hits)
+        if low is None and below > 0.5 * (1.0 - confidence):
+            low = hits / count
+        if below >= 0.5 * (1.0 + confidence):
+            return low, hits / count
+    return low, 1.0
 
 
 class Score:
@@ -73,9 +88,18 @@ class Score:
         count = len(self.scores)
         for limit in (1, 2, 3):
             cells.append(f"{100 * sum(z < limit for z, _ in self.scores) / count:>5.0f}")
+        cells.append(self.expected_within_one())
         worst, where = max(self.scores)
         cells.append(f"{statistics.median(z for z, _ in self.scores):>6.2f} {worst:>7.1f} {where}")
         return " ".join(cells)
+
+    def expected_within_one(self):
+        """The values of one recording share their errors: they count once."""
+        recordings = len({where.split()[0] for _, where in self.scores})
+        low, high = binomial_range(recordings, WITHIN_ONE)
+        share = sum(z < 1.0 for z, _ in self.scores) / len(self.scores)
+        mark = "-" if share < low else "+" if share > high else " "
+        return f"{100 * low:>3.0f}-{100 * high:<3.0f}{mark}"
 
 
 def identify(pcavr, recording, work):
@@ -154,7 +178,7 @@ def score_sliding_force(rows, truth, where, scores):
 
 def print_table(kind, scores):
     print(f"\n{kind}\n{'parameter':<30} {'n':>4} {'none':>4} {'median %':>8} {'worst %':>8} {'at':<14} "
-          f"{'<1s':>5} {'<2s':>5} {'<3s':>5} {'med z':>6} {'worst z':>7}")
+          f"{'<1s':>5} {'<2s':>5} {'<3s':>5} {'of n':>8} {'med z':>6} {'worst z':>7}")
     for key, score in scores.items():
         print(f"{key:<30} {score.row()}")
 

@@ -100,14 +100,17 @@ IdentifiedParameter friction_at_breakaway(const ForceMotion& push, const Breakaw
   return friction;
 }
 
+double inertial_overshoot(const Breakaway& breakaway, double mass) {
+  if (!(breakaway.stiffness > 0.0)) return 0.0;
+  return std::max(0.0, breakaway.loading_rate) * std::sqrt(mass / breakaway.stiffness);
+}
+
 IdentifiedParameter limit_of_push(const ForceMotion& push, const Breakaway& breakaway,
                                   const HuntCrossley& contact_law, double mass,
                                   const OnsetOptions& options) {
   PCAVR_REQUIRE(mass > 0.0, mass);
   if (!breakaway.is_found) return {};
-  const double excess = breakaway.stiffness > 0.0 ? std::max(0.0, breakaway.loading_rate) *
-                                                        std::sqrt(mass / breakaway.stiffness)
-                                                  : 0.0;
+  const double excess = inertial_overshoot(breakaway, mass);
   if (excess > options.max_acceleration_share * breakaway.force) {
     const IdentifiedParameter limit =
         friction_at_breakaway(push, breakaway, contact_law, mass, options);

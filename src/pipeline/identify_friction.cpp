@@ -9,6 +9,9 @@
 #include <Eigen/Core>
 #include <fmt/core.h>
 
+#include "pcavr/core/median.hpp"
+#include "pcavr/identification/breakaway_motion.hpp"
+
 #include "identify_parts.hpp"
 #include "identify_slides.hpp"
 
@@ -200,23 +203,65 @@ bool is_mostly_turning(const std::vector<FrictionSample>& samples) {
   return 2 * turning > static_cast<std::ptrdiff_t>(samples.size());
 }
 
-/// F_M of each push: the limiting static friction without inertia, which needs the mass; else the
-/// force at the peak. F_M of all that count: with the scatter between pushes.
-void find_limits(const std::vector<IdentifiedContact*>& pushes,
-                 const std::optional<HuntCrossley>& contact_law,
+/// Nothing where the mass, the contact law or the sliding friction is not known.
+std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
+                                          const FrictionPriors& priors,
+                                          const ObjectIdentification& known) {
+  const FrictionPosterior& friction = known.friction;
+  const std::optional<ParameterValue>& mass = known.parameters.mass;
+  if (!compliance.law || !mass || !friction.is_valid || !friction.coulomb.is_excited)
+    return std::nullopt;
+  PushedObject object{.contact_law = *compliance.law,
+                      .compliance_std = compliance.std,
+                      .damping_std = compliance.damping_std,
+                      .mass = mass->value,
+                      .mass_std = priors.mass_share,
+                      .sliding = {friction.coulomb.value, friction.viscous.value},
+                      .sliding_covariance = friction.covariance.bottomRightCorner<2, 2>(),
+                      .stribeck_speed = priors.stribeck_speed};
+  if (mass->std) object.mass_std = *mass->std / mass->value;
+  return object;
+}
+
+/// Of one push: without inertia, which needs the mass; else the force at the peak.
+LimitOfMotion limit_of(const ContactEpisode& episode, const std::optional<PushedObject>& object,
+                       const std::optional<HuntCrossley>& contact_law,
+                       const std::optional<ParameterValue>& mass, const OnsetOptions& options) {
+  const Breakaway breakaway = with_final_rate(episode);
+  // In a slow push, the little that it can be off by is all that the motion could show.
+  const double min_overshoot = options.max_acceleration_share * breakaway.force;
+  if (object && inertial_overshoot(breakaway, object->mass) > min_overshoot) {
+    const LimitOfMotion found = limit_by_motion(episode.series(), breakaway, *object);
+    if (found.limit.is_excited) return found;
+  }
+  LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
+  if (contact_law && mass) {
+    found.limit = limit_of_push(episode.series(), breakaway, *contact_law, mass->value, options);
+  }
+  if (breakaway.loading_rate > 0.0) {
+    const double loading_time = found.limit.value / breakaway.loading_rate;
+    found.shared_std = limit_rate_std(found.limit.value, loading_time);
+  }
+  return found;
+}
+
+/// F_M of each push, and of all that count: with the scatter between pushes.
+void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCompliance& compliance,
                  const IdentificationOptions& options, ObjectIdentification& result) {
+  const std::optional<PushedObject> object =
+      pushed_object(compliance, options.friction_priors, result);
   std::vector<Breakaway> breakaways;
+  std::vector<double> shared;  // stds that do not average out over the pushes
   for (IdentifiedContact* push : pushes) {
     widen_smoothing(push->episode, options.inputs.segmentation.breakaway);
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
-      push->limit = {breakaway.force, breakaway.std, true};
-      if (contact_law && result.parameters.mass) {
-        push->limit = limit_of_push(push->episode.series(), with_final_rate(push->episode),
-                                    *contact_law, result.parameters.mass->value, options.onset);
-      }
+      const LimitOfMotion limit =
+          limit_of(push->episode, object, compliance.law, result.parameters.mass, options.onset);
+      push->limit = limit.limit;
+      shared.push_back(limit.shared_std);
       breakaway.force = push->limit.value;
-      breakaway.std = push->limit.std;
+      breakaway.std = std::hypot(push->limit.std, limit.shared_std);
     }
     breakaways.push_back(breakaway);
   }
@@ -235,10 +280,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes,
   const FrictionPriors& priors = options.friction_priors;
   result.limit_of_pushes = combine_limits(limits, priors.scatter, priors.scatter_factor);
   IdentifiedParameter& mean = result.limit_of_pushes.limit;
-  if (result.limit.loading_rate > 0.0) {
-    const double loading_time = result.limit.mean / result.limit.loading_rate;
-    mean.std = std::hypot(mean.std, limit_rate_std(result.limit.mean, loading_time));
-  }
+  mean.std = std::hypot(mean.std, median(std::move(shared)));
   if (!bound_by_sliding(result)) return;
   ObjectParameters& parameters = result.parameters;
   parameters.limiting_static_friction = as_value(result.limit_of_pushes.limit);
@@ -321,7 +363,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   result.slide_samples = friction_samples(body.tracked.empty() ? pushes : all, compliance, body,
                                           tip, tool_radius, support);
   take_sliding(infer(result.slide_samples, known_mass, priors), given_mass, result);
-  find_limits(pushes, contact_law, options, result);
+  find_limits(pushes, compliance, options, result);
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {
     result.is_contact_off_centre = true;
   }

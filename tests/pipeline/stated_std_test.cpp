@@ -78,5 +78,23 @@ TEST(StatedStds, OfSlidingFrictionCoverTheTruthOfOtherPlants) {
   }
 }
 
+TEST(StatedStds, OfLimitingFrictionCoverTheTruthOfOtherPlants) {
+  PCAVR_NEEDS_SHARED_DATA("plants/probe-1");
+  constexpr double kMaxError = 0.06;
+  for (const char* kind : {"probe-", "push-"}) {
+    for (int seed = 1; seed <= 6; ++seed) {
+      const std::string where = kind + std::to_string(seed);
+      const fs::path folder = shared_data("plants") / where;
+      const Expected<ParameterTable> table = read_parameters(folder / "truth/parameters.yaml");
+      ASSERT_TRUE(table.has_value());
+      const auto& truth = table->at("body").limiting_static_friction;
+      const Identification found = identified(folder);
+      const auto& limit = found.objects.front().parameters.limiting_static_friction;
+      expect_covered(limit, truth, where);
+      EXPECT_NEAR(limit->value, truth->value, kMaxError * truth->value) << where;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pcavr

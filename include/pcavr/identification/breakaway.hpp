@@ -80,6 +80,10 @@ struct OnsetOptions {
                                                         double mass,
                                                         const OnsetOptions& options = {});
 
+/// [N] by which the force overshoots the limit of an object under constant friction: r sqrt(M / k),
+/// while a contact of stiffness k is loaded at a rate r. mass M [kg].
+[[nodiscard]] double inertial_overshoot(const Breakaway& breakaway, double mass);
+
 /// Friction's own limit of one push [N], whatever its speed: the force at the peak less what
 /// accelerated the object. While a contact of stiffness k is loaded at a rate r, an object under
 /// constant friction overshoots by r sqrt(M / k) of force; friction that drops at once makes the

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pcavr/contact/hunt_crossley.hpp"
+#include "pcavr/identification/breakaway.hpp"
+#include "pcavr/identification/parameter.hpp"
+
+namespace pcavr {
+
+/// What is known of a pushed object before its static limit.
+struct PushedObject {
+  HuntCrossley contact_law;     ///< stiffness > 0
+  double compliance_std = 0.0;  ///< share, of the contact's compliance
+  double damping_std = 0.0;     ///< [s/m] of the contact's damping over its stiffness
+  double mass = 0.0;            ///< [kg] > 0
+  double mass_std = 0.0;        ///< share
+  /// Coulomb friction [N] > 0 and viscous friction [N s/m] while it slides, and their covariance,
+  /// positive definite.
+  Eigen::Vector2d sliding = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d sliding_covariance = Eigen::Matrix2d::Identity();
+  double stribeck_speed = 0.0;  ///< [m/s] > 0 over which friction falls to that of sliding; median
+};
+
+/// A push's limit with its own std, and the std [N] that it shares with the object's other pushes.
+struct LimitOfMotion {
+  IdentifiedParameter limit;
+  double shared_std = 0.0;
+};
+
+/// Friction's own limit F_M of one push [N], whatever its speed, by the breakaway's equation of
+/// motion: the object rests until bristles between it and its support slip, and then
+///
+///     M s'' = k d^n (1 + c d') - f - B s',   d = tip - s,
+///     f -> Fc + (F_M - Fc) exp(-(s'/vs)^2) after some micrometres of presliding
+///
+/// [LuGre model: Canudas de Wit et al. 1995]. The measured force about its peak is fitted by F_M,
+/// with the errors of all that is known beside it as unknowns that have a prior: tip (its noise,
+/// smoothed), compliance, damping, Fc and B, vs, presliding. Of the posterior (Laplace's
+/// approximation, wider where the model does not explain the force), the part is cut off that is
+/// clearly above the peak, or below it by more than an object under constant friction overshoots
+/// by. Not excited without a breakaway or with too few samples about it. Pure function;
+/// deterministic.
+[[nodiscard]] LimitOfMotion limit_by_motion(const ForceMotion& push, const Breakaway& breakaway,
+                                            const PushedObject& object);
+
+}  // namespace pcavr

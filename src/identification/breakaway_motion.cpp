@@ -1,0 +1,337 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/identification/breakaway_motion.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "pcavr/core/check.hpp"
+#include "pcavr/identification/signals.hpp"
+
+namespace pcavr {
+namespace {
+
+/// One breakaway's force, and the equation of motion that predicts it.
+class BreakawayFit {
+  // Priors, each log-normal: the median, and the factor that is one std of the logarithm.
+  /// Of the limit over Coulomb friction, as a share of that: their ratio is mostly 0.6 to 1.
+  static constexpr double kExcess = 0.2, kExcessFactor = 2.5;
+  /// [m] that an object moves before friction has its full limit [Armstrong-Helouvry et al. 1994:
+  /// 1 to 50 um].
+  static constexpr double kPresliding = 5e-6, kPreslidingFactor = 3.0;
+  static constexpr double kStribeckFactor = 2.0;  // its median is the object's
+
+  /// Of the peak: by which friction may fall short of its limit, as the bristles slip before they
+  /// are fully deflected; the more the faster the load [Canudas de Wit et al. 1995].
+  static constexpr double kMaxShortfall = 0.03;
+
+  static constexpr double kPathHalfWidth = 0.040;  // [s] of the tip's smoothing: it moves smoothly
+  /// Of Coulomb friction, from which on the force is fitted: the object surely rests.
+  static constexpr double kFromShare = 0.6;
+  static constexpr double kMinStartShare = 0.1;  // of the peak: in contact, whatever the noise
+  static constexpr double kMaxLead = 0.3;        // [s] before the peak
+  // [s] after the peak; between them, a quarter of the contact's swing.
+  static constexpr double kMinAfter = 0.004, kMaxAfter = 0.03;
+  static constexpr std::size_t kMinSamples = 10;
+  static constexpr double kMinNoiseShare = 1e-3;  // of the force: a simulated one may have none
+  // [s] of the integration: a hundredth of a hard contact's swing.
+  static constexpr double kMaxStep = 1e-4;
+  static constexpr double kDampedSpeed = 0.005;  // [m/s] bristles damp slower motion only
+  static constexpr int kIterations = 20;
+  static constexpr double kMaxDamping = 1e6;     // of the normal equations: no step improves them
+  static constexpr double kConverged = 1e-6;     // relative change of the misfit
+  static constexpr double kDifference = 0.1;     // step of the derivatives, in stds
+  static constexpr double kMinRemaining = 1e-3;  // of a distribution that bounds cut
+
+  /// The unknowns. All but the penetration have a prior, whose std is their unit.
+  enum Unknown {
+    kLogExcess,    // of the limit over Coulomb friction
+    kPenetration,  // of the tip at the window's begin, in hundredths of its start value
+    kSpeed,        // errors of the tip's speed and acceleration
+    kAcceleration,
+    kOwn,  // the unknowns before are the push's own, those from here on the object's
+    kCompliance = kOwn,
+    kDamping,
+    kLogStribeck,
+    kCoulomb,  // along the columns of the Cholesky factor of sliding friction's covariance
+    kViscous,
+    kLogPresliding,
+    kUnknowns
+  };
+  using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
+  using Normal = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+  using Own = Eigen::Matrix<double, kOwn, kOwn>;
+
+ public:
+  BreakawayFit(const ForceMotion& push, const Breakaway& breakaway, const PushedObject& object)
+      : object_(object), friction_factor_(object.sliding_covariance.llt().matrixL()) {
+    const HuntCrossley& law = object.contact_law;
+    const double depth = static_penetration(law, breakaway.force);
+    const double stiffness = law.exponent * breakaway.force / depth;
+    take_window(push, breakaway, 0.5 * std::numbers::pi * std::sqrt(object.mass / stiffness));
+    if (!is_usable()) return;
+    noise_ = std::max(estimate_noise_std(push.force), kMinNoiseShare * breakaway.force);
+    const double interval = mean_interval(push.t);
+    const double tip_noise = push.tool_noise.value_or(estimate_noise_std(push.tool));
+    const double cube = std::pow(kPathHalfWidth, 3);
+    speed_std_ = tip_noise * std::sqrt(15.0 / 7.0 * interval / cube);
+    acceleration_std_ =
+        tip_noise * std::sqrt(22.5 * interval / (cube * kPathHalfWidth * kPathHalfWidth));
+    start_penetration_ =
+        static_penetration(law, std::max(mean_about(force_, 0), kMinStartShare * breakaway.force));
+    const SmoothedSample tip = smooth_at(push.t, push.tool, breakaway.t, kPathHalfWidth);
+    const double tip_speed = tip.is_valid ? std::max(0.0, tip.rate) : 0.0;
+    const double overshoot = tip_speed * std::sqrt(stiffness * object.mass);
+    max_limit_ = (1.0 + kMaxShortfall) * breakaway.force + breakaway.std;
+    min_limit_ = breakaway.force - breakaway.std - (1.0 + object.compliance_std) * overshoot -
+                 object.sliding[1] * tip_speed;
+  }
+
+  [[nodiscard]] bool is_usable() const { return t_.size() >= kMinSamples; }
+
+  [[nodiscard]] LimitOfMotion solve() const {
+    Unknowns theta = Unknowns::Zero();
+    const double sum = minimise(theta);
+    Normal normal;
+    Unknowns gradient;
+    linearise(theta, normal, gradient);
+    const Normal covariance = normal.llt().solve(Normal::Identity());
+    const double inflation = std::max(1.0, sum / static_cast<double>(t_.size() - 2));
+    const Unknowns by = limit_by(theta);
+    const double variance = inflation * by.dot(covariance * by);
+    if (!std::isfinite(variance) || !(variance > 0.0)) return {};
+    // What this push says alone, without the prior, if all that is shared is known.
+    Own own = normal.topLeftCorner<kOwn, kOwn>();
+    own(kLogExcess, kLogExcess) = std::max(own(kLogExcess, kLogExcess) - 1.0, 1e-9);
+    const Own inverse = own.llt().solve(Own::Identity());
+    const double own_variance = inflation * std::pow(by[kLogExcess], 2) * inverse(0, 0);
+    const double own_share = std::sqrt(std::min(1.0, own_variance / variance));
+    const IdentifiedParameter limit = within_bounds(limit_at(theta), std::sqrt(variance));
+    return {{limit.value, own_share * limit.std, true},
+            std::sqrt(1.0 - own_share * own_share) * limit.std};
+  }
+
+ private:
+  /// The samples that are fitted, about the peak.
+  void take_window(const ForceMotion& push, const Breakaway& breakaway, double quarter_swing) {
+    const std::vector<double> force = remove_spikes(push.force).values;
+    const double loaded = kFromShare * std::min(breakaway.force, object_.sliding[0]);
+    const auto peak = std::lower_bound(push.t.begin(), push.t.end(), breakaway.t);
+    auto begin = static_cast<std::size_t>(peak - push.t.begin());
+    const double from = breakaway.t - kMaxLead;
+    while (begin > 0 && push.t[begin - 1] > from && mean_about(force, begin) > loaded) --begin;
+    const double to = breakaway.t + std::clamp(quarter_swing, kMinAfter, kMaxAfter);
+    for (std::size_t i = begin; i < push.t.size() && push.t[i] <= to; ++i) {
+      const SmoothedSample tip = smooth_at(push.t, push.tool, push.t[i], kPathHalfWidth);
+      if (!tip.is_valid) continue;
+      // Without the path's curvature: the smoothing kernel's second moment is a seventh.
+      const double bias = tip.acceleration * kPathHalfWidth * kPathHalfWidth / 14.0;
+      t_.push_back(push.t[i]);
+      tip_.push_back(tip.value - bias);
+      force_.push_back(force[i]);
+    }
+  }
+
+  static double mean_about(const std::vector<double>& values, std::size_t middle) {
+    constexpr std::size_t kReach = 3;
+    const std::size_t from = middle - std::min(middle, kReach);
+    const std::size_t to = std::min(values.size(), middle + kReach + 1);
+    double sum = 0.0;
+    for (std::size_t i = from; i < to; ++i) sum += values[i];
+    return sum / static_cast<double>(to - from);
+  }
+
+  [[nodiscard]] double excess_at(const Unknowns& theta) const {
+    return kExcess * std::pow(kExcessFactor, theta[kLogExcess]);
+  }
+  [[nodiscard]] Eigen::Vector2d sliding_at(const Unknowns& theta) const {
+    return object_.sliding + friction_factor_ * theta.segment<2>(kCoulomb);
+  }
+  /// [N] F_M, and its derivatives.
+  [[nodiscard]] double limit_at(const Unknowns& theta) const {
+    return sliding_at(theta)[0] * (1.0 + excess_at(theta));
+  }
+  [[nodiscard]] Unknowns limit_by(const Unknowns& theta) const {
+    Unknowns by = Unknowns::Zero();
+    by[kLogExcess] = sliding_at(theta)[0] * excess_at(theta) * std::log(kExcessFactor);
+    by.segment<2>(kCoulomb) = (1.0 + excess_at(theta)) * friction_factor_.row(0).transpose();
+    return by;
+  }
+
+  /// The object slid, so that the force has nearly reached the limit; and it has not exceeded it by
+  /// more than an object under constant friction overshoots by. Moments of the truncated normal
+  /// distribution [Johnson, Kotz & Balakrishnan 1994, ch. 13]; of the uniform one between the
+  /// bounds where next to nothing of it remains.
+  [[nodiscard]] IdentifiedParameter within_bounds(double limit, double std) const {
+    const double low = (min_limit_ - limit) / std, high = (max_limit_ - limit) / std;
+    const auto density = [](double x) {
+      return std::exp(-0.5 * x * x) / std::sqrt(2.0 * std::numbers::pi);
+    };
+    const double remaining =
+        0.5 * (std::erfc(low / std::numbers::sqrt2) - std::erfc(high / std::numbers::sqrt2));
+    if (!(remaining > kMinRemaining)) {
+      return {0.5 * (min_limit_ + max_limit_), (max_limit_ - min_limit_) / std::sqrt(12.0), true};
+    }
+    const double shift = (density(low) - density(high)) / remaining;
+    const double square =
+        1.0 + (low * density(low) - high * density(high)) / remaining - shift * shift;
+    return {limit + shift * std, std * std::sqrt(std::max(square, 0.0)), true};
+  }
+
+  /// [m] of the tip in the resting object.
+  [[nodiscard]] double tip_at(const Unknowns& theta, std::size_t i) const {
+    const double since = t_[i] - t_.front();
+    return start_penetration_ * (1.0 + 0.01 * theta[kPenetration]) + tip_[i] - tip_.front() +
+           since * speed_std_ * theta[kSpeed] +
+           0.5 * since * since * acceleration_std_ * theta[kAcceleration];
+  }
+
+  [[nodiscard]] HuntCrossley law_at(const Unknowns& theta) const {
+    const HuntCrossley& known = object_.contact_law;
+    // The swing depends on mass and compliance by their product.
+    const double std = std::hypot(object_.compliance_std, object_.mass_std);
+    HuntCrossley law = known;
+    law.stiffness *= std::exp(-known.exponent * std * theta[kCompliance]);
+    law.damping =
+        law.stiffness * (known.damping / known.stiffness + object_.damping_std * theta[kDamping]);
+    return law;
+  }
+
+  /// Friction at rest, presliding and sliding, without the viscous part: bristles that deflect,
+  /// and slip at the Stribeck curve's level [LuGre model: Canudas de Wit et al. 1995].
+  struct Bristles {
+    double coulomb, limit;   ///< [N]
+    double speed;            ///< [m/s] of Stribeck
+    double stiffness;        ///< [N/m]
+    double damping;          ///< [N s/m]
+    double deflected = 0.0;  ///< [N]
+
+    double step(double v, double dt) {
+      const double ratio = v / speed;
+      const double level = coulomb + (limit - coulomb) * std::exp(-ratio * ratio);
+      const double before = deflected;
+      deflected = (deflected + stiffness * dt * v) / (1.0 + stiffness * dt * std::abs(v) / level);
+      const double fade = std::exp(-std::pow(v / kDampedSpeed, 2));
+      return deflected + damping * fade * (deflected - before) / (stiffness * dt);
+    }
+  };
+
+  [[nodiscard]] Bristles bristles_at(const Unknowns& theta) const {
+    const double limit = limit_at(theta);
+    const double stiffness =
+        limit / (kPresliding * std::pow(kPreslidingFactor, theta[kLogPresliding]));
+    return {sliding_at(theta)[0], limit,
+            object_.stribeck_speed * std::pow(kStribeckFactor, theta[kLogStribeck]), stiffness,
+            std::sqrt(stiffness * object_.mass)};
+  }
+
+  /// The contact's force at the samples, from rest under the first one.
+  void simulate(const Unknowns& theta, std::vector<double>& force) const {
+    const HuntCrossley law = law_at(theta);
+    const double viscous = sliding_at(theta)[1];
+    Bristles bristles = bristles_at(theta);
+    double v = 0.0, s = 0.0;
+    double last = tip_at(theta, 0);
+    double contact = elastic_force(law, std::max(0.0, last));
+    bristles.deflected = contact;
+    force.assign(t_.size(), contact);
+    for (std::size_t i = 1; i < t_.size(); ++i) {
+      const double tip = tip_at(theta, i), span = t_[i] - t_[i - 1];
+      const int steps = static_cast<int>(std::ceil(span / kMaxStep));
+      const double dt = span / steps;
+      for (int k = 1; k <= steps; ++k) {
+        const double depth = std::max(0.0, last + (tip - last) * k / steps - s);
+        contact = std::max(0.0, unclamped_contact_force(law, depth, (tip - last) / span - v));
+        v += dt / object_.mass * (contact - bristles.step(v, dt) - viscous * v);
+        s += dt * v;
+      }
+      force[i] = contact;
+      last = tip;
+    }
+  }
+
+  [[nodiscard]] double misfit(const Unknowns& theta) const {
+    std::vector<double> force;
+    simulate(theta, force);
+    double sum = theta.squaredNorm() - std::pow(theta[kPenetration], 2);
+    for (std::size_t i = 0; i < force.size(); ++i)
+      sum += std::pow((force_[i] - force[i]) / noise_, 2);
+    return sum;
+  }
+
+  void linearise(const Unknowns& theta, Normal& normal, Unknowns& gradient) const {
+    std::vector<double> base;
+    simulate(theta, base);
+    std::array<std::vector<double>, kUnknowns> low, high;
+    for (int k = 0; k < kUnknowns; ++k) {
+      const auto column = static_cast<std::size_t>(k);
+      simulate(theta + kDifference * Unknowns::Unit(k), high[column]);
+      simulate(theta - kDifference * Unknowns::Unit(k), low[column]);
+    }
+    normal.setIdentity();
+    gradient = -theta;
+    normal(kPenetration, kPenetration) = gradient[kPenetration] = 0.0;
+    for (std::size_t i = 0; i < base.size(); ++i) {
+      Unknowns row;
+      for (int k = 0; k < kUnknowns; ++k) {
+        const auto column = static_cast<std::size_t>(k);
+        row[k] = (high[column][i] - low[column][i]) / (2.0 * kDifference * noise_);
+      }
+      normal += row * row.transpose();
+      gradient += (force_[i] - base[i]) / noise_ * row;
+    }
+  }
+
+  /// Levenberg-Marquardt; returns the final misfit.
+  double minimise(Unknowns& theta) const {
+    Normal normal;
+    Unknowns gradient;
+    double damping = 1e-3, sum = misfit(theta);
+    for (int i = 0; i < kIterations && damping < kMaxDamping; ++i) {
+      linearise(theta, normal, gradient);
+      for (; damping < kMaxDamping; damping *= 10.0) {
+        Normal damped = normal;
+        damped.diagonal() *= 1.0 + damping;
+        const Unknowns candidate = theta + damped.llt().solve(gradient);
+        const double candidate_sum = misfit(candidate);
+        if (!(candidate_sum < sum)) continue;
+        const bool is_done = sum - candidate_sum < kConverged * sum;
+        theta = candidate;
+        sum = candidate_sum;
+        damping *= 0.1;
+        if (is_done) return sum;
+        break;
+      }
+    }
+    return sum;
+  }
+
+  const PushedObject& object_;
+  Eigen::Matrix2d friction_factor_;
+  std::vector<double> t_, tip_, force_;
+  double noise_ = 0.0;                               ///< [N]
+  double speed_std_ = 0.0, acceleration_std_ = 0.0;  ///< of the tip
+  double start_penetration_ = 0.0;                   ///< [m]
+  double min_limit_ = 0.0, max_limit_ = 0.0;         ///< [N]
+};
+
+}  // namespace
+
+LimitOfMotion limit_by_motion(const ForceMotion& push, const Breakaway& breakaway,
+                              const PushedObject& object) {
+  PCAVR_REQUIRE(object.mass > 0.0 && object.stribeck_speed > 0.0, object.mass);
+  PCAVR_REQUIRE(object.contact_law.stiffness > 0.0, object.contact_law.stiffness);
+  PCAVR_REQUIRE(object.sliding[0] > 0.0, object.sliding[0]);
+  if (!breakaway.is_found || !(breakaway.force > 0.0)) return {};
+  const BreakawayFit fit(push, breakaway, object);
+  return fit.is_usable() ? fit.solve() : LimitOfMotion{};
+}
+
+}  // namespace pcavr
