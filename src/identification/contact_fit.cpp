@@ -33,6 +33,8 @@ constexpr double kMaxNoiseShare = 0.05;
 /// Of the residual force, for a surface to be another one at each short press: two unknowns for
 /// each gain some per cent on one law that holds.
 constexpr double kMinShortGain = 1.25;
+/// Of fewer short presses, places of the surface and an error of the law look the same.
+constexpr std::ptrdiff_t kMinShortPresses = 8;
 constexpr double kMaxSmoothing = 4.0;   // times the half width of the options
 constexpr double kSmoothingStep = 1.4;  // from one half width to the next
 
@@ -231,14 +233,19 @@ std::string proposal_for(const ContactIdentification& found) {
 void take_drifting_surface(std::span<const ForceMotion> presses, std::span<const ForceMotion> local,
                            const ContactFitOptions& options, ContactIdentification& found) {
   const ContactFit fixed = found.best();
-  ContactFit drifting = fit_drifting_surface(presses, options);
   const auto short_presses =
       std::count_if(presses.begin(), presses.end(),
                     [&](const ForceMotion& press) { return is_short_press(press, options); });
   const bool are_short = 2 * short_presses > std::ssize(presses);
+  if (are_short && short_presses < kMinShortPresses) return;
+  ContactFit drifting = fit_drifting_surface(presses, options);
   const double min_gain =
       are_short ? std::min(options.min_moving_gain, kMinShortGain) : options.min_moving_gain;
-  const bool is_fixed = fixed.is_valid && fixed.residual < min_gain * drifting.residual;
+  // At its bound the exponent asks for another law.
+  const bool is_at_bound = found.chosen == ContactRegressor::hunt_crossley &&
+                           fixed.exponent.value >= options.max_exponent;
+  const bool is_fixed =
+      fixed.is_valid && !is_at_bound && fixed.residual < min_gain * drifting.residual;
   if (!drifting.is_valid || is_fixed) return;
   found.proposal = fmt::format(
       "the surface moves under the presses: a law of one that stays leaves {:.2f} N unexplained, "

@@ -333,9 +333,7 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
     fit.surface.push_back(theta[problem.surface_column(p)]);
   }
   set_residual(presses, fit);
-  // At the bound the presses ask for something else than a law of this form.
-  const bool is_at_bound = !problem.is_exponent_given() && theta[2] >= problem.max_exponent();
-  fit.is_valid = fit.stiffness.value > 0.0 && std::isfinite(fit.stiffness.std) && !is_at_bound;
+  fit.is_valid = fit.stiffness.value > 0.0 && std::isfinite(fit.stiffness.std);
   return fit;
 }
 

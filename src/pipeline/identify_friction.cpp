@@ -259,6 +259,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
       const LimitOfMotion limit =
           limit_of(push->episode, object, compliance.law, result.parameters.mass, options.onset);
       push->limit = limit.limit;
+      push->limit_shared_std = limit.shared_std;
       shared.push_back(limit.shared_std);
       breakaway.force = push->limit.value;
       breakaway.std = std::hypot(push->limit.std, limit.shared_std);

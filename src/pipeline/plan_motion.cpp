@@ -124,7 +124,8 @@ double push_std_of(const std::vector<const IdentifiedContact*>& contacts) {
   double information = 0.0, count = 0.0;
   for (const IdentifiedContact* contact : contacts) {
     if (!contact->limit.is_excited || !(contact->limit.std > 0.0)) continue;
-    information += std::pow(contact->limit.std, -2);
+    // Of a fast push, nearly all is shared: it says little of slow ones.
+    information += std::pow(std::hypot(contact->limit.std, contact->limit_shared_std), -2);
     ++count;
   }
   return information > 0.0 ? std::sqrt(count / information) : 0.0;

@@ -13,12 +13,12 @@
 
 namespace pcavr {
 
-/// The identification of a contact by a thread: some 10 ms of CPU, during which the robot's site
-/// has to run its cycles. What is found applies from a fixed time of the data on, so that a replay
-/// equals a live site. The body that a record refers to must outlive it. Not thread-safe.
+/// The identification of a contact by a thread: some 10 ms of CPU, during most of which the robot's
+/// site has to run its cycles. What is found applies from a fixed time of the data on, so that a
+/// replay equals a live site. The body that a record refers to must outlive it. Not thread-safe.
 class PendingIdentification {
  public:
-  static constexpr double kDuration = 0.02;  ///< [s] of the data, until the result applies
+  static constexpr double kDuration = 0.005;  ///< [s] of the data, until the result applies
 
   /// As `learner` would find at `t` [s], from copies of both.
   PendingIdentification(std::launch policy, double t, const ObjectLearner& learner,

@@ -94,6 +94,7 @@ struct IdentificationOptions {
 /// One contact of the recording, and what was identified from it.
 struct IdentifiedContact : AttributedContact {
   IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
+  double limit_shared_std = 0.0;   ///< [N] ... and its std that the object's pushes have in common
   /// [m] std of the episode's `tool` by a cause that all samples share; empty: none.
   std::vector<double> tip_std = {};
   /// Of a push, where a press gave the object's contact law; its ratio may be not excited.
