@@ -51,7 +51,7 @@ test('a page says that it cannot read the states, and that none comes', limit, a
   );
   t.after(silent.close);
   const { page: waiting } = await stage.open(silent.url);
-  await waiting.waitForFunction(() => window.__pcavr.connection === 'lost');
+  await waiting.waitForFunction(() => window.__pcavr?.connection === 'lost');
 });
 
 test('a page reconnects after the connection is lost', limit, async (t) => {
