@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/robot_identification/robot_fit.hpp"
@@ -42,6 +44,15 @@ TermText text_of(FrictionTerm term) {
   PCAVR_REQUIRE(false, static_cast<int>(term));
 }
 
+/// The filtered signs of a candidate. Throws ContractError if it is none of them.
+template <std::size_t Count>
+const Eigen::MatrixXd& sign_of(double candidate, const std::array<double, Count>& candidates,
+                               const std::array<Eigen::MatrixXd, Count>& signs) {
+  const auto found = std::find(candidates.begin(), candidates.end(), candidate);
+  PCAVR_REQUIRE(found != candidates.end(), candidate);
+  return signs[static_cast<std::size_t>(found - candidates.begin())];
+}
+
 }  // namespace
 
 const char* name_of(FrictionTerm term) { return text_of(term).name; }
@@ -73,17 +84,12 @@ bool JointFit::is_out_of_step(double usual) const {
 Eigen::VectorXd friction_sign(const SignModel& model, const JointSignals& signals,
                               std::size_t joint) {
   const auto column = static_cast<Eigen::Index>(joint);
-  const auto filtered = [column](const auto& candidates, double value, const auto& signs) {
-    const auto found = std::find(candidates.begin(), candidates.end(), value);
-    PCAVR_REQUIRE(found != candidates.end(), value);
-    return signs[static_cast<std::size_t>(found - candidates.begin())].col(column);
-  };
   if (model.presliding_displacement > 0.0) {
-    return filtered(kPreslidingDisplacements, model.presliding_displacement,
-                    signals.presliding_sign);
+    return sign_of(model.presliding_displacement, kPreslidingDisplacements, signals.presliding_sign)
+        .col(column);
   }
   if (model.is_filtered) {
-    return filtered(kSmoothingSpeeds, model.smoothing_speed, signals.smoothed_sign);
+    return sign_of(model.smoothing_speed, kSmoothingSpeeds, signals.smoothed_sign).col(column);
   }
   return (signals.velocity.col(column).array() / model.smoothing_speed).tanh();
 }

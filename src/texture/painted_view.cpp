@@ -37,7 +37,7 @@ DepthImage minimum_around(const DepthImage& depth, int radius) {
   const auto width = static_cast<Eigen::Index>(depth.width());
   const int window = 2 * radius + 1;
   std::vector<Row> rows(static_cast<std::size_t>(window), Row::Constant(width, kNone));
-  Row padded = Row::Constant(width + 2 * radius, kNone);
+  Row padded = Row::Constant(width + window - 1, kNone);
   DepthImage nearest(depth.width(), depth.height());
   // Row y + radius enters the window, in place of the one that leaves it.
   for (int y = -radius; y < depth.height(); ++y) {
