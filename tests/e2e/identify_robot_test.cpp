@@ -3,7 +3,6 @@
 // Logs of arms through the real command: import, identify robot. Variants were compared on the
 // whole of the shared logs, so their held-out errors are no independent judgement; the PA-10's seed
 // is its own.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -209,9 +208,9 @@ TEST(IdentifyRobot, HeldOutTorqueErrorsOfFrankaDynamicsStayWithinTheirBounds) {
 
 // The origin's figures and rows: offset, viscous and Coulomb friction with sign(dq), by all rows.
 // They are of plain least squares; ours are projected from a model with presliding and motor
-// inertia, which predicts better and shares the torque otherwise: joint 4's viscous friction is 6.4
-// +- 2.3 % above the origin's, the others are within 3.4 %.
-TEST(IdentifyRobot, TheUr10esFrictionIsWithin5PercentOr3StdsOfItsOriginsFigures) {
+// inertia, which predicts better and shares the torque otherwise. Joint 4's viscous friction misses
+// the 5 %: it is 6.4 +- 2.3 % above the origin's.
+TEST(IdentifyRobot, TheUr10esFrictionIsWithin5PercentOfItsOriginsFiguresButForOne) {
   PCAVR_NEEDS_SHARED_DATA("real/ur10e");
   constexpr std::array<double, 6> kViscous{21.256, 20.221, 10.378, 3.575, 2.491, 3.026};
   constexpr std::array<double, 6> kCoulomb{12.548, 13.266, 4.994, 1.998, 2.690, 2.298};
@@ -240,7 +239,8 @@ TEST(IdentifyRobot, TheUr10esFrictionIsWithin5PercentOr3StdsOfItsOriginsFigures)
       const double error = std::abs(joint[name].get<double>() - expected);
       const auto std = joint[std::string(name) + "_std"].get<double>();
       EXPECT_LT(std, 0.05 * expected) << j << ' ' << name;
-      EXPECT_LT(error, std::max(0.05 * expected, 3.0 * std)) << j << ' ' << name;
+      const bool is_missed = j == 3 && expected == kViscous[3];
+      EXPECT_LT(error, is_missed ? 3.0 * std : 0.05 * expected) << j << ' ' << name;
     }
   }
 }
