@@ -135,6 +135,22 @@ Expected<CommandResult> import_from_bag(const ImportArguments& arguments,
   return run_import_bag(arguments.source, arguments.output, arguments.bag, options, observer);
 }
 
+/// Which of two possible scales is used, and by what it was decided.
+std::string depth_scale_warning(const ImportedDepthScale& scale) {
+  const std::string hint = fmt::format("; --depth-scale {:g} if that is wrong", *scale.other);
+  if (!scale.share_in_range) {
+    return fmt::format("depth_scale {:g} is used, where such folders usually have {:g}", scale.used,
+                       *scale.other) +
+           hint;
+  }
+  return fmt::format(
+             "depth_scale {:g} is used: {:.0f} % of the readings are in the camera's range "
+             "then, with {:g} {:.0f} %",
+             scale.used, 100.0 * *scale.share_in_range, *scale.other,
+             100.0 * *scale.other_share_in_range) +
+         hint;
+}
+
 Expected<CommandResult> run_import(ImportArguments arguments, const Observer& observer) {
   if (is_of_bag(arguments)) return import_from_bag(arguments, observer);
   if (const std::string option = first_bag_option(arguments.bag); !option.empty()) {
@@ -165,17 +181,14 @@ Expected<CommandResult> run_import(ImportArguments arguments, const Observer& ob
     const Expected<CameraFile> sensor = read_camera_file(arguments.camera);
     if (!sensor) return sensor.error();
     options.camera = sensor->camera;
-    if (!options.depth_scale) options.depth_scale = sensor->depth_scale;
+    options.camera_depth_scale = sensor->depth_scale;
+    options.depth_noise = sensor->depth_noise;
   }
   const Expected<ImportReport> report =
       import_recording(arguments.source, folder->path(), options, observer);
   if (!report) return report.error();
-  const double usual_scale = usual_depth_scale(report->format);
-  if (!(arguments.depth_scale > 0.0) && options.depth_scale.value_or(usual_scale) != usual_scale) {
-    observer.on_warning(
-        fmt::format("{}: depth_scale {:g} is used, where such folders usually have {:g}; give "
-                    "--depth-scale {:g} if this one does",
-                    arguments.camera, *options.depth_scale, usual_scale, usual_scale));
+  if (report->depth_scale.other) {
+    observer.on_warning(arguments.camera + ": " + depth_scale_warning(report->depth_scale));
   }
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
@@ -220,8 +233,9 @@ void add_import(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"bag", "tum", "7scenes", "clouds", "joints"}));
   command->add_option("--camera", arguments->camera,
                       "Camera file for a source without intrinsics (see calib/cameras)");
-  add_number(*command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
-             "Depth image units per metre; without it, the camera file's, else the format's");
+  add_number(
+      *command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
+      "Depth image units per metre; without it the camera file's or the format's, by the readings");
   add_number(*command, "--rate", arguments->options.frame_rate, ranges::kImportRate,
              "Frame rate of a source without timestamps [Hz]")
       ->capture_default_str();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "summary.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -48,6 +49,14 @@ std::string warnings_lines(const std::vector<InputWarning>& warnings) {
   return lines;
 }
 
+/// Frames that gave surfaces; in a scene without them, those that gave the poses of bodies.
+std::size_t frames_used(const SceneQuality& quality) {
+  if (quality.frames_used > 0) return quality.frames_used;
+  std::size_t frames = quality.frames_recorded;
+  for (const auto& [reason, count] : quality.frames_dropped) frames -= std::min(frames, count);
+  return frames;
+}
+
 std::string tags_line(const Counts& tags_seen, std::size_t frames) {
   std::string line = "tags       ";
   for (const auto& [tag, count] : tags_seen) {
@@ -61,6 +70,7 @@ std::string tags_line(const Counts& tags_seen, std::size_t frames) {
 
 std::string frames_line(std::size_t recorded, std::size_t used, const Counts& dropped) {
   std::string line = fmt::format("frames     {} of {} used", used, recorded);
+  if (recorded == 0) line = "frames     none";
   for (const auto& [reason, count] : dropped) line += fmt::format("; {}: {}", reason, count);
   return line + '\n';
 }
@@ -102,9 +112,9 @@ std::string surfaces_summary(const Scene& scene) {
 
 std::string scene_summary(const Scene& scene, const std::string& folder) {
   const SceneQuality& quality = scene.quality;
-  std::string text =
-      frames_line(quality.frames_recorded, quality.frames_used, quality.frames_dropped);
   const bool is_scanned = quality.frames_used > 0;
+  std::string text =
+      frames_line(quality.frames_recorded, frames_used(quality), quality.frames_dropped);
   if (!quality.tags_seen.empty()) {
     text +=
         tags_line(quality.tags_seen, is_scanned ? quality.frames_used : quality.frames_recorded);
@@ -146,7 +156,7 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder)
   const SceneQuality& quality = scene.quality;
   nlohmann::ordered_json json{{"scene", folder},
                               {"frames_recorded", quality.frames_recorded},
-                              {"frames_used", quality.frames_used}};
+                              {"frames_used", frames_used(quality)}};
   json["frames_dropped"] = nlohmann::ordered_json::object();
   for (const auto& [reason, count] : quality.frames_dropped) json["frames_dropped"][reason] = count;
   json["tags_seen"] = nlohmann::ordered_json::object();

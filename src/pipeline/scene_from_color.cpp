@@ -3,7 +3,6 @@
 #include "scene_from_color.hpp"
 
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "pcavr/core/stage_clock.hpp"
@@ -17,24 +16,19 @@
 namespace pcavr {
 namespace {
 
-/// What tags show of the bodies and the camera.
-struct Seen {
-  std::vector<std::vector<ObjectObservation>> tracks;  ///< by body
-  Trajectory camera;
-};
+using Tracks = std::vector<std::vector<ObjectObservation>>;  // by body
 
-Expected<Seen> follow(const Recording& recording, const std::vector<MovableBody>& bodies,
-                      const Survey& survey, const SurveyOptions& options,
-                      const Observer& observer) {
-  Seen seen;
-  seen.tracks.resize(bodies.size());
+/// What tags show of the bodies.
+Expected<Tracks> follow(const Recording& recording, const std::vector<MovableBody>& bodies,
+                        const Survey& survey, const SurveyOptions& options,
+                        const Observer& observer) {
+  Tracks tracks(bodies.size());
   const Expected<void> done =
       follow_objects(recording, bodies, survey, options, observer, [&](const FollowedFrame& frame) {
-        for (std::size_t i = 0; i < bodies.size(); ++i) seen.tracks[i].push_back(frame.objects[i]);
-        seen.camera.append(frame.frame.depth_stamp, frame.T_base_camera);
+        for (std::size_t i = 0; i < bodies.size(); ++i) tracks[i].push_back(frame.objects[i]);
       });
   if (!done) return done.error();
-  return seen;
+  return tracks;
 }
 
 }  // namespace
@@ -57,39 +51,22 @@ Expected<Scene> scene_from_color(const Recording& recording, const BuildOptions&
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
   if (!survey) return survey.error();
   clock.begin("objects");
-  Expected<Seen> seen = follow(recording, *bodies, *survey, survey_options, observer);
-  if (!seen) return seen.error();
+  const Expected<Tracks> tracks = follow(recording, *bodies, *survey, survey_options, observer);
+  if (!tracks) return tracks.error();
   OccupancyOptions occupancy = options.occupancy;
   occupancy.max_range = options.perception.depth_noise.max_depth;
-  Scene scene{.mesh_base = {},
-              .levels_of_detail_base = {},
-              .cloud_base = {},
-              .occupancy = OccupancyMap(occupancy),
-              .support_planes = {},
-              .objects = {},
-              .robot = {},
-              .tags = scene_tags(recording.manifest),
-              .camera_trajectory = std::move(seen->camera),
-              .quality = {},
-              .recording = recording.folder.string(),
-              .voxel_size = options.fusion.voxel_size};
-  scene.levels_of_detail_base.push_back(scene.mesh_base);
+  Scene scene = empty_scene(recording, options.fusion.voxel_size, occupancy);
   for (std::size_t i = 0; i < bodies->size(); ++i) {
-    scene.objects.push_back(scene_object_of_track((*bodies)[i], seen->tracks[i]));
+    scene.objects.push_back(scene_object_of_track((*bodies)[i], (*tracks)[i]));
     scene.objects.back().hertz_stiffness =
         hertz_stiffness_of(recording.manifest, (*bodies)[i].entry);
   }
   for (const MovableBody& body : *immovable) {
-    scene.objects.push_back(scene_object_at_stated_pose(body));
-    scene.objects.back().hertz_stiffness = hertz_stiffness_of(recording.manifest, body.entry);
-    scene.occupancy.mark_occupied(
-        transformed(body.entry.T_base_object.value(), body.model.mesh_object));
+    add_at_stated_pose(recording.manifest, body, scene);
   }
   scene.support_planes = horizontal_planes(scene.objects, recording.tool);
-  scene.quality = assess_quality(recording, *survey, scene, options.max_surface_distance);
   // No frame is part of the scene: whoever replays a recording places its camera anew.
-  scene.quality.frames_used = 0;
-  scene.camera_trajectory = {};
+  scene.quality = assess_quality(recording, *survey, scene, options.max_surface_distance);
   clock.end();
   scene.quality.times = clock.times();
   return scene;

@@ -56,6 +56,22 @@ std::vector<Eigen::Vector3d> outline_around(Eigen::AlignedBox3d box, const Traje
 
 }  // namespace
 
+Scene empty_scene(const Recording& recording, double voxel_size,
+                  const OccupancyOptions& occupancy) {
+  return {.mesh_base = {},
+          .levels_of_detail_base = {TriangleMesh{}},
+          .cloud_base = {},
+          .occupancy = OccupancyMap(occupancy),
+          .support_planes = {},
+          .objects = {},
+          .robot = {},
+          .tags = scene_tags(recording.manifest),
+          .camera_trajectory = {},
+          .quality = {},
+          .recording = recording.folder.string(),
+          .voxel_size = voxel_size};
+}
+
 SceneObject scene_object_at_stated_pose(const MovableBody& body) {
   SceneObject object;
   object.model = body.model;
@@ -64,6 +80,13 @@ SceneObject scene_object_at_stated_pose(const MovableBody& body) {
   object.mass = body.entry.mass;
   object.is_movable = body.entry.is_movable;
   return object;
+}
+
+void add_at_stated_pose(const Manifest& manifest, const MovableBody& body, Scene& scene) {
+  SceneObject& object = scene.objects.emplace_back(scene_object_at_stated_pose(body));
+  object.hertz_stiffness = hertz_stiffness_of(manifest, body.entry);
+  if (object.is_movable) return;
+  scene.occupancy.mark_occupied(transformed(object.T_base_object, object.model.mesh_object));
 }
 
 std::vector<SupportPlane> horizontal_planes(const std::vector<SceneObject>& objects,
@@ -149,31 +172,15 @@ Expected<Scene> scene_from_manifest(const Recording& recording, double voxel_siz
                                      SurfaceQuery(body.model.mesh_object), perception.consistency);
     if (has_contradiction(findings)) return contradiction_error(recording, findings);
   }
-  Scene scene{.mesh_base = {},
-              .levels_of_detail_base = {},
-              .cloud_base = {},
-              .occupancy = OccupancyMap(occupancy),
-              .support_planes = {},
-              .objects = {},
-              .robot = {},
-              .tags = scene_tags(recording.manifest),
-              .camera_trajectory = {},
-              .quality = {},
-              .recording = recording.folder.string(),
-              .voxel_size = voxel_size};
+  Scene scene = empty_scene(recording, voxel_size, occupancy);
   scene.quality.left_out = recording.left_out;
   for (MovableBody& body : *bodies) {
     if (Expected<void> placed = place_by_tracking(recording, body.entry); !placed) {
       return placed.error();
     }
     if (!body.entry.T_base_object) return missing_pose_error(recording, body.entry.name);
-    scene.objects.push_back(scene_object_at_stated_pose(body));
-    scene.objects.back().hertz_stiffness = hertz_stiffness_of(recording.manifest, body.entry);
-    const SceneObject& object = scene.objects.back();
-    if (object.is_movable) continue;
-    scene.occupancy.mark_occupied(transformed(object.T_base_object, object.model.mesh_object));
+    add_at_stated_pose(recording.manifest, body, scene);
   }
-  scene.levels_of_detail_base.push_back(scene.mesh_base);
   scene.support_planes = horizontal_planes(scene.objects, recording.tool);
   return scene;
 }

@@ -13,8 +13,16 @@
 
 namespace pcavr {
 
+/// A scene with a recording's tags and nothing else, for bodies without reconstructed surfaces.
+[[nodiscard]] Scene empty_scene(const Recording& recording, double voxel_size,
+                                const OccupancyOptions& occupancy);
+
 /// A body as an object of the scene, at the pose that its manifest states.
 [[nodiscard]] SceneObject scene_object_at_stated_pose(const MovableBody& body);
+
+/// Adds a body at its stated pose to a scene without surfaces; where an immovable one is, the
+/// occupancy map is occupied.
+void add_at_stated_pose(const Manifest& manifest, const MovableBody& body, Scene& scene);
 
 /// A body as an object of the scene, as it was tracked; at its stated pose, if any, where it was
 /// not seen.

@@ -3,10 +3,12 @@
 #include "pcavr/recording/import.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "pcavr/core/check.hpp"
 
 #include "recording/image_lists.hpp"
+#include "recording/import_depth_scale.hpp"
 #include "recording/import_formats.hpp"
 
 namespace pcavr {
@@ -47,9 +49,11 @@ Expected<ImportReport> import_tum(const fs::path& source, const fs::path& target
   if (!images) return images.error();
   ImportReport report{.format = ImportFormat::tum_rgbd};
   report.left_out = images->unpaired_color + images->unpaired_depth;
-  RecordingWriter writer(
-      target, {.camera = options.camera,
-               .depth_scale = options.depth_scale.value_or(usual_depth_scale(report.format))});
+  std::vector<fs::path> depth_files;
+  for (const FrameFiles& frame : images->frames) depth_files.push_back(source / frame.depth_path);
+  report.depth_scale = choose_depth_scale(depth_files, *options.camera, report.format, options);
+  RecordingWriter writer(target,
+                         {.camera = options.camera, .depth_scale = report.depth_scale.used});
   const std::size_t count = images->frames.size();
   for (std::size_t i = options.first; i < count; i += options.stride) {
     const FrameFiles& frame = images->frames[i];

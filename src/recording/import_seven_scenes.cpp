@@ -16,6 +16,7 @@
 #include "pcavr/recording/text_rows.hpp"
 
 #include "recording/camera_keys.hpp"
+#include "recording/import_depth_scale.hpp"
 #include "recording/import_formats.hpp"
 
 namespace pcavr {
@@ -183,10 +184,10 @@ Expected<ImportReport> import_seven_scenes(const fs::path& source, const fs::pat
   if (frames.empty()) return report;
   const Expected<CameraModel> camera = find_camera(source, frames.begin()->second.depth, options);
   if (!camera) return camera.error();
-  RecordingWriter writer(
-      target,
-      {.camera = *camera,
-       .depth_scale = options.depth_scale.value_or(usual_depth_scale(ImportFormat::seven_scenes))});
+  std::vector<fs::path> depth_files;
+  for (const auto& [number, frame] : frames) depth_files.push_back(frame.depth);
+  report.depth_scale = choose_depth_scale(depth_files, *camera, report.format, options);
+  RecordingWriter writer(target, {.camera = *camera, .depth_scale = report.depth_scale.used});
   ImageDecoder decoder;
   Trajectory T_base_camera;
   std::size_t done = 0;

@@ -37,6 +37,14 @@ std::string with_digit_groups(std::uint64_t count) {
 
 std::string rounded(double value, int decimals) { return fmt::format("{:.{}f}", value, decimals); }
 
+/// How many frames the scene is made of; without depth they gave poses only.
+std::string frames_text(const SceneQuality& quality) {
+  const std::string recorded = std::to_string(quality.frames_recorded);
+  if (quality.frames_recorded == 0) return "no frames";
+  if (quality.frames_used == 0) return recorded + " frames without depth";
+  return std::to_string(quality.frames_used) + " of " + recorded + " frames used";
+}
+
 bool is_same(const Pose& a, const Pose& b) {
   return translation_distance(a, b) <= kSamePosition && rotation_distance(a, b) <= kSameRotation;
 }
@@ -90,8 +98,7 @@ class Inspection {
     report(kManifestFile,
            std::to_string(manifest_.objects.size()) + " objects, " +
                std::to_string(manifest_.support_planes.size()) + " support planes, " +
-               std::to_string(manifest_.quality.frames_used) + " of " +
-               std::to_string(manifest_.quality.frames_recorded) + " frames used",
+               frames_text(manifest_.quality),
            problem);
   }
 
@@ -182,7 +189,8 @@ class Inspection {
     const Expected<Trajectory> track = read_camera_trajectory(manifest_);
     if (!track) return report(kTrajectoryFile, track.error());
     report(kTrajectoryFile,
-           std::to_string(track->size()) + " poses" +
+           (track->empty() ? "no frame is part of the scene"
+                           : std::to_string(track->size()) + " poses") +
                (manifest_.lines ? "" : ", line count not checked: written by an older version"),
            track->size() == manifest_.quality.frames_used
                ? ""

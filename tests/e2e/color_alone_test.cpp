@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // Recordings whose poses come from colour alone, or from elsewhere, with the real command.
+#include <regex>
+
 #include <gtest/gtest.h>
 
 #include "pcavr/recording/recording.hpp"
@@ -70,12 +72,68 @@ TEST_F(ColourAlone, PlacesObjectsByGivenCameraPoses) {
   expect_within(replay(), "object.box_1.tracked.absolute.translation.median_m", 0.002);
 }
 
+TEST_F(ColourAlone, AllFramesCountAsUsed) {
+  const CommandOutcome built =
+      run_pcavr({"build", path_of("recording"), "-o", path_of("scene"), "--force"});
+  EXPECT_NE(built.standard_output.find("frames     40 of 40 used"), std::string::npos)
+      << built.standard_output;
+  const CommandOutcome inspected = run_pcavr({"inspect", path_of("scene")});
+  EXPECT_EQ(inspected.exit_code, 0) << inspected.standard_output;
+  for (const char* text : {"40 frames without depth", "no frame is part of the scene"}) {
+    EXPECT_NE(inspected.standard_output.find(text), std::string::npos) << inspected.standard_output;
+  }
+}
+
 TEST_F(ColourAlone, InspectSaysSo) {
   const CommandOutcome outcome = run_pcavr({"inspect", path_of("recording")});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.standard_error;
   EXPECT_NE(outcome.standard_output.find("no depth.txt"), std::string::npos)
       << outcome.standard_output;
   EXPECT_EQ(outcome.standard_output.find("readings"), std::string::npos);
+}
+
+/// A recording of a tracker: no images, and its manifest states no poses.
+class TrackedElsewhere : public testing::Test {
+ protected:
+  void SetUp() override {
+    run_json({"simulate", "push", "--no-images", "--duration", "2", "--objects", "2", "--seed",
+              "12", "-o", path_of("recording")});
+    fs::remove(path_of("recording/written.yaml"));
+    const std::string manifest = path_of("recording/recording.yaml");
+    std::string text = read_file(manifest).value();
+    text = std::regex_replace(text, std::regex("\n *pose: [^\n]*"), "");
+    ASSERT_TRUE(write_file(manifest, text));
+  }
+  [[nodiscard]] std::string path_of(const std::string& name) const {
+    return (folder_.path() / name).string();
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(TrackedElsewhere, ObjectsStartAtTheirFirstTrackedPose) {
+  // As of a tracker that sees the body only after it was put down.
+  const std::string late = path_of("recording/tracked/objects/box_2/tracked.txt");
+  ASSERT_TRUE(write_file(late, "1.5 0.61 0.27 0.071 0 0 0.6 0.8\n1.9 0.9 0.9 0.071 0 0 0 1\n"));
+  const json scene = run_json({"build", path_of("recording"), "-o", path_of("scene")});
+  ASSERT_EQ(scene["objects"].size(), 2U);
+  const json& seen_late = scene["objects"][1];
+  EXPECT_EQ(seen_late["t_m"], json({0.61, 0.27, 0.071}));
+  EXPECT_NEAR(seen_late["q_xyzw"][2].get<double>(), 0.6, 1e-9);
+  const Trajectory first =
+      read_trajectory(path_of("recording/tracked/objects/box_1/tracked.txt")).value();
+  const Eigen::Vector3d start = first.poses().front().pose.translation();
+  EXPECT_EQ(scene["objects"][0]["t_m"], json({start.x(), start.y(), start.z()}));
+}
+
+TEST_F(TrackedElsewhere, AnObjectThatIsNowhereIsNamed) {
+  fs::remove_all(path_of("recording/tracked/objects/box_2"));
+  const CommandOutcome outcome = run_pcavr({"build", path_of("recording"), "-o", path_of("scene")});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.standard_error.find("no pose is stated for object box_2"), std::string::npos)
+      << outcome.standard_error;
+  EXPECT_FALSE(fs::exists(path_of("scene")));
 }
 
 /// As TUM RGB-D has it: images, poses, and no manifest.
@@ -118,6 +176,17 @@ TEST_F(ImportedDepth, HasTheUsualScaleWhereTheCameraFileHasNone) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.standard_error;
   EXPECT_EQ(imported_scale(), 5000.0);
   EXPECT_EQ(outcome.standard_error.find("depth_scale"), std::string::npos);
+}
+
+TEST_F(ImportedDepth, HasTheFormatsScaleWhereTheSensorCanNotReachAsFar) {
+  const CommandOutcome outcome = import_with(
+      "depth_scale: 1000\ndepth_noise: {constant: 0.0012, quadratic: 0.0019, offset: 0.4, "
+      "grazing: 0.0001, nearest: 0.4, farthest: 4.0}\n");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  EXPECT_EQ(imported_scale(), 5000.0);
+  for (const char* text : {"depth_scale 5000 is used", "camera's range", "--depth-scale 1000"}) {
+    EXPECT_NE(outcome.standard_error.find(text), std::string::npos) << outcome.standard_error;
+  }
 }
 
 TEST_F(ImportedDepth, InspectStatesItsRange) {

@@ -106,6 +106,26 @@ TEST(Import, ConvertsTumToARecordingWithTheGivenCamera) {
   EXPECT_NEAR(decode_frame(recording, 1).value().depth(5, 5), small_depth(1)(5, 5), 1e-6);
 }
 
+TEST(Import, TakesTheDepthScaleUnderWhichReadingsAreInTheSensorsRange) {
+  const SmallRecording source;
+  make_tum(source);
+  const float reading = small_depth(1)(5, 5);  // as written, at 5000 units in a metre
+  ImportOptions options{.camera = small_camera(), .camera_depth_scale = 1000.0};
+  const auto scale_of = [&](double min_depth, double max_depth) {
+    const TemporaryFolder target;
+    options.depth_noise = DepthNoise(min_depth, max_depth);
+    return import_recording(source.path(), target.path(), options).value().depth_scale;
+  };
+  const ImportedDepthScale near = scale_of(0.5 * reading, 2.0 * reading);
+  EXPECT_EQ(near.used, 5000.0);
+  EXPECT_EQ(near.other, 1000.0);
+  EXPECT_GT(near.share_in_range.value(), 2.0 * near.other_share_in_range.value());
+  EXPECT_EQ(scale_of(2.5 * reading, 10.0 * reading).used, 1000.0);
+  EXPECT_EQ(scale_of(0.5 * reading, 10.0 * reading).used, 1000.0) << "both are possible";
+  options.depth_scale = 2000.0;
+  EXPECT_EQ(scale_of(0.5 * reading, 2.0 * reading).used, 2000.0);
+}
+
 TEST(Import, RequiresACameraForTum) {
   const SmallRecording source;
   const TemporaryFolder target;

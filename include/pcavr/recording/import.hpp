@@ -9,6 +9,7 @@
 #include "pcavr/core/expected.hpp"
 #include "pcavr/core/observer.hpp"
 #include "pcavr/geometry/camera.hpp"
+#include "pcavr/geometry/depth_noise.hpp"
 
 namespace pcavr {
 
@@ -22,14 +23,28 @@ struct ImportOptions {
   /// Required for TUM RGB-D. 7-Scenes: without it, that of camera-intrinsics.txt, or where that is
   /// absent fx = fy = 585, cx = 320, cy = 240 for 640 x 480, as published, scaled to the images.
   std::optional<CameraModel> camera = {};
-  std::optional<double> depth_scale = {};  ///< units in one metre; without it, the usual one
-  double frame_rate = 30.0;                ///< [Hz], 0.1 to 1e5, for sources without timestamps
-  std::size_t stride = 1;                  ///< take every n-th frame
-  std::size_t first = 0;                   ///< skip the frames before this one
+  /// Depth image units in one metre. Without it, the camera file's or the usual one: where they
+  /// differ, the one under which the readings are in the sensor's range, in doubt the file's.
+  std::optional<double> depth_scale = {};
+  std::optional<double> camera_depth_scale = {};  ///< of the camera file
+  std::optional<DepthNoise> depth_noise = {};     ///< of the camera file: its range counts
+  double frame_rate = 30.0;  ///< [Hz], 0.1 to 1e5, for sources without timestamps
+  std::size_t stride = 1;    ///< take every n-th frame
+  std::size_t first = 0;     ///< skip the frames before this one
+};
+
+/// The depth scale of an imported recording, and the one that was possible, too.
+struct ImportedDepthScale {
+  double used = 0.0;                 ///< [units/m]
+  std::optional<double> other = {};  ///< [units/m] nullopt: there was no choice
+  /// Shares of the readings in the sensor's range under either; nullopt: its range is not known.
+  std::optional<double> share_in_range = {};
+  std::optional<double> other_share_in_range = {};
 };
 
 struct ImportReport {
   ImportFormat format = ImportFormat::tum_rgbd;
+  ImportedDepthScale depth_scale = {};
   std::size_t frames = 0;
   std::size_t poses = 0;           ///< rows of `groundtruth.txt`
   std::size_t left_out = 0;        ///< images without a match in time
