@@ -101,7 +101,9 @@ class RobotSite {
   void acknowledge(RobotObject& object, const Prediction& prediction);
   void check_static_limit(RobotObject& object, const TouchSample& sample);
   void plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t);
+  void look_for_first_law(RobotObject& object, double t);
   void learn(RobotObject& object, double t);
+  void identify(RobotObject& object, double t);
   void record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
                     const PredictionLog& log);
   void compare(std::size_t index, const TouchSample& sample, const Prediction& prediction);

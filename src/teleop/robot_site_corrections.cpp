@@ -210,6 +210,7 @@ bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& para
     const std::optional<double> error = trial_.error_of(contact, after);
     // One that can't be noticed is right whatever the error was: a trial less.
     if (!error || *error <= 1.0) continue;
+    if (getenv("DBG")) fprintf(stderr,"trial %zu begin %.3f until %.3f z %d error %.2f before %.2f\n", index, seen.begin, end, int(std::abs(seen.direction_base.z())>0.7), *error, *trial_.error_of(contact, before));
     if (*error > kMaxErrorRatio * *trial_.error_of(contact, before)) return true;
   }
   return false;
@@ -279,11 +280,11 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
     message.tool_retraction = -(inside + kOffDistance) * object.monitor.direction_base();
     object.kept_off_since = sample.t;
   }
+  const bool is_unfinished =
+      message.parameters.contact_stiffness || !contact_law_of(object.learner.known());
+  if (is_unfinished && object.monitor.is_touched()) object.unfinished_law = which;
   if (!message.pose && !has_parameters) return std::nullopt;
   if (!has_parameters && object.correction_switch.had_no_effect(which)) return std::nullopt;
-  if (message.parameters.contact_stiffness && object.monitor.is_touched()) {
-    object.unfinished_law = which;
-  }
   message.sequence = ++object.sequence;
   object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
   return message;
