@@ -187,7 +187,8 @@ constexpr auto kLearningFields = std::to_array<OptionField<Learning>>({
      "lower: long contacts lose their slides; higher: memory and computing time"},
     {"delay_after_touch", &Learning::delay_after_touch, 0.1, 0.0, 10.0, "s",
      "time from the touch of an object without a contact law to its first identification",
-     "lower: computing time for laws that are rejected; higher: the assumed law is felt for longer"},
+     "lower: computing time for laws that are rejected; higher: the assumed law is felt for "
+     "longer"},
     {"delay_after_onset", &Learning::delay_after_onset, 0.12, 0.0, 10.0, "s",
      "time from the onset of a slide to its identification",
      "lower: the breakaway is not complete yet; higher: corrections are late"},

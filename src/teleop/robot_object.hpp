@@ -107,8 +107,8 @@ class RobotObject {
     ObjectParameters parameters;
   };
   std::optional<InFlight> in_flight = {};
-  /// This case was found in a contact that had not ended, and a contact law was sent, or none known:
-  /// the whole contact may show a better one, which no error would ask for until the next.
+  /// This case was found in a contact that had not ended, and a contact law was sent, or none
+  /// known: the whole contact may show a better one, which no error would ask for until the next.
   std::optional<CorrectionCase> unfinished_law = {};
   std::uint8_t sequence = 0;
   /// Another object moved with it: the force does not act on this one alone.
@@ -116,7 +116,7 @@ class RobotObject {
   std::optional<double> last_learned = {};  ///< [s]
   /// [s] of a contact whose law is not known yet, when it was last looked for.
   std::optional<double> first_law_tried = {};
-  std::optional<double> learn_at = {};      ///< [s] next time to identify; empty: none is planned
+  std::optional<double> learn_at = {};  ///< [s] next time to identify; empty: none is planned
   std::optional<double> above_limit_since = {};  ///< [s]
   /// A contact that was used to identify.
   struct LearnedContact {

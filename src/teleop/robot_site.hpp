@@ -123,6 +123,8 @@ class RobotSite {
   /// Whether any of the last contacts would have been predicted worse with these parameters.
   [[nodiscard]] bool worsens_contacts(std::size_t index, const ObjectParameters& parameters);
   [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
+  /// The tip's measured path without its noise [m].
+  [[nodiscard]] Eigen::Vector3d smooth_tip(double t) const;
   /// Whether the contact of an object that the tool is kept off was identified.
   [[nodiscard]] static bool is_release_due(const RobotObject& object, double t);
   void send_release(std::size_t index, double t);

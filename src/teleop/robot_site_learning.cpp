@@ -78,7 +78,8 @@ void RobotSite::look_for_first_law(RobotObject& object, double t) {
   if (!rests || object.identification || contact_law_of(object.learner.known())) return;
   const double begin = object.monitor.contact_begin();
   const double tried = std::max(object.first_law_tried.value_or(begin), begin);
-  const double age = std::max(options_.learning.delay_after_touch, kFirstLawGrowth * (tried - begin));
+  const double age =
+      std::max(options_.learning.delay_after_touch, kFirstLawGrowth * (tried - begin));
   if (t < begin + age) return;
   object.first_law_tried = t;
   identify(object, t);
