@@ -27,11 +27,6 @@ constexpr int kMaxIterations = 24;  // bounds a cycle's time where contacts open
 constexpr double kMinShareOfStep = 1e-3;
 /// Normals with a smaller vertical component can push a body out sideways.
 constexpr double kMaxNormalZ = 0.87;
-/// Maximum phase of the contact's oscillation [rad] in one substep; the maximum number of substeps;
-/// and a clearance [m] within which a rotating body may contact.
-constexpr double kMaxPhasePerSubstep = 0.5;
-constexpr double kMaxSubsteps = 16.0;
-constexpr double kNear = 1e-3;
 /// phases.csv, with hysteresis: sliding above the one speed until below the other [m/s].
 constexpr double kSlidingSpeed = 1e-3;
 constexpr double kStoppedSpeed = 0.3e-3;
@@ -423,19 +418,6 @@ class BodyStepper {
 };
 
 }  // namespace
-
-int count_substeps(const UprightBody& body, const BodyState& state, const TipPath& tip,
-                   double dt) noexcept {
-  if (!body.is_movable()) return 1;
-  const double frequency =
-      std::sqrt(body.working_stiffness() / body.physics().friction.mass);  // [rad/s]
-  const double substeps = std::ceil(frequency * dt / kMaxPhasePerSubstep);
-  if (!(substeps > 1.0)) return 1;
-  const double travel =
-      (tip.to - tip.from).norm() + dt * state.planar.twist.head<2>().norm() + kNear;
-  if (state.penetration < -travel) return 1;
-  return static_cast<int>(std::min(substeps, kMaxSubsteps));
-}
 
 BodyStep step_body(const UprightBody& body, const BodyState& state, const TipPath& tip,
                    std::span<const SideContact> sides, double dt, const PlanarState* guess,

@@ -89,6 +89,12 @@ void CorrectionSwitch::note_nothing_to_send(CorrectionCase which, double t) {
   pending_of(which).suppressed_until = t + kRetryInterval;
 }
 
+void CorrectionSwitch::send_again() {
+  for (PendingFinding& pending : pending_) {
+    pending.in_flight_until = pending.suppressed_until = -std::numeric_limits<double>::infinity();
+  }
+}
+
 bool CorrectionSwitch::forces_agree(const SiteComparison& seen) const {
   const double limit = std::max(options_.force_tolerance * seen.robot_force, force_floor_);
   return std::abs(seen.robot_force - seen.operator_force) <= limit;

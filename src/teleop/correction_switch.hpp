@@ -65,6 +65,8 @@ class CorrectionSwitch {
   void note_sent(CorrectionCase which, double t_sent, std::uint8_t sequence = 0);
   /// The operator's site has received the correction of that number.
   void note_received(std::uint8_t sequence);
+  /// What is in flight does not hold back the next correction: there is more to send than that.
+  void send_again();
   /// There was nothing new to send for that case: it is suppressed for a tenth of a second.
   void note_nothing_to_send(CorrectionCase which, double t);
 

@@ -59,6 +59,21 @@ IdentifiedParameter coulomb_of(double force, double speed, double relative_std) 
   return {force - 0.5 * viscous, std::hypot(relative_std * force, viscous / std::sqrt(12.0)), true};
 }
 
+/// The linear law of a young contact, whose force has not risen far enough to show an exponent:
+/// with one parameter less it is known sooner. What the other law's penetration differs by at
+/// `force` [N] is part of its std.
+ContactFit preliminary_law(const ContactIdentification& found, double force) {
+  ContactFit linear = found.mass_damper_spring;
+  const ContactFit& curved = found.hunt_crossley;
+  if (!linear.is_valid) return linear;
+  const double depth = force / linear.stiffness.value;
+  const double other = static_penetration(
+      {.stiffness = curved.stiffness.value, .exponent = curved.exponent.value}, force);
+  linear.penetration_std = std::hypot(linear.penetration_std, other / depth - 1.0);
+  linear.stiffness.std = linear.penetration_std * linear.stiffness.value;
+  return linear;
+}
+
 /// What a push's own slides say of Coulomb friction: the median force along the push. With a tenth
 /// for inertia and for a force that does not go through the centre; not excited without a slide.
 IdentifiedParameter friction_in(const ContactEpisode& contact) {
@@ -210,6 +225,15 @@ double ObjectLearner::extrapolation_std(const ContactFit& fit,
   return std::log(force / max_force) / (n * n) * std::max(fit.exponent.std, kExponentModelStd);
 }
 
+std::optional<double> ObjectLearner::usable_std(const ContactFit& fit,
+                                                std::span<const ForceMotion> parts) const {
+  if (!fit.is_valid || fit.relative_error > options_.max_fit_error) return std::nullopt;
+  // The three parameters are correlated: compared by the penetration that they predict.
+  const double relative_std = std::hypot(fit.penetration_std, extrapolation_std(fit, parts));
+  if (relative_std > options_.max_penetration_std) return std::nullopt;
+  return relative_std;
+}
+
 void ObjectLearner::learn_contact() {
   std::vector<ForceMotion> presses, static_parts;
   for (const ContactEpisode& contact : contacts_) {
@@ -229,13 +253,16 @@ void ObjectLearner::learn_contact() {
   options.is_surface_shared = has_presses;
   const ContactIdentification identified =
       identify_contact(has_presses ? presses : static_parts, options);
-  const ContactFit& fit = identified.best();
-  if (!fit.is_valid || fit.relative_error > options_.max_fit_error) return;
-  // The three parameters are correlated: compared by the penetration that they predict.
-  const double relative_std =
-      std::hypot(fit.penetration_std, extrapolation_std(fit, has_presses ? presses : static_parts));
-  if (relative_std > options_.max_penetration_std) return;
   const std::optional<HuntCrossley> old = contact_law_of(known_);
+  const std::vector<ForceMotion>& parts = has_presses ? presses : static_parts;
+  ContactFit fit = identified.best();
+  std::optional<double> std_of_fit = usable_std(fit, parts);
+  if (!std_of_fit && !old && identified.hunt_crossley.is_valid) {
+    fit = preliminary_law(identified, contacts_.back().peak_force);
+    std_of_fit = usable_std(fit, parts);
+  }
+  if (!std_of_fit) return;
+  const double relative_std = *std_of_fit;
   if (old && given_.contact_stiffness) {
     const double force = contacts_.back().peak_force;
     const double penetration = static_penetration(

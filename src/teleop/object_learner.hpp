@@ -96,6 +96,9 @@ class ObjectLearner {
   /// not reached that force: a law of the first newtons says little about the tenfold.
   [[nodiscard]] double extrapolation_std(const ContactFit& fit,
                                          std::span<const ForceMotion> parts) const;
+  /// Relative std of the penetration by a law; empty where it may not be used.
+  [[nodiscard]] std::optional<double> usable_std(const ContactFit& fit,
+                                                 std::span<const ForceMotion> parts) const;
   void learn_contact();
   /// F_M of the breakaways, with what the slides say of it by the rule of `pcavr identify`: no less
   /// than Coulomb friction, and withheld where the two contradict each other.

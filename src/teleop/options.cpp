@@ -185,6 +185,10 @@ constexpr auto kLearningFields = std::to_array<OptionField<Learning>>({
     {"max_contact_time", &Learning::max_contact_time, 60.0, 1.0, 3600.0, "s",
      "beginning of a contact that is used to identify",
      "lower: long contacts lose their slides; higher: memory and computing time"},
+    {"delay_after_touch", &Learning::delay_after_touch, 0.1, 0.0, 10.0, "s",
+     "time from the touch of an object without a contact law to its first identification",
+     "lower: computing time for laws that are rejected; higher: the assumed law is felt for "
+     "longer"},
     {"delay_after_onset", &Learning::delay_after_onset, 0.12, 0.0, 10.0, "s",
      "time from the onset of a slide to its identification",
      "lower: the breakaway is not complete yet; higher: corrections are late"},

@@ -130,11 +130,14 @@ void RobotObject::compare_with_before_contact() {
 }
 
 void RobotObject::record_contact(const TrackedPose& seen) {
-  if (!is_pushed()) return;
+  if (!monitor.is_touched()) return;
   const double begin = monitor.contact_begin();
   if (seen_contacts_.empty() || seen_contacts_.back().begin != begin) {
+    // A press shows the law of another face than the pushes after it, with another surface.
+    if (!seen_contacts_.empty() && seen_contacts_.back().is_press) seen_contacts_.pop_back();
     if (seen_contacts_.size() == kMaxSeenContacts) seen_contacts_.pop_front();
-    seen_contacts_.push_back({begin, before_contact_.T_base_object, monitor.direction_base(), {}});
+    seen_contacts_.push_back(
+        {begin, before_contact_.T_base_object, monitor.direction_base(), monitor.is_press(), {}});
   }
   SeenContact& contact = seen_contacts_.back();
   contact.direction_base = monitor.direction_base();

@@ -82,6 +82,7 @@ class RobotObject {
     double begin = 0.0;  ///< [s]
     Pose T_base_start;
     Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();
+    bool is_press = false;           ///< only while it is the newest contact
     std::vector<TrackedPose> poses;  ///< of its first kMaxSeenTime
   };
   static constexpr double kMaxSeenTime = 4.0;  ///< [s] a trial of more would hold up the site
@@ -106,14 +107,16 @@ class RobotObject {
     ObjectParameters parameters;
   };
   std::optional<InFlight> in_flight = {};
-  /// A contact law was sent, as this case, before its contact had ended: the whole contact may show
-  /// a better one, which no error would ask for until the next.
+  /// This case was found in a contact that had not ended, and a contact law was sent, or none
+  /// known: the whole contact may show a better one, which no error would ask for until the next.
   std::optional<CorrectionCase> unfinished_law = {};
   std::uint8_t sequence = 0;
   /// Another object moved with it: the force does not act on this one alone.
   bool is_shared = false;
   std::optional<double> last_learned = {};  ///< [s]
-  std::optional<double> learn_at = {};      ///< [s] next time to identify; empty: none is planned
+  /// [s] of a contact whose law is not known yet, when it was last looked for.
+  std::optional<double> first_law_tried = {};
+  std::optional<double> learn_at = {};  ///< [s] next time to identify; empty: none is planned
   std::optional<double> above_limit_since = {};  ///< [s]
   /// A contact that was used to identify.
   struct LearnedContact {

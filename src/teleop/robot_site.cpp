@@ -306,6 +306,7 @@ void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log
       apply_identification(object);
     }
     if (object.learn_at && *object.learn_at <= sample.t) learn(object, sample.t);
+    look_for_first_law(object, sample.t);
     if (sample.t < log.start()) continue;  // a correction of that time would come too late
     compare(i, sample, log.at(sample.t, i));
   }

@@ -101,7 +101,9 @@ class RobotSite {
   void acknowledge(RobotObject& object, const Prediction& prediction);
   void check_static_limit(RobotObject& object, const TouchSample& sample);
   void plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t);
+  void look_for_first_law(RobotObject& object, double t);
   void learn(RobotObject& object, double t);
+  void identify(RobotObject& object, double t);
   void record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
                     const PredictionLog& log);
   void compare(std::size_t index, const TouchSample& sample, const Prediction& prediction);
@@ -121,6 +123,8 @@ class RobotSite {
   /// Whether any of the last contacts would have been predicted worse with these parameters.
   [[nodiscard]] bool worsens_contacts(std::size_t index, const ObjectParameters& parameters);
   [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
+  /// The tip's measured path without its noise [m].
+  [[nodiscard]] Eigen::Vector3d smooth_tip(double t) const;
   /// Whether the contact of an object that the tool is kept off was identified.
   [[nodiscard]] static bool is_release_due(const RobotObject& object, double t);
   void send_release(std::size_t index, double t);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "teleop/robot_site.hpp"
@@ -17,6 +18,9 @@ namespace {
 constexpr double kLearnAgain = 0.2;
 // [s] Over which the tip's speed is measured to predict where the operator goes.
 constexpr double kTipSpeedTime = 0.05;
+// [s] Half width over which the tip's noise is averaged in a trial: the operator's command has
+// none, and on a stiff face its force would count as an error of the stiffness.
+constexpr double kTipSmoothing = 0.01;
 // [stds] of a correction as it is displayed, above which it is worse than an error of that size.
 // Three would also hold back corrections that help slow pushes.
 constexpr double kGrowthStds = 1.0;
@@ -203,7 +207,7 @@ bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& para
                             .force = force_.between(seen.begin, end),
                             .bias_base = bias_base_,
                             .force_resolution = sensors_.enter_force,
-                            .p_base_tip = [this](double t) { return tip_.at(t); }};
+                            .p_base_tip = [this](double t) { return smooth_tip(t); }};
     // The surface is measured on the face that is touched now: another one's need not change.
     const bool is_newest = &seen == &object.seen_contacts().back();
     after.surface_offset = is_newest ? offset : before.surface_offset;
@@ -213,6 +217,23 @@ bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& para
     if (*error > kMaxErrorRatio * *trial_.error_of(contact, before)) return true;
   }
   return false;
+}
+
+Eigen::Vector3d RobotSite::smooth_tip(double t) const {
+  const std::span<const double> times = tip_.t();
+  const auto first = std::lower_bound(times.begin(), times.end(), t - kTipSmoothing);
+  const auto last = std::upper_bound(first, times.end(), t + kTipSmoothing);
+  const auto count = static_cast<std::size_t>(last - first);
+  if (count < 3) return tip_.at(t);
+  const auto path = tip_.p_base().subspan(static_cast<std::size_t>(first - times.begin()), count);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double sum_t = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += path[i];
+    sum_t += first[static_cast<std::ptrdiff_t>(i)] - t;
+  }
+  const Eigen::Vector3d velocity = (path.back() - path.front()) / (*(last - 1) - *first);
+  return (sum - sum_t * velocity) / static_cast<double>(count);
 }
 
 Eigen::Vector3d RobotSite::p_base_tip_at(double t) const {
@@ -279,11 +300,11 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
     message.tool_retraction = -(inside + kOffDistance) * object.monitor.direction_base();
     object.kept_off_since = sample.t;
   }
+  const bool is_unfinished =
+      message.parameters.contact_stiffness || !contact_law_of(object.learner.known());
+  if (is_unfinished && object.monitor.is_touched()) object.unfinished_law = which;
   if (!message.pose && !has_parameters) return std::nullopt;
   if (!has_parameters && object.correction_switch.had_no_effect(which)) return std::nullopt;
-  if (message.parameters.contact_stiffness && object.monitor.is_touched()) {
-    object.unfinished_law = which;
-  }
   message.sequence = ++object.sequence;
   object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
   return message;

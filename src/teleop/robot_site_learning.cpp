@@ -8,6 +8,8 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/contact/hunt_crossley.hpp"
+
 #include "teleop/robot_site.hpp"
 
 namespace pcavr {
@@ -17,6 +19,9 @@ namespace {
 constexpr double kBefore = 0.3;
 // A contact is processed once more after it has ended [s].
 constexpr double kOldContact = 1.0;
+// While a contact's first law is looked for, the contact's age from one identification to the next:
+// as each takes the longer the longer the contact is, all together cost a few times the last.
+constexpr double kFirstLawGrowth = 1.25;
 // Contacts of an object that are identified again when the clock's offset is found.
 constexpr std::size_t kMaxLearned = 20;
 
@@ -66,9 +71,25 @@ void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_
   }
 }
 
+/// With an assumed law the operator feels a multiple of the real force, or a fraction of it: the
+/// first law is identified from the beginning of the contact, not once that is over.
+void RobotSite::look_for_first_law(RobotObject& object, double t) {
+  const bool rests = object.monitor.is_touched() && !slides(object.monitor.phase());
+  if (!rests || object.identification || contact_law_of(object.learner.known())) return;
+  const double begin = object.monitor.contact_begin();
+  const double tried = std::max(object.first_law_tried.value_or(begin), begin);
+  const double age =
+      std::max(options_.learning.delay_after_touch, kFirstLawGrowth * (tried - begin));
+  if (t < begin + age) return;
+  object.first_law_tried = t;
+  identify(object, t);
+}
+
 void RobotSite::apply_identification(RobotObject& object) {
   if (!object.identification) return;
+  const bool had_law = contact_law_of(object.learner.known()).has_value();
   object.learner = object.identification->take();
+  if (!had_law && contact_law_of(object.learner.known())) object.correction_switch.send_again();
   const double begin = object.identification->begin();
   object.identification.reset();
   note_contradiction(object, begin);
@@ -83,6 +104,10 @@ void RobotSite::learn(RobotObject& object, double t) {
   object.learn_at.reset();
   if (is_sliding) object.learn_at = t + options_.learning.sliding_interval;
   object.last_learned = t;
+  identify(object, t);
+}
+
+void RobotSite::identify(RobotObject& object, double t) {
   if (!options_.identifies || object.is_shared || !has_force(now_)) return;
   const double begin = object.monitor.contact_begin();
   if (t - begin > options_.learning.max_contact_time) return;

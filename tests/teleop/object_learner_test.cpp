@@ -57,6 +57,45 @@ TEST(ObjectLearner, KeepsAGivenLawAtTheStartOfAContact) {
   }
 }
 
+/// A press of something soft at 20 mm/s, from above, as far as it has come.
+struct SoftPress {
+  static constexpr double kSoftStiffness = 3500.0;  // [N/m^n]
+  static constexpr double kSoftExponent = 1.35;
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force, tip;
+
+  SoftPress(std::uint64_t seed, double pressed_for) {
+    Random random(seed);
+    for (double at = -0.3; at < pressed_for; at += 0.002) {
+      const double depth = std::max(0.0, 0.02 * at);
+      t.push_back(at);
+      force.emplace_back(0.1 * random.normal(), 0.1 * random.normal(),
+                         -kSoftStiffness * std::pow(depth, kSoftExponent) + 0.1 * random.normal());
+      tip.emplace_back(5e-5 * random.normal(), 5e-5 * random.normal(),
+                       -0.02 * at + 5e-5 * random.normal());
+    }
+  }
+};
+
+TEST(ObjectLearner, LearnsALinearLawBeforeTheExponentIsKnown) {
+  int linear = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const SoftPress press(seed, 0.15);  // to 1.4 N
+    ObjectLearner learner({}, {});
+    learner.learn({press.t, press.force, press.t, press.tip}, 0.0, {});
+    if (!learner.known().contact_stiffness) continue;
+    linear += learner.known().contact_exponent->value == 1.0 ? 1 : 0;
+    // The object's own force where the press may go, at 10 mm: an assumed law has fifty times that.
+    constexpr double kDepth = 0.01;
+    const double own = SoftPress::kSoftStiffness * std::pow(kDepth, SoftPress::kSoftExponent);
+    const double learnt = learner.known().contact_stiffness->value *
+                          std::pow(kDepth, learner.known().contact_exponent->value);
+    EXPECT_GT(learnt, 0.3 * own) << seed;
+    EXPECT_LT(learnt, 2.0 * own) << seed;
+  }
+  EXPECT_GT(linear, 10);
+}
+
 /// A short press of a hard face, from above: stiffness and exponent are known to a third only, but
 /// not apart from each other, so that the penetration is.
 TEST(ObjectLearner, LearnsALawWhoseErrorsCompensateEachOther) {

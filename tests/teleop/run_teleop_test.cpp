@@ -138,6 +138,34 @@ TEST(RunTeleop, LearnsFromPressesHowHighABodyIs) {
   }
 }
 
+/// [s] The first contact of an object at the robot's site.
+double first_touch(const TeleopRun& run, std::size_t object) {
+  for (const PhaseRow& row : run.phases) {
+    if (row.object == object && row.measured == MotionPhase::static_contact) return row.t;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+TEST(RunTeleop, UsesAFirstLawWhileItsPressLasts) {
+  constexpr double kUntilSent = 0.3;  // [s] after the touch
+  for (const std::uint64_t seed : {51U, 52U}) {
+    const PlantInput made = plant_input(seed, false, {}, ToolTask::paper);
+    const TeleopOptions options;
+    const TeleopRun run = run_teleop(made.input, options).value();
+    for (std::size_t object = 0; object < made.input.objects.size(); ++object) {
+      double assumed = 0.0;
+      double used = std::numeric_limits<double>::infinity();  // [s] by the operator's site, since
+      for (const ParameterRow& row : run.parameter_rows) {
+        if (row.object != object || std::string_view(row.name) != "contact.stiffness") continue;
+        if (assumed == 0.0) assumed = row.transmitted;
+        if (row.transmitted != assumed) used = std::min(used, row.t);
+      }
+      EXPECT_LT(used, first_touch(run, object) + kUntilSent + options.backward_delay)
+          << seed << ", object " << object;
+    }
+  }
+}
+
 TEST(RunTeleop, SendsTheLawOfAWholePressAfterThatOfItsBegin) {
   constexpr double kSecondPress = 4.0;  // [s]
   int others = 0;                       // whole presses with another law than their begins

@@ -94,6 +94,7 @@ struct LearningOptions {
   double static_limit_factor;   ///< F_M until breakaway, over the largest static friction
   int max_fitted_contacts;      ///< newest ones, fitted together
   double max_contact_time;      ///< [s] of one contact that is used
+  double delay_after_touch;     ///< [s] from a contact's begin to an identification of a first law
   double delay_after_onset;     ///< [s] from a slide's onset to its identification
   double sliding_interval;      ///< [s] between identifications during a slide
   double delay_after_stop;      ///< [s] from a slide's or contact's end to its identification
