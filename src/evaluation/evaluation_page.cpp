@@ -119,7 +119,10 @@ void add_inputs(const Report& report, ReportPage& page) {
 
 ReportPage evaluation_page(const Report& report, const Findings& findings) {
   ReportPage page;
-  page.heading = findings.run ? "Run evaluation" : "Position errors";
+  const bool is_of_parameters = !findings.run && !findings.parameters.empty();
+  page.heading = is_of_parameters ? "Errors of identified parameters"
+                 : findings.run   ? "Run evaluation"
+                                  : "Position errors";
   page.title = page.heading + ": " + report.subject;
   add_inputs(report, page);
   for (const std::string& name : findings.objects_missing) {
@@ -133,12 +136,13 @@ ReportPage evaluation_page(const Report& report, const Findings& findings) {
   if (!findings.placements.empty()) {
     page.sections.push_back(placement_section(findings.placements));
   }
-  page.footer =
-      "Absolute and relative errors as evo defines them; alignment is rigid, without scale. std is "
-      "of the population; p95 is the 95th percentile. ADD and MSSD: mean and maximum distance of "
-      "the model's vertices, without symmetries. The same values in SI units are in report.json. "
-      "pcavr " +
-      std::string(PCAVR_VERSION);
+  if (!is_of_parameters) {
+    page.footer =
+        "Absolute and relative errors as evo defines them; alignment is rigid, without scale. std "
+        "is of the population; p95 is the 95th percentile. ADD and MSSD: mean and maximum distance "
+        "of the model's vertices, without symmetries. ";
+  }
+  page.footer += "The same values in SI units are in report.json. pcavr " PCAVR_VERSION;
   return page;
 }
 

@@ -55,13 +55,15 @@ ReportSection parameter_section(const Findings& findings) {
     const bool uses_default = is_default(findings, error);
     has_default = has_default || uses_default;
     const char* source = uses_default ? " *" : error.is_given ? " (given)" : "";
+    const UncertainText found = error.estimate
+                                    ? uncertain(error.estimate->value, error.estimate->std)
+                                    : UncertainText{.value = "unknown"};
     std::vector<std::string> row = {parameter_title(error.name) + source, error.object, error.unit,
-                                    error.estimate ? readable(error.estimate->value) : "unknown",
-                                    error.estimate ? number_text(error.estimate->std) : "-"};
+                                    found.value, found.std};
     if (findings.has_true_parameters) {
       row.insert(row.end(),
                  {number_text(error.truth),
-                  error.is_given ? std::string("given") : number_text(error.relative, kPercent),
+                  error.is_given ? std::string("-") : number_text(error.relative, kPercent),
                   number_text(error.error_in_std)});
     }
     table.rows.push_back(std::move(row));

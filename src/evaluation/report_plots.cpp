@@ -218,7 +218,7 @@ std::vector<Plot> plots_of(const SurfaceFindings& surface) {
                                                      : "reference to mesh (completeness)";
   Plot shares{.title = "Distance between mesh and reference, cumulative",
               .x_label = "distance (mm)",
-              .y_label = "share of the surface within (%)",
+              .y_label = "share within (%)",
               .marks = {{5.0, "5 mm"}, {10.0, "10 mm"}},
               .from_zero = true,
               .x_to = kMaxShownDistance,
@@ -228,7 +228,7 @@ std::vector<Plot> plots_of(const SurfaceFindings& surface) {
   constexpr double kBin = 0.25;  // [mm]
   Plot bins{.title = "Distance between mesh and reference, histogram",
             .x_label = "distance (mm)",
-            .y_label = "share of the surface in 0.25 mm (%)",
+            .y_label = "share in 0.25 mm (%)",
             .from_zero = true,
             .x_to = kMaxShownDistance};
   bins.series = {histogram(errors.mesh_to_truth, kBin, "mesh to reference (accuracy)", 0),

@@ -151,9 +151,10 @@ std::optional<Plot> motion_plot(const ObjectFindings& object, const ComparisonSi
   if (displacement.norm() < kMinMotion) return std::nullopt;
   const Eigen::Vector3d start = object.reference.poses().front().pose.translation();
   const Eigen::Vector3d direction = displacement.normalized();
-  Plot plot{.title = object.name + ": displacement along (" + axes_text(direction) + ") in base",
+  Plot plot{.title = object.name + ": displacement from its start along (" + axes_text(direction) +
+                     ") in base",
             .x_label = "time (s)",
-            .y_label = "displacement from its start (mm)",
+            .y_label = "displacement (mm)",
             .marks = marks_of(object.name, *findings.run, findings.origin)};
   annotate(object, *findings.run, findings.origin, {&plot});
   const auto add = [&](const Trajectory& trajectory, PlotSeries style) {
@@ -172,9 +173,9 @@ std::optional<Plot> motion_plot(const ObjectFindings& object, const ComparisonSi
 
 Plot force_plot(const std::string& object, const Findings& findings) {
   const RunFindings& run = *findings.run;
-  Plot plot{.title = object + ": force of the tool",
+  Plot plot{.title = object + ": force of the tool along the push",
             .x_label = "time (s)",
-            .y_label = "force along the push (N)",
+            .y_label = "force (N)",
             .marks = marks_of(object, run, findings.origin),
             .y_from_zero = true};
   shade_phases(object, run, findings.origin, plot);

@@ -3,6 +3,8 @@
 #include "verdict.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <vector>
 
 #include "pcavr/report/number_text.hpp"
@@ -62,6 +64,19 @@ std::string surface_sentence(const SurfaceFindings& surface) {
          " has mesh within 5 mm. ";
 }
 
+/// How the errors of the identified parameters compare with their stated std.
+std::string parameter_sentence(const std::vector<ParameterError>& parameters) {
+  std::vector<double> in_std;
+  for (const ParameterError& error : parameters) {
+    if (error.error_in_std && !error.is_given) in_std.push_back(std::abs(*error.error_in_std));
+  }
+  if (in_std.empty()) return {};
+  const auto within = std::count_if(in_std.begin(), in_std.end(), [](double z) { return z <= 1; });
+  return "Of " + std::to_string(in_std.size()) + " identified parameters, " +
+         std::to_string(within) + " lie within their stated std of the true value; the largest " +
+         "error is " + readable(*std::max_element(in_std.begin(), in_std.end())) + " std. ";
+}
+
 std::string camera_sentence(const CameraFindings& camera) {
   const std::vector<PoseError>& errors = camera.errors.absolute;
   if (errors.empty()) return {};
@@ -77,6 +92,7 @@ std::string verdict_of(const Findings& findings) {
   if (findings.run) {
     text += prediction_sentence(findings) + force_sentence(*findings.run);
   }
+  if (!findings.run) text += parameter_sentence(findings.parameters);
   if (findings.surface) text += surface_sentence(*findings.surface);
   if (findings.camera) text += camera_sentence(*findings.camera);
   text += tracking_sentence(findings) + placement_sentence(findings.placements);

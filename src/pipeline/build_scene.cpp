@@ -91,7 +91,7 @@ class Fusion {
     if (carved.valid()) carved.get();
     averaged.get();
     if (options_.texture.enabled) {
-      views.add(followed.frame.index, stamp, followed.T_base_camera, followed.frame.color,
+      views.add(followed.frame.index, stamp, followed.T_base_camera, followed.frame.color, raw,
                 followed.is_dynamic);
     }
     for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].push_back(followed.objects[i]);
@@ -296,7 +296,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     scene.quality.input_warnings.push_back(to_warning(finding));
   }
   clock.begin("texture");
-  paint_scene(recording, fusion.views, options, scene);
+  paint_scene(recording, std::move(fusion.views), options, scene);
   clock.end();
   scene.quality.times = clock.times();
   return scene;

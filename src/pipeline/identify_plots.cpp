@@ -103,7 +103,7 @@ Plot damping_laws_plot(const ObjectIdentification& object) {
   constexpr double kMaxError = 100.0;  // [%]: larger errors would hide the small ones
   Plot plot{.title = "Error of the damping laws [paper B, figure 6]",
             .x_label = "restitution",
-            .y_label = "error of the law's restitution (%)",
+            .y_label = "restitution error (%)",
             .y_to = kMaxError};
   int number = 0;
   for (const DampingErrorCurve& curve : damping_error_curves()) {
@@ -144,9 +144,9 @@ std::vector<Plot> contact_plots(const ObjectIdentification& object) {
   for (PlotSeries& series : force.series) clip(top, series);
   plots.push_back(std::move(force));
 
-  Plot error{.title = "Presses: error of the estimated force",
+  Plot error{.title = "Presses: error of the estimated force, relative",
              .x_label = "time in contact (s)",
-             .y_label = "error (% of the force)",
+             .y_label = "error (%)",
              .y_from_zero = true,
              .y_to = 30.0};
   for (std::size_t m = 0; m < object.comparison.size(); ++m) {

@@ -234,7 +234,7 @@ Plot spectrum_plot(const RobotIdentification& found, Eigen::Index joint) {
       found.signals.torque.col(joint) - found.fit.fitted_torque.col(joint), found.signals.interval);
   Plot plot{.title = "Spectrum of the torque error",
             .x_label = "frequency (Hz)",
-            .y_label = "amplitude density (N m/√Hz)",
+            .y_label = "density (N m/√Hz)",
             .y_from_zero = true};
   plot.series = {{.label = "measured less fitted",
                   .color = 2,

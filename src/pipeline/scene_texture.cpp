@@ -16,20 +16,26 @@
 namespace pcavr {
 namespace {
 
-/// A frame that cannot be decoded any more is left out: it was decoded before.
+/// Decodes the images that the selection has not kept. A frame that cannot be decoded any more is
+/// left out: it was decoded before.
 std::vector<TextureView> decode_views(const Recording& recording,
                                       std::vector<ViewCandidate> candidates,
                                       Parallelism parallelism) {
   std::vector<std::optional<TextureView>> decoded(candidates.size());
   parallel_for(parallelism, candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      Expected<RgbdFrame> frame = decode_frame(recording, candidates[i].frame);
-      if (!frame) continue;
-      decoded[i] = TextureView{.color = std::move(frame->color),
-                               .depth = std::move(frame->depth),
-                               .is_dynamic = std::move(candidates[i].is_dynamic),
-                               .T_base_camera = candidates[i].T_base_camera,
-                               .sharpness = candidates[i].sharpness};
+      ViewCandidate& candidate = candidates[i];
+      if (candidate.color.empty()) {
+        Expected<RgbdFrame> frame = decode_frame(recording, candidate.frame);
+        if (!frame) continue;
+        candidate.color = std::move(frame->color);
+        candidate.depth = std::move(frame->depth);
+      }
+      decoded[i] = TextureView{.color = std::move(candidate.color),
+                               .depth = std::move(candidate.depth),
+                               .is_dynamic = std::move(candidate.is_dynamic),
+                               .T_base_camera = candidate.T_base_camera,
+                               .sharpness = candidate.sharpness};
     }
   });
   std::vector<TextureView> views;
@@ -61,8 +67,8 @@ std::optional<SceneTexture> texture_of(const std::vector<TextureView>& views,
 
 }  // namespace
 
-void paint_scene(const Recording& recording, const ViewSelection& selection,
-                 const BuildOptions& options, Scene& scene) {
+void paint_scene(const Recording& recording, ViewSelection selection, const BuildOptions& options,
+                 Scene& scene) {
   if (!options.texture.enabled) return;
   const CameraModel& camera = *recording.manifest.camera;
   const auto pixels =
@@ -71,7 +77,7 @@ void paint_scene(const Recording& recording, const ViewSelection& selection,
   // and distance from it.
   const std::size_t bytes_per_pixel = sizeof(Rgb8) + 2 * sizeof(float) + 2 * sizeof(float) / 4 + 2;
   const std::vector<TextureView> views =
-      decode_views(recording, selection.chosen(pixels * bytes_per_pixel), options.parallelism);
+      decode_views(recording, selection.take_chosen(pixels * bytes_per_pixel), options.parallelism);
   if (options.texture.fill_support) {
     std::vector<SupportArea> areas;
     for (const SupportPlane& plane : scene.support_planes) {

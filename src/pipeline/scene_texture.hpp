@@ -10,9 +10,9 @@
 namespace pcavr {
 
 /// Paints the texture of a scene's levels of detail, and fills its support planes where nothing was
-/// seen, from the selected views, whose images are decoded again. The scene stays as it is where
+/// seen, from the selected views. The scene stays as it is where
 /// options or recording allow neither. Reads its mesh and support planes.
-void paint_scene(const Recording& recording, const ViewSelection& selection,
-                 const BuildOptions& options, Scene& scene);
+void paint_scene(const Recording& recording, ViewSelection selection, const BuildOptions& options,
+                 Scene& scene);
 
 }  // namespace pcavr

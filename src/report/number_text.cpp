@@ -54,11 +54,13 @@ std::string readable(double value) {
 }
 
 UncertainText uncertain(double value, const std::optional<double>& std) {
-  constexpr double kSmall = 1e-3, kLarge = 1e5;
+  constexpr double kSmall = 1e-3, kLarge = 1e5, kCoarse = 1e3;
   const bool has_std = std && std::isfinite(*std) && *std > 0.0;
   if (!std::isfinite(value)) return {};
   const double size = std::abs(value);
-  if (size >= kLarge || (size > 0.0 && size < kSmall))
+  // Digits below two of the std would say nothing: 1.50e+04 ± 0.32e+04, not 14989 ± 3208.
+  const bool is_uncertain = has_std && *std >= kCoarse && size > 0.0;
+  if (size >= kLarge || is_uncertain || (size > 0.0 && size < kSmall))
     return scaled(value, has_std ? std : std::nullopt);
   if (!has_std) return {.value = readable(value)};
   const int decimals = decimals_of(*std);

@@ -328,8 +328,8 @@ class Alignment {
       const Eigen::Vector2d pixel = camera.project(p);
       const auto value = levels_[i]->at(pixel);
       if (!value) continue;
-      const auto gain =
-          static_cast<double>(view.gain.mean() * view.brightening(pixel.cast<float>()));
+      const float slope = view.squared_slope(pixel.cast<float>());
+      const auto gain = static_cast<double>(view.gain.mean() * view.brightening(slope));
       const Eigen::RowVector3d by_point = gain * value->gradient * camera.projection_jacobian(p);
       const double pixels = given_.camera.width / 640.0;
       Look look;
@@ -419,7 +419,7 @@ ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMe
                                const ColorRegistration& given, bool with_poses,
                                Parallelism parallelism) {
   const std::vector<SeenPoint> points = sample_points(views, mesh_base, parallelism);
-  even_out_exposures(views, points);
+  even_out_exposures(views, points, parallelism);
   const auto with_vignetting = [&](ColorRegistration registration) {
     if (!views.empty()) registration.vignetting = static_cast<double>(views.front().vignetting);
     return registration;
@@ -433,7 +433,7 @@ ColorRegistration align_colors(std::vector<PaintedView>& views, const TriangleMe
     alignment.set_level(factor);
     for (int i = 0; i < 3; ++i) alignment.step_poses();
   }
-  even_out_exposures(views, points);
+  even_out_exposures(views, points, parallelism);
   return with_vignetting(registration);
 }
 

@@ -62,13 +62,27 @@ Color median_of(std::vector<Sample>& samples) {
   return median;
 }
 
-void collect(const SeenPoint& point, const std::vector<PaintedView>& views,
+/// Once for all rounds: gains, offsets and vignetting do not change where a point is in an image.
+SeenColors look_up_colors(const std::vector<PaintedView>& views,
+                          const std::vector<SeenPoint>& points, Parallelism parallelism) {
+  constexpr std::size_t kPointsPerTask = 500;
+  SeenColors colors(points.size());
+  parallel_for(parallelism, points.size(), kPointsPerTask, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      for (const std::uint32_t view : points[i].views) {
+        const auto pixel = views[view].exposed_pixel(points[i].p_base);
+        if (pixel) colors[i].push_back({view, views[view].raw_color_at(*pixel)});
+      }
+    }
+  });
+  return colors;
+}
+
+void collect(const std::vector<SeenColor>& point, const std::vector<PaintedView>& views,
              std::vector<Sample>& samples) {
   samples.clear();
-  for (const std::uint32_t i : point.views) {
-    const auto pixel = views[i].exposed_pixel(point.p_base);
-    if (pixel) samples.push_back({i, views[i].color_at(*pixel).cast<double>().array()});
-  }
+  for (const auto& [view, raw] : point)
+    samples.push_back({view, views[view].evened_out(raw).cast<double>().array()});
 }
 
 bool agrees(const Color& own, const Color& median, bool with_offset) {
@@ -78,11 +92,11 @@ bool agrees(const Color& own, const Color& median, bool with_offset) {
 }
 
 /// The moments of each view at the points that other views see as well.
-std::vector<Moments> moments_of(const std::vector<PaintedView>& views,
-                                const std::vector<SeenPoint>& points, bool with_offset) {
+std::vector<Moments> moments_of(const std::vector<PaintedView>& views, const SeenColors& points,
+                                bool with_offset) {
   std::vector<Moments> moments(views.size());
   std::vector<Sample> samples;
-  for (const SeenPoint& point : points) {
+  for (const std::vector<SeenColor>& point : points) {
     collect(point, views, samples);
     if (samples.size() < 2) continue;
     const Color median = median_of(samples);
@@ -126,14 +140,16 @@ void normalise(std::vector<PaintedView>& views) {
 
 }  // namespace
 
-void even_out_exposures(std::vector<PaintedView>& views, const std::vector<SeenPoint>& points) {
+void even_out_exposures(std::vector<PaintedView>& views, const std::vector<SeenPoint>& points,
+                        Parallelism parallelism) {
+  const SeenColors colors = look_up_colors(views, points, parallelism);
   for (const bool with_offset : {false, true}) {
     for (int round = 0; round < kRounds; ++round) {
-      const std::vector<Moments> moments = moments_of(views, points, with_offset);
+      const std::vector<Moments> moments = moments_of(views, colors, with_offset);
       for (std::size_t i = 0; i < views.size(); ++i) adjust(views[i], moments[i], with_offset);
       normalise(views);
     }
-    if (!with_offset) estimate_vignetting(views, points);
+    if (!with_offset) estimate_vignetting(views, colors);
   }
 }
 

@@ -174,8 +174,9 @@ class AtlasPainter {
     }
     std::vector<SeenFrom> sightings;
     std::vector<Sample> samples;
+    std::size_t best = 0;
     for (const Entry& entry : entries) {
-      look_up(views, entry.texel, sightings);
+      best = look_up(views, entry.texel, best, sightings);
       samples.clear();
       for (const auto& [view, sighting] : sightings) {
         const Eigen::Vector3f color = view->sharp_color_at(sighting.pixel);
@@ -198,19 +199,31 @@ class AtlasPainter {
     Sighting sighting;
   };
 
-  /// The views that see a texel, without those that would not change its colour.
-  static void look_up(const std::vector<const PaintedView*>& views, const Texel& texel,
-                      std::vector<SeenFrom>& sightings) {
+  /// The views that see a texel, without those that would not change its colour. Returns the index
+  /// of the one with the largest weight. `likely` is that of a texel nearby: it is looked up first,
+  /// as most others need not be examined further then.
+  static std::size_t look_up(const std::vector<const PaintedView*>& views, const Texel& texel,
+                             std::size_t likely, std::vector<SeenFrom>& sightings) {
     sightings.clear();
-    float best = 0.0F;
-    for (const PaintedView* view : views) {
-      const auto sighting = view->look_up(texel.p_base, texel.normal_base);
+    if (views.empty()) return 0;
+    const auto first = views[likely]->look_up(texel.p_base, texel.normal_base);
+    float max_weight = first ? first->weight : 0.0F;
+    std::size_t best = likely;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const auto sighting = i == likely ? first
+                                        : views[i]->look_up(texel.p_base, texel.normal_base,
+                                                            kNegligible * max_weight);
       if (!sighting) continue;
-      best = std::max(best, sighting->weight);
-      sightings.push_back({view, *sighting});
+      if (sighting->weight > max_weight) {
+        max_weight = sighting->weight;
+        best = i;
+      }
+      sightings.push_back({views[i], *sighting});
     }
-    std::erase_if(sightings,
-                  [&](const SeenFrom& seen) { return seen.sighting.weight < kNegligible * best; });
+    std::erase_if(sightings, [&](const SeenFrom& seen) {
+      return seen.sighting.weight < kNegligible * max_weight;
+    });
+    return best;
   }
 
   void set(int x, int y, const Eigen::Vector3f& color) {
@@ -270,9 +283,8 @@ MeshTexture paint_texture(std::vector<TriangleMesh>& levels_base,
       prepare(views, texture.registration, depth_noise, options, parallelism);
   texture.registration = align_colors(painted, levels_base.front(), texture.registration,
                                       options.register_color, parallelism);
-  const SurfaceQuery surface(levels_base.front());
   parallel_for(parallelism, painted.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) painted[i].set_surface(surface);
+    for (std::size_t i = begin; i < end; ++i) painted[i].set_surface(levels_base.front());
   });
   ChartSet set = make_charts(levels_base, parallelism);
   const AtlasLayout layout = lay_out(set, levels_base, painted, options);

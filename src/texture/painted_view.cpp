@@ -12,6 +12,8 @@
 #include "pcavr/geometry/depth_grid.hpp"
 #include "pcavr/geometry/pixel.hpp"
 
+#include "draw_depth.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -130,15 +132,15 @@ Eigen::Vector3d PaintedView::in_color_camera(const Eigen::Vector3f& p_base) cons
   return (R_color_base_ * p_base + t_color_base_).cast<double>();
 }
 
-void PaintedView::set_surface(const SurfaceQuery& surface_base) {
+void PaintedView::set_surface(const TriangleMesh& surface_base) {
   const CameraModel& camera = registration_.camera;
   const Pose T_color_base =
       registration_.T_color_depth * T_corrected_camera_ * view_->T_base_camera.inverse();
   pixels_per_surface_pixel_ = std::max(2, (camera.width + kMaxSurfaceWidth - 1) / kMaxSurfaceWidth);
-  surface_ = render_depth(surface_base,
-                          on_grid(camera, camera.width / pixels_per_surface_pixel_,
-                                  camera.height / pixels_per_surface_pixel_),
-                          T_color_base.inverse(), Parallelism{1});
+  surface_ = draw_depth(surface_base,
+                        on_grid(camera, camera.width / pixels_per_surface_pixel_,
+                                camera.height / pixels_per_surface_pixel_),
+                        T_color_base);
   nearest_surface_ = minimum_around(surface_, kEdgeRadius);
 }
 
@@ -169,13 +171,16 @@ bool PaintedView::may_see(const Eigen::Vector3f& center_base, float radius) cons
 }
 
 std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
-                                             const Eigen::Vector3f& normal_base) const {
+                                             const Eigen::Vector3f& normal_base,
+                                             float min_weight) const {
   const Eigen::Vector3f p = R_camera_base_ * p_base + t_camera_base_;
   const float z = p.z();
   if (!(z > kNear)) return std::nullopt;
   const Eigen::Vector3f to_eye = position_base_ - p_base;
   const float cosine = normal_base.dot(to_eye) / to_eye.norm();
   if (!(cosine > kMinCosine)) return std::nullopt;
+  float weight = cosine * cosine / (z * z) * sharpness_weight;
+  if (weight < min_weight) return std::nullopt;  // what follows lowers it
   const auto project = [](const CameraModel& camera, const Eigen::Vector3f& point) {
     if (camera.has_distortion())
       return camera.project(point.cast<double>().eval()).cast<float>().eval();
@@ -187,7 +192,6 @@ std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
   const std::optional<int> x = pixel_index(at.x(), depth_camera_.width);
   const std::optional<int> y = pixel_index(at.y(), depth_camera_.height);
   if (!x || !y) return std::nullopt;
-  float weight = cosine * cosine / (z * z) * sharpness_weight;
   const float tolerance = kSurfaceError + kNoiseFactor * static_cast<float>(noise_.depth_std(z));
   const float measured = view_->depth(*x, *y);
   const float tilted = tolerance / std::max(cosine, 0.3F);
@@ -203,6 +207,7 @@ std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
       weight *= kDoubtful + (1.0F - kDoubtful) * share * share;
     }
   }
+  if (weight < min_weight) return std::nullopt;
   const Eigen::Vector3f in_color = R_color_base_ * p_base + t_color_base_;
   if (!(in_color.z() > kNear)) return std::nullopt;
   const CameraModel& camera = registration_.camera;
@@ -230,7 +235,7 @@ bool PaintedView::touches_nearer(int x, int y, float depth) const {
   return false;
 }
 
-Eigen::Vector3f PaintedView::color_at(const Eigen::Vector2f& pixel) const {
+RawColor PaintedView::raw_color_at(const Eigen::Vector2f& pixel) const {
   const ColorImage& image = view_->color;
   const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width() - 2);
   const int y = std::clamp(static_cast<int>(pixel.y()), 0, image.height() - 2);
@@ -242,7 +247,11 @@ Eigen::Vector3f PaintedView::color_at(const Eigen::Vector2f& pixel) const {
   };
   const Eigen::Vector3f above = (1.0F - u) * at(0, 0) + u * at(1, 0);
   const Eigen::Vector3f below = (1.0F - u) * at(0, 1) + u * at(1, 1);
-  return brightening(pixel) * gain.cwiseProduct((1.0F - v) * above + v * below) + offset;
+  return {(1.0F - v) * above + v * below, squared_slope(pixel)};
+}
+
+Eigen::Vector3f PaintedView::evened_out(const RawColor& raw) const {
+  return brightening(raw.squared_slope) * gain.cwiseProduct(raw.value) + offset;
 }
 
 Eigen::Vector3f PaintedView::sharp_color_at(const Eigen::Vector2f& pixel) const {
@@ -266,7 +275,7 @@ Eigen::Vector3f PaintedView::sharp_color_at(const Eigen::Vector2f& pixel) const 
   for (std::size_t i = 0; i < 4; ++i)
     sum +=
         along_x[static_cast<Eigen::Index>(i)] * Eigen::Map<const Eigen::Vector3f>(&columns[3 * i]);
-  return brightening(pixel) * gain.cwiseProduct(sum) + offset;
+  return evened_out({sum, squared_slope(pixel)});
 }
 
 float PaintedView::squared_slope(const Eigen::Vector2f& pixel) const {
@@ -276,9 +285,9 @@ float PaintedView::squared_slope(const Eigen::Vector2f& pixel) const {
   return x * x + y * y;
 }
 
-float PaintedView::brightening(const Eigen::Vector2f& pixel) const {
+float PaintedView::brightening(float squared_slope) const {
   constexpr float kMinShare = 0.3F;  // of the light
-  return 1.0F / std::max(kMinShare, 1.0F - vignetting * squared_slope(pixel));
+  return 1.0F / std::max(kMinShare, 1.0F - vignetting * squared_slope);
 }
 
 std::optional<Eigen::Vector2f> PaintedView::exposed_pixel(const Eigen::Vector3f& p_base) const {

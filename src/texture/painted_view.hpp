@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/geometry/depth_noise.hpp"
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/geometry/mesh.hpp"
 #include "pcavr/texture/mesh_texture.hpp"
 
 namespace pcavr {
@@ -18,6 +18,12 @@ struct Sighting {
   Eigen::Vector2f pixel;  ///< of the colour image
   float weight = 0.0F;    ///< > 0
   bool is_mixed = false;  ///< the colour may be, in part, that of a nearer surface beside it
+};
+
+/// A colour as recorded, and where in the image.
+struct RawColor {
+  Eigen::Vector3f value;       ///< by channel, of 255
+  float squared_slope = 0.0F;  ///< see PaintedView::squared_slope
 };
 
 /// A view with what is needed to look up surface points in it. const members are thread-safe.
@@ -33,21 +39,26 @@ class PaintedView {
 
   /// Renders what of the surface the colour camera sees: from beside the depth camera, other parts
   /// are hidden. To be called again when the registration or the correction changes.
-  void set_surface(const SurfaceQuery& surface_base);
+  void set_surface(const TriangleMesh& surface_base);
 
   /// False where no point of a ball can be in view.
   [[nodiscard]] bool may_see(const Eigen::Vector3f& center_base, float radius) const;
 
-  /// nullopt where the point is out of view, seen from behind or too flatly, hidden, or dynamic.
+  /// nullopt where the point is out of view, seen from behind or too flatly, hidden, or dynamic;
+  /// where its weight is less than `min_weight`, nullopt or the sighting.
   [[nodiscard]] std::optional<Sighting> look_up(const Eigen::Vector3f& p_base,
-                                                const Eigen::Vector3f& normal_base) const;
+                                                const Eigen::Vector3f& normal_base,
+                                                float min_weight = 0.0F) const;
 
-  /// The colour at a pixel inside the image, bilinear, with the view's vignetting, gain and offset.
-  [[nodiscard]] Eigen::Vector3f color_at(const Eigen::Vector2f& pixel) const;
-  /// The same by cubic convolution, which does not blur [Keys 1981]; a pixel from the border.
+  /// The recorded colour at a pixel inside the image, bilinear.
+  [[nodiscard]] RawColor raw_color_at(const Eigen::Vector2f& pixel) const;
+  /// With the view's vignetting, gain and offset.
+  [[nodiscard]] Eigen::Vector3f evened_out(const RawColor& raw) const;
+  /// An evened out colour by cubic convolution, which does not blur [Keys 1981]; a pixel from the
+  /// border.
   [[nodiscard]] Eigen::Vector3f sharp_color_at(const Eigen::Vector2f& pixel) const;
-  /// Factor by which the vignetting's loss at a pixel is made up for.
-  [[nodiscard]] float brightening(const Eigen::Vector2f& pixel) const;
+  /// Factor by which the vignetting's loss is made up for.
+  [[nodiscard]] float brightening(float squared_slope) const;
   /// Of the pixel's distance from the principal point, in focal lengths.
   [[nodiscard]] float squared_slope(const Eigen::Vector2f& pixel) const;
   /// Where a point is in the image, and the sensor was not saturated.

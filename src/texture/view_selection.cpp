@@ -42,58 +42,76 @@ bool ViewSelection::are_near(const ViewCandidate& a, const ViewCandidate& b, dou
 }
 
 void ViewSelection::add(std::size_t frame, Stamp stamp, const Pose& T_base_camera,
-                        const ColorImage& color, const MaskImage& is_dynamic) {
+                        const ColorImage& color, const DepthImage& depth,
+                        const MaskImage& is_dynamic) {
   ViewCandidate candidate{.frame = frame,
                           .stamp = stamp,
                           .T_base_camera = T_base_camera,
                           .sharpness = sharpness_of(color),
-                          .is_dynamic = {}};
-  if (!candidates_.empty() && are_near(candidates_.back(), candidate, scale_) &&
-      candidates_.back().sharpness >= candidate.sharpness) {
-    return;
-  }
+                          .is_dynamic = {},
+                          .color = {},
+                          .depth = {}};
+  const bool is_near = !candidates_.empty() && are_near(candidates_.back(), candidate, scale_);
+  if (is_near && candidates_.back().sharpness >= candidate.sharpness) return;
   const std::span<const std::uint8_t> mask = is_dynamic.pixels();
   if (std::any_of(mask.begin(), mask.end(), [](std::uint8_t pixel) { return pixel != 0; })) {
     candidate.is_dynamic = is_dynamic;
   }
-  if (!candidates_.empty() && are_near(candidates_.back(), candidate, scale_)) {
-    candidates_.back() = std::move(candidate);
-    return;
-  }
+  if (is_near) candidates_.pop_back();
   candidates_.push_back(std::move(candidate));
+  keep_images(color, depth);
   if (candidates_.size() > 2 * static_cast<std::size_t>(options_.max_views)) {
     scale_ *= 2.0;
-    candidates_ = thinned(scale_);
+    thin_out();
   }
 }
 
-std::vector<ViewCandidate> ViewSelection::thinned(double scale) const {
+void ViewSelection::keep_images(const ColorImage& color, const DepthImage& depth) {
+  if (!keeps_images_) return;
+  const std::size_t bytes = color.pixels().size_bytes() + depth.pixels().size_bytes();
+  keeps_images_ = candidates_.size() * bytes <= max_memory();
+  if (keeps_images_) {
+    candidates_.back().color = color;
+    candidates_.back().depth = depth;
+    return;
+  }
+  for (ViewCandidate& candidate : candidates_) {
+    candidate.color = {};
+    candidate.depth = {};
+  }
+}
+
+void ViewSelection::thin_out() {
   std::vector<ViewCandidate> kept;
-  for (const ViewCandidate& candidate : candidates_) {
-    if (kept.empty() || !are_near(kept.back(), candidate, scale)) {
-      kept.push_back(candidate);
+  for (ViewCandidate& candidate : candidates_) {
+    if (kept.empty() || !are_near(kept.back(), candidate, scale_)) {
+      kept.push_back(std::move(candidate));
     } else if (candidate.sharpness > kept.back().sharpness) {
-      kept.back() = candidate;
+      kept.back() = std::move(candidate);
     }
   }
-  return kept;
+  candidates_ = std::move(kept);
 }
 
-std::vector<ViewCandidate> ViewSelection::chosen(std::size_t bytes_per_view) const {
-  const std::size_t memory = static_cast<std::size_t>(options_.max_view_memory) << 20U;
+std::size_t ViewSelection::max_memory() const {
+  return static_cast<std::size_t>(options_.max_view_memory) << 20U;
+}
+
+std::vector<ViewCandidate> ViewSelection::take_chosen(std::size_t bytes_per_view) {
   const std::size_t fitting =
-      std::max<std::size_t>(1, memory / std::max<std::size_t>(1, bytes_per_view));
+      std::max<std::size_t>(1, max_memory() / std::max<std::size_t>(1, bytes_per_view));
   const std::size_t count = std::min(fitting, static_cast<std::size_t>(options_.max_views));
-  if (candidates_.size() <= count) return candidates_;
+  std::vector<ViewCandidate> candidates = std::exchange(candidates_, {});
+  if (candidates.size() <= count) return candidates;
   // Of consecutive candidates the sharpest: evenly along the path.
   std::vector<ViewCandidate> views;
   for (std::size_t i = 0; i < count; ++i) {
     const auto begin =
-        candidates_.begin() + static_cast<std::ptrdiff_t>(i * candidates_.size() / count);
+        candidates.begin() + static_cast<std::ptrdiff_t>(i * candidates.size() / count);
     const auto end =
-        candidates_.begin() + static_cast<std::ptrdiff_t>((i + 1) * candidates_.size() / count);
-    views.push_back(*std::max_element(
-        begin, end, [](const auto& a, const auto& b) { return a.sharpness < b.sharpness; }));
+        candidates.begin() + static_cast<std::ptrdiff_t>((i + 1) * candidates.size() / count);
+    views.push_back(std::move(*std::max_element(
+        begin, end, [](const auto& a, const auto& b) { return a.sharpness < b.sharpness; })));
   }
   return views;
 }

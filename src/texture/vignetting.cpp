@@ -28,17 +28,17 @@ struct VignettedSample {
   double weight = 1.0;
 };
 
-void collect_in_logarithms(const SeenPoint& point, const std::vector<PaintedView>& views,
+void collect_in_logarithms(const std::vector<SeenColor>& point,
+                           const std::vector<PaintedView>& views,
                            std::vector<VignettedSample>& samples) {
   samples.clear();
-  for (const std::uint32_t i : point.views) {
-    const PaintedView& view = views[i];
-    const auto pixel = view.exposed_pixel(point.p_base);
-    if (!pixel) continue;
-    const float gray = view.color_at(*pixel).mean();
+  for (const SeenColor& seen : point) {
+    const PaintedView& view = views[seen.view];
+    const float gray = view.evened_out(seen.raw).mean();
     if (gray < kDark) continue;
-    samples.push_back({static_cast<Eigen::Index>(i), std::log(static_cast<double>(gray)),
-                       static_cast<double>(view.brightening(*pixel) * view.squared_slope(*pixel))});
+    const float slope = seen.raw.squared_slope;
+    samples.push_back({static_cast<Eigen::Index>(seen.view), std::log(static_cast<double>(gray)),
+                       static_cast<double>(view.brightening(slope) * slope)});
   }
 }
 
@@ -108,11 +108,11 @@ class VignettingEquations {
 
 }  // namespace
 
-void estimate_vignetting(std::vector<PaintedView>& views, const std::vector<SeenPoint>& points) {
+void estimate_vignetting(std::vector<PaintedView>& views, const SeenColors& points) {
   if (views.empty()) return;
   VignettingEquations normal(static_cast<Eigen::Index>(views.size()));
   std::vector<VignettedSample> samples;
-  for (const SeenPoint& point : points) {
+  for (const std::vector<SeenColor>& point : points) {
     collect_in_logarithms(point, views, samples);
     if (samples.size() < 2) continue;
     weigh_around_median(samples);

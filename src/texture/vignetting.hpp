@@ -13,6 +13,6 @@ namespace pcavr {
 /// [Goldman & Chen 2005]: one Gauss-Newton step from the present one in logarithms, in which the
 /// points' colours and the views' gains are eliminated. It stays where the camera's motion does not
 /// show it.
-void estimate_vignetting(std::vector<PaintedView>& views, const std::vector<SeenPoint>& points);
+void estimate_vignetting(std::vector<PaintedView>& views, const SeenColors& points);
 
 }  // namespace pcavr

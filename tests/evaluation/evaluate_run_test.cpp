@@ -221,6 +221,11 @@ TEST_F(EvaluateRun, ComparesParameters) {
   const Json file = Json::parse(*alone);
   EXPECT_EQ(file["subject_kind"], "parameter file");
   EXPECT_NEAR(file["parameters.box.mass.error_relative"], 0.1, 1e-12);
+  const Json page = Json::parse(report_data(report()));
+  EXPECT_EQ(page["heading"], "Errors of identified parameters");
+  EXPECT_EQ(page["verdict"],
+            "Of 1 identified parameters, 0 lie within their stated std of the true value; the "
+            "largest error is 3.00 std.");
   const auto nothing = evaluate({run() / "parameters.yaml"}, report(), Parallelism{1});
   ASSERT_FALSE(nothing.has_value());
   EXPECT_NE(nothing.error().hint.find("--truth"), std::string::npos);

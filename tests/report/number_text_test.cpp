@@ -35,6 +35,7 @@ TEST(NumberText, HasAsManyDecimalsAsTheStandardDeviationAllows) {
   EXPECT_EQ(text(3.128, 0.207), "3.13 ± 0.21");
   EXPECT_EQ(text(0.22978, 0.0048), "0.2298 ± 0.0048");
   EXPECT_EQ(text(58.04, 27.6), "58 ± 28");
+  EXPECT_EQ(text(14989.0, 3208.0), "1.50e+04 ± 0.32e+04");
   EXPECT_EQ(text(2.771e5, 8.6e4), "2.77e+05 ± 0.86e+05");
   EXPECT_EQ(text(-4.5e11, 1e9), "-4.500e+11 ± 0.010e+11");
   EXPECT_EQ(text(1e-12, 1e-13), "1.00e-12 ± 0.10e-12");

@@ -104,7 +104,10 @@ function extentsOf(labels: PlacedLabel[], perUnit: number): [number, number][][]
   return Array.from({ length: screen.markRows }, (_, row) =>
     labels
       .filter((label) => label.row === row)
-      .map(({ x, text }): [number, number] => [x * perUnit, x * perUnit + 7 * text.length]),
+      .map(({ x, side, text }): [number, number] => {
+        const from = x * perUnit - (side === 'left' ? 7 * text.length : 0);
+        return [from, from + 7 * text.length];
+      }),
   );
 }
 
@@ -115,7 +118,7 @@ test('the labels of sixty time nodes do not overlap, and count those without roo
     label: `t${i + 1}`,
   }));
   const perUnit = 564 / 60;
-  const labels = placeLabels(marks, perUnit, screen.markRows);
+  const labels = placeLabels(marks, perUnit, screen.markRows, 60);
   for (const row of extentsOf(labels, perUnit)) {
     row.forEach(([from], i) => assert.ok(i === 0 || row[i - 1][1] <= from, `${row[i - 1]}`));
   }
@@ -126,7 +129,7 @@ test('the labels of sixty time nodes do not overlap, and count those without roo
   );
   assert.ok(labels.some(({ text }) => text.includes(' +')));
   // Zoomed in to one push, each has its own.
-  const push = placeLabels(marks.slice(0, 5), 564 / 2, screen.markRows);
+  const push = placeLabels(marks.slice(0, 5), 564 / 2, screen.markRows, 2);
   assert.deepEqual(
     push.map(({ text }) => text),
     ['t1', 't2', 't3', 't4', 't5'],
@@ -138,9 +141,30 @@ test('marks that are far apart have their labels in the first row', () => {
     [0, 1, 2].map((x) => ({ x, label: `t${x}` })),
     100,
     screen.markRows,
+    4,
   );
   assert.deepEqual(
     labels.map(({ row }) => row),
     [0, 0, 0],
   );
+});
+
+test('labels at the right edge are to the left of their lines', () => {
+  const marks = [0.5, 0.93, 0.96].map((x) => ({ x, label: 'measured' }));
+  const perUnit = 564;
+  const labels = placeLabels(marks, perUnit, screen.markRows, 1);
+  assert.deepEqual(
+    labels.map(({ side, row }) => [side, row]),
+    [
+      ['right', 0],
+      ['left', 0],
+      ['left', 1],
+    ],
+  );
+  for (const row of extentsOf(labels, perUnit)) {
+    row.forEach(([from, to], i) => {
+      assert.ok(from >= 0 && to <= perUnit, `${from} to ${to}`);
+      assert.ok(i === 0 || row[i - 1][1] <= from, `${row[i - 1]}`);
+    });
+  }
 });

@@ -21,7 +21,8 @@ struct UncertainText {
 };
 
 /// Both with as many decimals as the standard deviation has in two significant digits; below a
-/// thousandth and from a hundred thousand on as multiples of one power of ten: 3.13 and 0.21,
+/// thousandth, from a hundred thousand on, and where the deviation is a thousand or more, as
+/// multiples of one power of ten: 3.13 and 0.21,
 /// 2.77e+05 and 0.86e+05.
 [[nodiscard]] UncertainText uncertain(double value, const std::optional<double>& std);
 

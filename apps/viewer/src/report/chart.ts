@@ -9,11 +9,16 @@ import type { PlotData, Series } from './report_data';
 import { pointsOf, type ValueRow, valuesByX } from './values';
 import type { View } from './view';
 
+const fontSize = 12; // [SVG units]
 const margins = { marginTop: 14, marginRight: 14, marginBottom: 40 }; // [SVG units]
 
 /// The plot's inner width over its inner height.
 export function aspectOf(plot: PlotData, medium: Medium): number {
-  return innerWidth(medium) / (heightOf(plot, medium) - margins.marginTop - margins.marginBottom);
+  return innerWidth(medium) / innerHeight(plot, medium);
+}
+
+function innerHeight(plot: PlotData, medium: Medium): number {
+  return heightOf(plot, medium) - margins.marginTop - margins.marginBottom;
 }
 
 function innerWidth({ width, left }: Medium): number {
@@ -28,7 +33,7 @@ export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot
     ...margins,
     marginLeft: medium.left,
     ariaLabel: plot.title,
-    style: { fontSize: '12px' },
+    style: { fontSize: `${fontSize}px` },
     x: { domain: view.x },
     y: { domain: view.y },
     marks: [
@@ -64,18 +69,20 @@ export function drawStrip(
     ...margins,
     marginLeft: left,
     ariaLabel: `${title}: ${strip.label}`,
-    style: { fontSize: '12px' },
+    style: { fontSize: `${fontSize}px` },
     y: { zero: true },
     marks: [
       Plot.axisX({ ...axis, label: xLabel }),
-      Plot.axisY({ ...axis, label: strip.label, ticks: 3 }),
+      // Above the axis: beside it there is less room than the label is long.
+      Plot.axisY({ ...axis, label: strip.label, labelAnchor: 'top', ticks: 3 }),
       Plot.lineY(points, { x: 'x', y: 'y', stroke: seriesColors[strip.color] }),
       Plot.frame({ stroke: softInk }),
     ],
   }) as Plot.Plot & SVGSVGElement;
 }
 
-function drawAxes(plot: PlotData, view: View, { left }: Medium): Plot.Markish[] {
+function drawAxes(plot: PlotData, view: View, medium: Medium): Plot.Markish[] {
+  const { left } = medium;
   const axis = {
     tickSize: 0,
     labelAnchor: 'center' as const,
@@ -87,14 +94,23 @@ function drawAxes(plot: PlotData, view: View, { left }: Medium): Plot.Markish[] 
     Plot.gridX({ strokeOpacity: 0.15, tickSpacing }),
     Plot.gridY({ strokeOpacity: 0.15, tickSpacing }),
     Plot.axisX({ ...axis, label: plot.x_label }),
-    // Longer numbers would run into the label.
+    Plot.axisY({ ...axis, label: null, tickFormat: tickFormat(view.y) }),
+    // Beside the longest numbers.
     Plot.axisY({
       ...axis,
+      ticks: [],
       label: plot.y_label,
       labelOffset: left - 6,
-      tickFormat: tickFormat(view.y),
+      fontSize: fittingSize(plot.y_label, innerHeight(plot, medium)),
     }),
   ];
+}
+
+const meanCharacter = 0.55; // of the font's size
+
+/// The font's size at which a label is no longer than this.
+function fittingSize(label: string, length: number): number {
+  return Math.min(fontSize, length / (meanCharacter * label.length));
 }
 
 const plainTick = new Intl.NumberFormat('en', { maximumSignificantDigits: 6 });
@@ -105,7 +121,7 @@ const shortTick = new Intl.NumberFormat('en', {
 
 /// All ticks of an axis alike.
 function tickFormat(range: readonly number[]): (value: number) => string {
-  const isLong = range.some((end) => Math.abs(end) >= 1e5);
+  const isLong = range.some((end) => Math.abs(end) >= 1e4);
   const format = isLong ? shortTick : plainTick;
   return (value) => format.format(value).replace('-', '−');
 }
@@ -125,19 +141,23 @@ function drawSeries({ x, y, color, dashed, points }: Series): Plot.Markish {
 /// Labels are at the top of their line; lower where they would overlap another one.
 function drawMarks(plot: PlotData, view: View, medium: Medium): Plot.Markish[] {
   const shown = plot.marks.filter((mark) => isIn(view, mark.x));
-  const placed = placeLabels(shown, innerWidth(medium) / (view.x[1] - view.x[0]), medium.markRows);
+  const [from, to] = view.x;
+  const placed = placeLabels(shown, innerWidth(medium) / (to - from), medium.markRows, to);
   const labels = Array.from({ length: medium.markRows }, (_, row) =>
-    Plot.text(
-      placed.filter((label) => label.row === row),
-      {
-        x: 'x',
-        text: 'text',
-        frameAnchor: 'top-left',
-        dx: 4,
-        dy: 3 + row * labelHeight,
-      },
+    (['right', 'left'] as const).map((side) =>
+      Plot.text(
+        placed.filter((label) => label.row === row && label.side === side),
+        {
+          x: 'x',
+          text: 'text',
+          frameAnchor: 'top-left',
+          textAnchor: side === 'right' ? 'start' : 'end',
+          dx: side === 'right' ? 4 : -4,
+          dy: 3 + row * labelHeight,
+        },
+      ),
     ),
-  );
+  ).flat();
   return [Plot.ruleX(shown, { x: 'x', stroke: softInk, strokeDasharray: '2 3' }), ...labels];
 }
 

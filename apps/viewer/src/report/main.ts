@@ -29,7 +29,7 @@ function note(text: string): HTMLElement {
   return create('p', { className: 'note', textContent: text });
 }
 
-function block(data: Block, section: string): HTMLElement {
+function block(data: Block, section: string, isOnly: boolean): HTMLElement {
   switch (data.kind) {
     case 'text':
       return data.highlighted
@@ -54,7 +54,7 @@ function block(data: Block, section: string): HTMLElement {
       return create(
         'div',
         { className: 'tables' },
-        ...data.tables.map((one) => table(one, section)),
+        ...data.tables.map((one) => table(one, section, isOnly && data.tables.length === 1)),
       );
   }
 }
@@ -71,9 +71,14 @@ function contents(sections: readonly HTMLDetailsElement[]): HTMLElement[] {
   return [create('nav', { className: 'contents screen-only', ariaLabel: 'Contents' }, list)];
 }
 
-function section({ title, blocks }: ReportData['sections'][number], i: number) {
+function section(
+  { title, blocks }: ReportData['sections'][number],
+  i: number,
+  { length }: ReportData['sections'],
+) {
   const summary = create('summary', {}, create('h2', { textContent: title }));
-  const content = blocks.map((one) => block(one, title));
+  const isOnly = length === 1 && blocks.length === 1;
+  const content = blocks.map((one) => block(one, title, isOnly));
   const details = create('details', { className: 'section', id: `section-${i + 1}` });
   details.open = i < openSections;
   details.dataset.title = title;
@@ -83,7 +88,10 @@ function section({ title, blocks }: ReportData['sections'][number], i: number) {
 
 function show(report: ReportData): void {
   document.title = report.title;
-  const hint = 'Plots: point at a line for its values, drag across to zoom in.';
+  const hasPlots = report.sections.some(({ blocks }) =>
+    blocks.some(({ kind }) => kind === 'plots'),
+  );
+  const hint = hasPlots ? 'Plots: point at a line for its values, drag across to zoom in.' : '';
   const sections = report.sections.map(section);
   byId('report', HTMLElement).append(
     ...header(report),

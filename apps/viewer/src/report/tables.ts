@@ -21,16 +21,16 @@ export function numberColumns({ columns, rows }: TableData): boolean[] {
   });
 }
 
-/// A table with its title and note; folded and long ones open by a click. `section` names a table
-/// without a title.
-export function table(data: TableData, section: string): HTMLElement {
+/// A table with its title and note; folded and long ones open by a click, unless it is all that a
+/// report has. `section` names a table without a title.
+export function table(data: TableData, section: string, isOnly: boolean): HTMLElement {
   const name = data.title || section;
   const save = create('button', { type: 'button', textContent: 'Save CSV' });
   save.addEventListener('click', () => saveText(name, 'csv', 'text/csv', csvOfTable(data)));
   const parts: HTMLElement[] = [plainTable(data)];
   if (data.note) parts.push(create('p', { className: 'below', textContent: printed(data.note) }));
   const actions = create('span', { className: 'actions' }, save);
-  if (data.folded || data.rows.length > maxShownRows) {
+  if (!isOnly && (data.folded || data.rows.length > maxShownRows)) {
     const title = `${data.title || 'All values'} (${data.rows.length} rows)`;
     return create('details', {}, create('summary', {}, title, actions), ...parts);
   }
