@@ -193,15 +193,15 @@ bool is_mostly_turning(const std::vector<FrictionSample>& samples) {
   return 2 * turning > static_cast<std::ptrdiff_t>(samples.size());
 }
 
-/// Nothing where the mass, the contact law or the sliding friction is not known.
+/// Nothing where the mass or the sliding friction is not known. Without a contact law, that of each
+/// push's own loading is to be set.
 std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
                                           const FrictionPriors& priors,
                                           const ObjectIdentification& known) {
   const FrictionPosterior& friction = known.friction;
   const std::optional<ParameterValue>& mass = known.parameters.mass;
-  if (!compliance.law || !mass || !friction.is_valid || !friction.coulomb.is_excited)
-    return std::nullopt;
-  PushedObject object{.contact_law = *compliance.law,
+  if (!mass || !friction.is_valid || !friction.coulomb.is_excited) return std::nullopt;
+  PushedObject object{.contact_law = compliance.law.value_or(HuntCrossley{}),
                       .compliance_std = compliance.std,
                       .damping_std = compliance.damping_std,
                       .mass = mass->value,
@@ -214,13 +214,14 @@ std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
 }
 
 /// Of one push: without inertia, which needs the mass; else the force at the peak.
-LimitOfMotion limit_of(const ContactEpisode& episode, const std::optional<PushedObject>& object,
+LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject> object,
                        const std::optional<HuntCrossley>& contact_law,
                        const std::optional<ParameterValue>& mass,
                        const IdentificationOptions& options) {
   const Breakaway breakaway = with_final_rate(episode);
   // In a slow push, the little that it can be off by is all that the motion could show.
   const double min_overshoot = options.onset.max_acceleration_share * breakaway.force;
+  if (object && !contact_law) object->contact_law = {breakaway.stiffness, 0.0, 1.0};
   if (object && inertial_overshoot(breakaway, object->mass) > min_overshoot) {
     const LimitOfMotion found =
         limit_by_motion(episode.series(), breakaway, *object, options.breakaway_priors);
