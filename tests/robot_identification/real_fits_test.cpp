@@ -23,19 +23,19 @@ namespace {
 constexpr Eigen::Index kJoints = 6;
 
 /// A run of the UR10e, with the rows and the drive gains [N m/A] of its origin.
-struct Run {
+struct RecordedRun {
   const char* name;
   Eigen::Index first, last;  ///< rows, from 0; `last` -1: to the end
 };
 
-constexpr Run kFitted{"ur-20_02_10-30sec_12harm", 634, 3509};
+constexpr RecordedRun kFitted{"ur-20_02_10-30sec_12harm", 634, 3509};
 /// Nothing was chosen on these.
-constexpr std::array<Run, 6> kJudged{{{"ur-20_02_12-40sec_12harm", 499, 4459},
-                                      {"ur-20_02_12-50sec_12harm", 354, 5089},
-                                      {"ur-20_02_19_14harm50sec", 0, -1},
-                                      {"ur-20_02_19_15harm50sec", 0, -1},
-                                      {"ur-19_12_23_free", 0, 2004},
-                                      {"ur-20_01_31-unload", 299, 2622}}};
+constexpr std::array<RecordedRun, 6> kJudged{{{"ur-20_02_12-40sec_12harm", 499, 4459},
+                                              {"ur-20_02_12-50sec_12harm", 354, 5089},
+                                              {"ur-20_02_19_14harm50sec", 0, -1},
+                                              {"ur-20_02_19_15harm50sec", 0, -1},
+                                              {"ur-19_12_23_free", 0, 2004},
+                                              {"ur-20_01_31-unload", 299, 2622}}};
 
 JointLog rows_of(const JointLog& log, Eigen::Index first, Eigen::Index count) {
   JointLog part;
@@ -54,7 +54,7 @@ JointLog rows_of(const JointLog& log, Eigen::Index first, Eigen::Index count) {
 
 RobotModel ur10e() { return read_urdf(shared_data("real/ur10e/ur10e.urdf")).value(); }
 
-JointLog log_of(const Run& run) {
+JointLog log_of(const RecordedRun& run) {
   constexpr std::array<double, 6> kGains{10.0, 10.6956, 8.4566, 9.0029, 9.48, 10.1232};
   JointLog log =
       import_joint_log(
@@ -90,7 +90,7 @@ RobotFit fit_all_rows(const JointLog& log) {
 TEST(RealFits, StateStdsOfFrictionThatTheHalvesOfALogConfirm) {
   PCAVR_NEEDS_SHARED_DATA("real/ur10e");
   int count = 0, within_one = 0, within_two = 0;
-  for (const Run& run : kJudged) {
+  for (const RecordedRun& run : kJudged) {
     const JointLog log = log_of(run);
     const Eigen::Index half = log.position.rows() / 2;
     const RobotFit first = fit_all_rows(rows_of(log, 0, half));
