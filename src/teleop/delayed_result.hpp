@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <future>
 #include <utility>
 
@@ -19,6 +20,10 @@ class DelayedResult {
       : due_(due), result_(std::async(policy, std::move(work)).share()) {}
 
   [[nodiscard]] bool is_due(double t) const { return t >= due_; }
+  /// Whether its use at `t` [s] would wait for the thread.
+  [[nodiscard]] bool would_wait(double t) const {
+    return is_due(t) && result_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
+  }
   /// Waits for it.
   [[nodiscard]] const Result& get() const { return result_.get(); }
 
