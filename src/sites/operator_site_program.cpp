@@ -231,6 +231,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       return;
     }
     has_connected_ = true;
+    // It took longer than expected: another one, with time for that.
+    if (is_too_late(now)) return;
     site_.emplace(std::move(*site));
     next_link_ = now;
     if (welcome_->follows_commands) place_objects();
@@ -306,6 +308,11 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
                                          schedule_.lead());
   }
 
+  /// The commands since would come at once.
+  [[nodiscard]] bool is_too_late(double now) const {
+    return now - next_local_time() > kMaxOperatorBacklog * teleop_.predictor.step;
+  }
+
   /// The duration is the machine's, also where the loop runs in virtual time.
   void timed_cycle(double now) {
     const auto begin = std::chrono::steady_clock::now();
@@ -316,7 +323,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   void cycle(double now) {
     const double behind = now - next_local_time();
     if (behind > teleop_.predictor.step) ++report_.late_cycles;
-    if (behind > kMaxOperatorBacklog * teleop_.predictor.step) {
+    if (is_too_late(now)) {
       return lose(now, fmt::format("this site did not run for {:.2f} s", behind));
     }
     if (const LinkState* const state = robot_.state()) {

@@ -203,19 +203,20 @@ void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> pr
 std::vector<LiveCorrection> LiveRobotSite::advance(double now) {
   // [s] Older samples are not kept for predictions that may still come.
   constexpr double kMaxWait = 0.5;
+  constexpr double kMaxBacklog = 10.0;  // [s]
   std::vector<LiveCorrection> corrections;
   std::vector<Impl::Cycle>& cycles = impl_->cycles;
   std::size_t done = 0;
   for (; done < impl_->waiting; ++done) {
     const double t = cycles[done].t;
-    if (!impl_->is_waiting && t > now - kMaxWait && impl_->site.would_wait(t)) break;
+    if (!impl_->is_waiting && t > now - kMaxBacklog && impl_->site.would_wait(t)) break;
     impl_->process(cycles[done], corrections);
   }
   const auto begin = cycles.begin();
   std::rotate(begin, begin + static_cast<std::ptrdiff_t>(done),
               begin + static_cast<std::ptrdiff_t>(impl_->waiting));
   impl_->waiting -= done;
-  impl_->samples.pass_on(now - kMaxWait, impl_->site);
+  if (impl_->waiting == 0) impl_->samples.pass_on(now - kMaxWait, impl_->site);
   return corrections;
 }
 

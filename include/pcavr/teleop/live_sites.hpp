@@ -66,7 +66,7 @@ class LiveRobotSite {
   /// prediction for a time long before it will come.
   [[nodiscard]] std::vector<LiveCorrection> advance(double now);
   /// Whether advance() waits for what a thread identifies or tries, as by default. Else it leaves
-  /// the times from then on to its next calls, for half a second at most: the corrections are the
+  /// the times from then on to its next calls, for ten seconds at most: the corrections are the
   /// same, and a control loop goes on.
   void set_waiting(bool is_waiting);
   /// Times that were left to the next calls.
