@@ -11,7 +11,7 @@ namespace {
 // After this the line's start is known well enough to estimate the time of contact [s].
 constexpr double kStampAfter = 0.150;
 // [s] From the touch of a soft surface until its force is above the noise.
-constexpr double kMaxTouchTime = 0.25;
+constexpr double kMaxTouchTime = 0.4;
 // [s] In which the tip must advance: one that has just stopped relaxes its contact, which also
 // looks like motion.
 constexpr double kRecentTime = 0.020;

@@ -72,8 +72,8 @@ void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_
 }
 
 /// With an assumed law the operator feels a multiple of the real force, or a fraction of it: the
-/// first law is identified from the beginning of a press, not once that is over. A push breaks loose
-/// before long, and is identified then.
+/// first law is identified from the beginning of a press, not once that is over. A push breaks
+/// loose before long, and is identified then.
 void RobotSite::look_for_first_law(RobotObject& object, double t) {
   const bool is_pressed = object.monitor.is_touched() && object.monitor.is_press();
   if (!is_pressed || object.identification || contact_law_of(object.learner.known())) return;
