@@ -27,6 +27,7 @@ std::vector<OptionSection> Configuration::sections() {
           section_of(devices.plugin), section_of(devices.simulated)});
   append(sections, sections_of(evaluation));
   sections.push_back(section_of(friction_priors));
+  sections.push_back(section_of(breakaway_priors));
   sections.push_back(section_of(plan));
   sections.push_back(section_of(estimator));
   sections.push_back(section_of(estimator.averaging));
@@ -62,6 +63,7 @@ IdentificationOptions Configuration::identification() const {
           .limiting_friction = teleop.learning.limiting_friction,
           .sliding = teleop.learning.sliding,
           .friction_priors = friction_priors,
+          .breakaway_priors = breakaway_priors,
           .limit_surface = teleop.learning.limit_surface,
           .plan = plan,
           .estimator = estimator};

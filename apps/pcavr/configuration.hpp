@@ -14,6 +14,7 @@
 #include "pcavr/devices/open_device.hpp"
 #include "pcavr/devices/remote_device.hpp"
 #include "pcavr/evaluation/options.hpp"
+#include "pcavr/identification/breakaway_motion.hpp"
 #include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
@@ -45,6 +46,7 @@ struct Configuration {
   DeviceOptions devices;
   EvaluationOptions evaluation;
   FrictionPriors friction_priors;
+  BreakawayPriors breakaway_priors;
   PlanOptions plan;               ///< of identify --plan
   EstimatorOptions<3> estimator;  ///< of the comparison in identify's report
   RobotIdentificationOptions robot_identification;

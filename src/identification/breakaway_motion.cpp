@@ -20,18 +20,6 @@ namespace {
 
 /// One breakaway's force, and the equation of motion that predicts it.
 class BreakawayFit {
-  // Priors, each log-normal: the median, and the factor that is one std of the logarithm.
-  /// Of the limit over Coulomb friction, as a share of that: their ratio is mostly 0.6 to 1.
-  static constexpr double kExcess = 0.2, kExcessFactor = 2.5;
-  /// [m] that an object moves before friction has its full limit [Armstrong-Helouvry et al. 1994:
-  /// 1 to 50 um].
-  static constexpr double kPresliding = 5e-6, kPreslidingFactor = 3.0;
-  static constexpr double kStribeckFactor = 2.0;  // its median is the object's
-
-  /// Of the peak: by which friction may fall short of its limit, as the bristles slip before they
-  /// are fully deflected; the more the faster the load [Canudas de Wit et al. 1995].
-  static constexpr double kMaxShortfall = 0.03;
-
   static constexpr double kPathHalfWidth = 0.040;  // [s] of the tip's smoothing: it moves smoothly
   /// Of Coulomb friction, from which on the force is fitted: the object surely rests.
   static constexpr double kFromShare = 0.6;
@@ -70,8 +58,11 @@ class BreakawayFit {
   using Own = Eigen::Matrix<double, kOwn, kOwn>;
 
  public:
-  BreakawayFit(const ForceMotion& push, const Breakaway& breakaway, const PushedObject& object)
-      : object_(object), friction_factor_(object.sliding_covariance.llt().matrixL()) {
+  BreakawayFit(const ForceMotion& push, const Breakaway& breakaway, const PushedObject& object,
+               const BreakawayPriors& priors)
+      : object_(object),
+        priors_(priors),
+        friction_factor_(object.sliding_covariance.llt().matrixL()) {
     const HuntCrossley& law = object.contact_law;
     const double depth = static_penetration(law, breakaway.force);
     const double stiffness = law.exponent * breakaway.force / depth;
@@ -89,7 +80,7 @@ class BreakawayFit {
     const SmoothedSample tip = smooth_at(push.t, push.tool, breakaway.t, kPathHalfWidth);
     const double tip_speed = tip.is_valid ? std::max(0.0, tip.rate) : 0.0;
     const double overshoot = tip_speed * std::sqrt(stiffness * object.mass);
-    max_limit_ = (1.0 + kMaxShortfall) * breakaway.force + breakaway.std;
+    max_limit_ = (1.0 + priors_.max_shortfall) * breakaway.force + breakaway.std;
     min_limit_ = breakaway.force - breakaway.std - (1.0 + object.compliance_std) * overshoot -
                  object.sliding[1] * tip_speed;
   }
@@ -149,7 +140,7 @@ class BreakawayFit {
   }
 
   [[nodiscard]] double excess_at(const Unknowns& theta) const {
-    return kExcess * std::pow(kExcessFactor, theta[kLogExcess]);
+    return priors_.excess * std::pow(priors_.excess_factor, theta[kLogExcess]);
   }
   [[nodiscard]] Eigen::Vector2d sliding_at(const Unknowns& theta) const {
     return object_.sliding + friction_factor_ * theta.segment<2>(kCoulomb);
@@ -160,7 +151,7 @@ class BreakawayFit {
   }
   [[nodiscard]] Unknowns limit_by(const Unknowns& theta) const {
     Unknowns by = Unknowns::Zero();
-    by[kLogExcess] = sliding_at(theta)[0] * excess_at(theta) * std::log(kExcessFactor);
+    by[kLogExcess] = sliding_at(theta)[0] * excess_at(theta) * std::log(priors_.excess_factor);
     by.segment<2>(kCoulomb) = (1.0 + excess_at(theta)) * friction_factor_.row(0).transpose();
     return by;
   }
@@ -226,10 +217,10 @@ class BreakawayFit {
   [[nodiscard]] Bristles bristles_at(const Unknowns& theta) const {
     const double limit = limit_at(theta);
     const double stiffness =
-        limit / (kPresliding * std::pow(kPreslidingFactor, theta[kLogPresliding]));
+        limit / (priors_.presliding * std::pow(priors_.presliding_factor, theta[kLogPresliding]));
     return {sliding_at(theta)[0], limit,
-            object_.stribeck_speed * std::pow(kStribeckFactor, theta[kLogStribeck]), stiffness,
-            std::sqrt(stiffness * object_.mass)};
+            object_.stribeck_speed * std::pow(priors_.stribeck_factor, theta[kLogStribeck]),
+            stiffness, std::sqrt(stiffness * object_.mass)};
   }
 
   /// The contact's force at the samples, from rest under the first one.
@@ -314,6 +305,7 @@ class BreakawayFit {
   }
 
   const PushedObject& object_;
+  const BreakawayPriors& priors_;
   Eigen::Matrix2d friction_factor_;
   std::vector<double> t_, tip_, force_;
   double noise_ = 0.0;                               ///< [N]
@@ -325,12 +317,13 @@ class BreakawayFit {
 }  // namespace
 
 LimitOfMotion limit_by_motion(const ForceMotion& push, const Breakaway& breakaway,
-                              const PushedObject& object) {
+                              const PushedObject& object, const BreakawayPriors& priors) {
+  PCAVR_REQUIRE(priors.excess > 0.0 && priors.presliding > 0.0, priors.excess, priors.presliding);
   PCAVR_REQUIRE(object.mass > 0.0 && object.stribeck_speed > 0.0, object.mass);
   PCAVR_REQUIRE(object.contact_law.stiffness > 0.0, object.contact_law.stiffness);
   PCAVR_REQUIRE(object.sliding[0] > 0.0, object.sliding[0]);
   if (!breakaway.is_found || !(breakaway.force > 0.0)) return {};
-  const BreakawayFit fit(push, breakaway, object);
+  const BreakawayFit fit(push, breakaway, object, priors);
   return fit.is_usable() ? fit.solve() : LimitOfMotion{};
 }
 

@@ -88,14 +88,14 @@ ParameterEstimate<3> regress(const std::vector<PressSamples>& presses, bool has_
   return estimator.estimate();
 }
 
-void set_parameters(const ParameterEstimate<3>& estimate, ContactFit& fit) {
+void set_parameters(const ParameterEstimate<3>& estimate, double exponent_std, ContactFit& fit) {
   fit.mass = {estimate.value[0], estimate.std[0], estimate.is_excited[0]};
   fit.damping = {estimate.value[1], estimate.std[1], estimate.is_excited[1]};
   fit.stiffness = {estimate.value[2], estimate.std[2], estimate.is_excited[2]};
-  fit.exponent = {1.0, kExponentStd, true};
+  fit.exponent = {1.0, exponent_std, true};
 }
 
-ContactFit fit_linear(const std::vector<PressSamples>& presses, double min_mass_stds) {
+ContactFit fit_linear(const std::vector<PressSamples>& presses, const ContactFitOptions& options) {
   ContactFit fit;
   double energy = 0.0;
   for (const PressSamples& press : presses) {
@@ -104,13 +104,14 @@ ContactFit fit_linear(const std::vector<PressSamples>& presses, double min_mass_
   }
   if (fit.samples < 12 + presses.size() || energy <= 0.0) return fit;
   ParameterEstimate<3> estimate = regress(presses, true);
-  set_parameters(estimate, fit);
+  set_parameters(estimate, options.prior_exponent_std, fit);
   // At one frequency the mass is confounded with the stiffness: x'' is -w^2 x. A mass that is not
   // significant would bias k, so it is removed from the model, as in sliding.
-  fit.mass.is_excited = fit.mass.is_excited && fit.mass.value > min_mass_stds * fit.mass.std;
+  fit.mass.is_excited =
+      fit.mass.is_excited && fit.mass.value > options.min_mass_stds * fit.mass.std;
   if (!fit.mass.is_excited) {
     estimate = regress(presses, false);
-    set_parameters(estimate, fit);
+    set_parameters(estimate, options.prior_exponent_std, fit);
     fit.mass = {};
   }
   const double samples = static_cast<double>(fit.samples);
@@ -153,7 +154,7 @@ std::optional<ContactFit> fit_with_mass(std::span<const ForceMotion> presses,
     double noise = 0.0;
     for (const PressSamples& press : samples) noise = std::max(noise, press.acceleration_noise);
     if (noise > kMaxNoiseShare * scales_of(samples)[0]) continue;
-    ContactFit fit = fit_linear(samples, options.min_mass_stds);
+    ContactFit fit = fit_linear(samples, options);
     if (!fit.is_valid || !fit.mass.is_excited) return std::nullopt;
     options.half_width = wider.half_width;
     return fit;
@@ -285,7 +286,7 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
     found.proposal = proposal_for(found);
     return found;
   }
-  found.mass_damper_spring = fit_linear(samples, options.min_mass_stds);
+  found.mass_damper_spring = fit_linear(samples, options);
   ContactFitOptions smoothed = options;
   if (auto fit = fit_with_mass(presses, found.touched, smoothed)) {
     found.mass_damper_spring = *std::move(fit);

@@ -17,10 +17,6 @@ struct ContactSample {
   double force = 0.0;
 };
 
-/// Std of the exponent about that of a spherical tip on a flat face [Hertz 1882], before it is
-/// measured: that of a uniform distribution from 1 (a flat tip, a layer) to 2 (a cone).
-inline constexpr double kExponentStd = 0.289;
-
 struct PressSamples {
   std::vector<ContactSample> samples;  ///< in contact, away from its ends
   /// The same interval to its ends and a little beyond, position and force as measured (without

@@ -105,7 +105,7 @@ ContactFit fit_drifting_surface(std::span<const ForceMotion> presses,
   result.relative_error = result.residual / std::sqrt(energy / static_cast<double>(result.samples));
   result.stiffness = combine_limits(windows, kWindowScatter, kWindowScatterFactor).limit;
   result.stiffness.std = std::hypot(result.stiffness.std, kNormalShare * result.stiffness.value);
-  result.exponent = {1.0, kExponentStd, true};
+  result.exponent = {1.0, options.prior_exponent_std, true};
   result.penetration_std = result.stiffness.std / result.stiffness.value;
   result.is_valid = result.stiffness.is_excited;
   return result;

@@ -16,9 +16,8 @@
 namespace pcavr {
 namespace {
 
-constexpr double kMinExponent = 1.0;    // a flat face; contacts do not soften with depth
-constexpr double kHertzExponent = 1.5;  // a sphere: between a flat face and a cone
-constexpr double kStartMargin = 0.02;   // of the depth: force is detected after the touch
+constexpr double kMinExponent = 1.0;   // a flat face; contacts do not soften with depth
+constexpr double kStartMargin = 0.02;  // of the depth: force is detected after the touch
 /// Error of the force by the damping's std at the presses' speed, as a share, up to which the
 /// damping is excited.
 constexpr double kMaxDampingShare = 0.02;
@@ -33,6 +32,8 @@ class Problem {
       : presses_(presses),
         is_surface_shared_(options.is_surface_shared),
         exponent_(options.exponent),
+        prior_exponent_(options.prior_exponent),
+        prior_exponent_std_(options.prior_exponent_std),
         max_exponent_(std::max(options.max_exponent, options.exponent.value_or(kMinExponent))) {
     double peak = 0.0;
     for (const PressSamples& press : presses) {
@@ -56,7 +57,7 @@ class Problem {
       theta[surface_column(p)] = presses_[p].onset - kStartMargin * depth_;
       for (const ContactSample& sample : presses_[p].raw) force = std::max(force, sample.force);
     }
-    theta.head<3>() << force, 0.0, exponent_.value_or(std::min(kHertzExponent, max_exponent_));
+    theta.head<3>() << force, 0.0, exponent_.value_or(std::min(prior_exponent_, max_exponent_));
     return theta;
   }
 
@@ -126,11 +127,10 @@ class Problem {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
-  /// A spherical tip on a flat face, with a range from a flat tip to a cone: it decides only where
-  /// noise hides the exponent.
-  static double add_exponent_prior(double exponent, Eigen::MatrixXd* normal, Eigen::VectorXd* rhs) {
-    const double weight = 1.0 / (kExponentStd * kExponentStd);
-    const double off = kHertzExponent - exponent;
+  /// It decides only where noise hides the exponent.
+  double add_exponent_prior(double exponent, Eigen::MatrixXd* normal, Eigen::VectorXd* rhs) const {
+    const double weight = 1.0 / (prior_exponent_std_ * prior_exponent_std_);
+    const double off = prior_exponent_ - exponent;
     if (normal != nullptr) {
       (*normal)(2, 2) += weight;
       (*rhs)[2] += weight * off;
@@ -183,6 +183,7 @@ class Problem {
   const std::vector<PressSamples>& presses_;
   bool is_surface_shared_;
   std::optional<double> exponent_;
+  double prior_exponent_, prior_exponent_std_;
   double max_exponent_;
   double depth_ = 0.0;
   double position_variance_ = 0.0;

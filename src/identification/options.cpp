@@ -8,7 +8,6 @@
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
-#include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/identification/motion_plan.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/signals.hpp"
@@ -77,6 +76,14 @@ constexpr auto kContactFitFields = std::to_array<OptionField<ContactFitOptions>>
      "lower: its greater freedom fits a surface that stays; higher: slow motion biases the law"},
     {"max_exponent", &ContactFitOptions::max_exponent, 3.0, 1.0, 10.0, "",
      "upper bound of the Hunt-Crossley exponent",
+     "lower: layered or conical contacts do not fit; higher: noisy presses get absurd exponents"},
+    // A spherical tip on a flat face [Hertz 1882]; the std is that of a uniform distribution from
+    // 1 (a flat tip, a layer) to 2 (a cone).
+    {"prior_exponent", &ContactFitOptions::prior_exponent, 1.5, 1.0, 10.0, "",
+     "Hunt-Crossley exponent before it is measured",
+     "lower, higher: where noise hides it, the exponent is off accordingly"},
+    {"prior_exponent_std", &ContactFitOptions::prior_exponent_std, 0.289, 1e-3, 100.0, "",
+     "std of the Hunt-Crossley exponent before it is measured, and of one that is not",
      "lower: layered or conical contacts do not fit; higher: noisy presses get absurd exponents"},
     {"min_mass_stds", &ContactFitOptions::min_mass_stds, 2.0, 0.0, 100.0, "stds",
      "contact mass over its std below which it is removed from the model",
@@ -229,48 +236,6 @@ constexpr auto kSlidingFields = std::to_array<OptionField<SlidingOptions>>({
 });
 static_assert(are_valid_fields(kSlidingFields));
 
-constexpr auto kFrictionPriorFields = std::to_array<OptionField<FrictionPriors>>({
-    {"max_viscous", &FrictionPriors::max_viscous, 40.0, 0.1, 1e4, "N s/m",
-     "viscous friction, uniform from 0 to this",
-     "lower: excludes greased or rubber supports; higher: slow pushes say less of Coulomb "
-     "friction"},
-    // Repeated pushes on dry tables differ by 2 to 5 %.
-    {"scatter", &FrictionPriors::scatter, 0.02, 1e-4, 1.0, "",
-     "std of friction from push to push and from place to place, as a share; its median",
-     "lower: too confident on an uneven table; higher: many pushes are needed"},
-    {"scatter_factor", &FrictionPriors::scatter_factor, 2.0, 1.01, 100.0, "",
-     "factor by which that std may differ from its median: one std of its logarithm",
-     "lower: the data can't correct the median; higher: two pushes alone decide it"},
-    // Friction drifts as surfaces wear, warm up and gather dust.
-    {"push_correlation", &FrictionPriors::push_correlation, 0.9, 0.0, 0.999, "",
-     "maximum correlation of the friction of successive pushes; as likely as 0 and its half",
-     "lower: many pushes seem to average out friction that drifts; higher: few pushes say less"},
-    {"correlation_path", &FrictionPriors::correlation_path, 0.020, 1e-4, 1.0, "m",
-     "travel over which friction varies with the place",
-     "lower: samples of one place count as independent; higher: long slides count for little"},
-    {"bias_std", &FrictionPriors::bias_std, 0.02, 0.0, 100.0, "N",
-     "error of the force's bias in one push",
-     "lower: too confident for light objects; higher: light objects are not identified"},
-    {"stribeck_share", &FrictionPriors::stribeck_share, 0.04, 1e-4, 1.0, "",
-     "share by which friction at rest exceeds that of fast sliding, with the same as its std",
-     "lower: slow pushes overestimate Coulomb friction; higher: slow pushes say less of it"},
-    {"stribeck_speed", &FrictionPriors::stribeck_speed, 0.003, 1e-5, 1.0, "m/s",
-     "speed over which that excess falls off, as exp(-v / this) [Stribeck 1902]",
-     "lower: slow pushes count as fast ones; higher: fast ones count as slow"},
-    {"support_size_share", &FrictionPriors::support_size_share, 0.25, 1e-3, 10.0, "",
-     "std of the support's size about that of the CAD body's lowest face",
-     "lower: too confident where only the rim bears; higher: turning objects say less of friction"},
-    {"min_coefficient", &FrictionPriors::min_coefficient, 0.02, 0.0, 1.0, "",
-     "friction coefficient below which a mass by accelerations is not identified: no support "
-     "without rollers or air has less",
-     "lower: friction that varies during slow pushes resembles a large mass; higher: greased "
-     "supports have no mass"},
-    {"mass_share", &FrictionPriors::mass_share, 0.005, 1e-6, 1.0, "",
-     "std of a weighed mass, as a share",
-     "lower: too confident for a bad scale; higher: the coefficient is less certain"},
-});
-static_assert(are_valid_fields(kFrictionPriorFields));
-
 using Plan = PlanOptions;
 constexpr auto kPlanFields = std::to_array<OptionField<Plan>>({
     // Errors of this size change a predicted push by less than a millimetre.
@@ -412,13 +377,6 @@ OptionSection section_of(SegmentationOptions& options) {
 SlidingOptions::SlidingOptions() { set_defaults(*this, kSlidingFields); }
 OptionSection section_of(SlidingOptions& options) {
   return make_section("identification.sliding", options, kSlidingFields);
-}
-
-FrictionPriors::FrictionPriors() : gravity(kStandardGravity) {
-  set_defaults(*this, kFrictionPriorFields);
-}
-OptionSection section_of(FrictionPriors& priors) {
-  return make_section("identification.friction_priors", priors, kFrictionPriorFields);
 }
 
 PlanOptions::PlanOptions() { set_defaults(*this, kPlanFields); }

@@ -190,7 +190,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     }
     withhold_contact_off_centre(found);
     if (object.is_movable) assume_contact_by_loading(result.contacts, i, found);
-    state_penetration(found);
+    state_penetration(options.contact_fit, found);
     state_findings(goal, object, found);
   }
   note_contacts(result, input);

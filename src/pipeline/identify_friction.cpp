@@ -24,26 +24,16 @@ constexpr double kMassContradiction = 5.0;
 
 constexpr double kRateHalfWidth = 0.020;  // [s] of tool's speed and force at the breakaway
 constexpr double kMinRateFactor = 2.0;    // of the mean rate: it was loaded in steps
-/// Std of F_M, as a share, where it was loaded within no time; half of it within `kRateDuration`.
-constexpr double kRateShare = 0.10;
-constexpr double kRateDuration = 0.10;  // [s]
 
 constexpr double kMaxNoise = 0.01;  // smoothed noise over force: a third of the drop after a peak
 constexpr double kMaxHalfWidth = 0.030;  // [s] half width; the peak is wider than that
 
-/// Relative std of the compliance by a line through a push's loading, of a law with an exponent of
-/// 1 to 2.
-constexpr double kLoadingLineStd = 0.3;
-
-/// [s/m] of damping over stiffness, where it is not known: a restitution of a half at 0.1 m/s is
-/// one of 5 [Hunt & Crossley 1975].
-constexpr double kUnknownDampingStd = 5.0;
-
 /// Relative std of the compliance d / (n F) of a contact under `force`, by d = (F / k)^(1/n):
 /// beyond the forces of the presses, d follows from the exponent.
-double compliance_std(const ObjectIdentification& object, double pressed, double force) {
+double compliance_std(const ObjectIdentification& object, double pressed, double force,
+                      const BreakawayPriors& priors) {
   const ObjectParameters& known = object.parameters;
-  if (!known.contact_stiffness) return kLoadingLineStd;
+  if (!known.contact_stiffness) return priors.compliance_std;
   const ParameterValue exponent = known.contact_exponent.value_or(ParameterValue{1.0, {}});
   const double n = exponent.value;
   const double stiffness_std = known.contact_stiffness->std.value_or(0.0);
@@ -55,10 +45,10 @@ double compliance_std(const ObjectIdentification& object, double pressed, double
 }
 
 /// [s/m] Std of the contact's damping over its stiffness.
-double damping_std(const ObjectIdentification& object) {
+double damping_std(const ObjectIdentification& object, const BreakawayPriors& priors) {
   const ContactFit& fit = object.presses.best();
   const bool is_by_presses = fit.is_valid && fit.covariance(1, 1) > 0.0;
-  if (!is_by_presses || !fit.damping.is_excited) return kUnknownDampingStd;
+  if (!is_by_presses || !fit.damping.is_excited) return priors.damping_std;
   const double k = fit.stiffness.value;
   const Eigen::Vector3d by(-fit.damping.value / (k * k), 1.0 / k, 0.0);
   return std::sqrt(std::max(by.dot(fit.covariance * by), 0.0));
@@ -227,21 +217,24 @@ std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
 /// Of one push: without inertia, which needs the mass; else the force at the peak.
 LimitOfMotion limit_of(const ContactEpisode& episode, const std::optional<PushedObject>& object,
                        const std::optional<HuntCrossley>& contact_law,
-                       const std::optional<ParameterValue>& mass, const OnsetOptions& options) {
+                       const std::optional<ParameterValue>& mass,
+                       const IdentificationOptions& options) {
   const Breakaway breakaway = with_final_rate(episode);
   // In a slow push, the little that it can be off by is all that the motion could show.
-  const double min_overshoot = options.max_acceleration_share * breakaway.force;
+  const double min_overshoot = options.onset.max_acceleration_share * breakaway.force;
   if (object && inertial_overshoot(breakaway, object->mass) > min_overshoot) {
-    const LimitOfMotion found = limit_by_motion(episode.series(), breakaway, *object);
+    const LimitOfMotion found =
+        limit_by_motion(episode.series(), breakaway, *object, options.breakaway_priors);
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
   if (contact_law && mass) {
-    found.limit = limit_of_push(episode.series(), breakaway, *contact_law, mass->value, options);
+    found.limit =
+        limit_of_push(episode.series(), breakaway, *contact_law, mass->value, options.onset);
   }
   if (breakaway.loading_rate > 0.0) {
     const double loading_time = found.limit.value / breakaway.loading_rate;
-    found.shared_std = limit_rate_std(found.limit.value, loading_time);
+    found.shared_std = limit_rate_std(found.limit.value, loading_time, options.breakaway_priors);
   }
   return found;
 }
@@ -267,7 +260,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
       LimitOfMotion limit =
-          limit_of(push->episode, object, compliance.law, result.parameters.mass, options.onset);
+          limit_of(push->episode, object, compliance.law, result.parameters.mass, options);
       limit.shared_std =
           std::hypot(limit.shared_std,
                      turning_std_of(*push, radius, result.friction.coulomb, limit.limit.value));
@@ -336,8 +329,8 @@ double support_radius(const BodyMotion& body, const ObjectParameters& known) {
 
 }  // namespace
 
-double limit_rate_std(double limit, double loading_time) {
-  return limit * kRateShare * kRateDuration / (kRateDuration + loading_time);
+double limit_rate_std(double limit, double loading_time, const BreakawayPriors& priors) {
+  return limit * priors.rate_share * priors.rate_duration / (priors.rate_duration + loading_time);
 }
 
 bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
@@ -376,7 +369,8 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   }
   const double pressed = largest_force(contacts_of(contacts, object, true));
   const ContactCompliance compliance{
-      contact_law, compliance_std(result, pressed, largest_force(all)), damping_std(result)};
+      contact_law, compliance_std(result, pressed, largest_force(all), options.breakaway_priors),
+      damping_std(result, options.breakaway_priors)};
   FrictionPriors priors = options.friction_priors;
   priors.gravity = options.sliding.gravity;
   KnownSupport support;

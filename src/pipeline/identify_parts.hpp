@@ -56,7 +56,7 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
 
 /// The penetration at F_M by the contact law that was found, with its std beyond the forces that it
 /// was found by.
-void state_penetration(ObjectIdentification& result);
+void state_penetration(const ContactFitOptions& options, ObjectIdentification& result);
 
 /// Breakaway and sliding.
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
@@ -80,7 +80,8 @@ void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, s
 /// Std [N] of F_M as the dependence of friction's limit on the time [s] in which it is loaded:
 /// under fast loading an object breaks loose before its contacts have adapted [Canudas de Wit et
 /// al. 1995].
-[[nodiscard]] double limit_rate_std(double limit, double loading_time);
+[[nodiscard]] double limit_rate_std(double limit, double loading_time,
+                                    const BreakawayPriors& priors);
 
 [[nodiscard]] ParameterValue as_value(const IdentifiedParameter& parameter);
 

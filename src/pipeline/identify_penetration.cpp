@@ -11,7 +11,6 @@ namespace pcavr {
 namespace {
 
 constexpr double kMinForceShare = 0.25;  // of the largest force: what the law's std is stated from
-constexpr double kExponentStd = 0.289;   // of an exponent without std: uniform from 1 to 2
 
 /// [-] of ln F, by which `force` is outside of the forces that the law was found by.
 double extrapolation(double force, double max_force) {
@@ -21,7 +20,7 @@ double extrapolation(double force, double max_force) {
 
 }  // namespace
 
-void state_penetration(ObjectIdentification& result) {
+void state_penetration(const ContactFitOptions& options, ObjectIdentification& result) {
   PenetrationFinding& found = result.penetration;
   const std::optional<HuntCrossley> law = contact_law_of(result.parameters);
   if (!law || found.relative_std <= 0.0 || found.max_force <= 0.0) return;
@@ -29,7 +28,7 @@ void state_penetration(ObjectIdentification& result) {
   found.force = limit && result.limit.pushes > 0 ? limit->value : found.max_force;
   found.depth.value = static_penetration(*law, found.force);
   const double exponent_std =
-      result.parameters.contact_exponent->std.value_or(kExponentStd) / law->exponent;
+      result.parameters.contact_exponent->std.value_or(options.prior_exponent_std) / law->exponent;
   found.depth.std = found.depth.value *
                     std::hypot(found.relative_std, exponent_std / law->exponent *
                                                        extrapolation(found.force, found.max_force));

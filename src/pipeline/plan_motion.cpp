@@ -139,7 +139,8 @@ void plan_breakaways(const PlannedObject& known, const IdentificationOptions& op
               found.limit.pushes > 0, options.plan.limit_std);
   int pushes = kFirstBreakaways;
   if (found.limit.pushes > 0) {
-    const double common = limit_rate_std(found.limit_of_pushes.limit.value, kLoadingTime);
+    const double common =
+        limit_rate_std(found.limit_of_pushes.limit.value, kLoadingTime, options.breakaway_priors);
     const LimitPlan planned = plan_limits(found.limit_of_pushes, push_std_of(known.contacts),
                                           common, options.friction_priors, options.plan);
     pushes = is_reached(limit) ? 0 : planned.pushes;

@@ -117,6 +117,21 @@ TEST(LimitByMotion, IsNotClearlyAboveThePeakWhateverIsKnown) {
   EXPECT_LT(found.limit.value, 1.03 * breakaway.force + breakaway.std);
 }
 
+TEST(LimitByMotion, KeepsItsPriorWhereThatIsNarrow) {
+  Random random(8807);
+  const Plant plant;
+  const PushedObject known = known_of(plant, random);
+  const Trial trial = run(plant, {}, 1.6, 8808, path_of(plant, 0.06, false));
+  const Breakaway breakaway = find_breakaway(trial.series());
+  BreakawayPriors priors;
+  priors.excess_factor = 1.02;
+  const LimitOfMotion narrow = limit_by_motion(trial.series(), breakaway, known, priors);
+  const LimitOfMotion wide = limit_by_motion(trial.series(), breakaway, known);
+  ASSERT_TRUE(narrow.limit.is_excited && wide.limit.is_excited);
+  EXPECT_LT(std::hypot(narrow.limit.std, narrow.shared_std),
+            std::hypot(wide.limit.std, wide.shared_std));
+}
+
 TEST(LimitByMotion, IsNotExcitedWithoutABreakaway) {
   Random random(8806);
   const Plant plant;

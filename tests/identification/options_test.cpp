@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/identification/breakaway.hpp"
+#include "pcavr/identification/breakaway_motion.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/friction_posterior.hpp"
@@ -37,6 +38,7 @@ TEST(IdentificationOptions, HaveTheirDocumentedDefaults) {
   test::expect_documented_defaults<SegmentationOptions>();
   test::expect_documented_defaults<SlidingOptions>();
   test::expect_documented_defaults<FrictionPriors>();
+  test::expect_documented_defaults<BreakawayPriors>();
   test::expect_documented_defaults<EstimatorOptions<1>>();
   test::expect_documented_defaults<EstimatorOptions<4>>();
 }

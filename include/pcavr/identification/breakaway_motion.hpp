@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/contact/hunt_crossley.hpp"
+#include "pcavr/core/options.hpp"
 #include "pcavr/identification/breakaway.hpp"
 #include "pcavr/identification/parameter.hpp"
 
@@ -23,6 +24,24 @@ struct PushedObject {
   Eigen::Matrix2d sliding_covariance = Eigen::Matrix2d::Identity();
   double stribeck_speed = 0.0;  ///< [m/s] > 0 over which friction falls to that of sliding; median
 };
+
+/// What is known of breakaways before the push. `NAME` with `NAME_factor` is log-normal: the
+/// median, and the factor that is one std of the logarithm; the Stribeck speed's median is the
+/// object's. Defaults, ranges and reasons: prior_options.cpp.
+struct BreakawayPriors {
+  BreakawayPriors();
+  double excess;  ///< share: limiting static over Coulomb friction, less 1
+  double excess_factor;
+  double presliding;  ///< [m] that an object moves before friction has its full limit
+  double presliding_factor;
+  double stribeck_factor;
+  double max_shortfall;   ///< share of the peak by which friction may fall short of its limit
+  double compliance_std;  ///< share, of the contact's compliance by a push's loading
+  double damping_std;     ///< [s/m] of a contact's damping over its stiffness, if not known
+  double rate_share;      ///< std of F_M, as a share, of an object that is loaded in no time, ...
+  double rate_duration;   ///< [s] ... and half of that if within this time
+};
+[[nodiscard]] OptionSection section_of(BreakawayPriors& priors);
 
 /// A push's limit with its own std, and the std [N] that it shares with the object's other pushes.
 struct LimitOfMotion {
@@ -44,6 +63,7 @@ struct LimitOfMotion {
 /// by. Not excited without a breakaway or with too few samples about it. Pure function;
 /// deterministic.
 [[nodiscard]] LimitOfMotion limit_by_motion(const ForceMotion& push, const Breakaway& breakaway,
-                                            const PushedObject& object);
+                                            const PushedObject& object,
+                                            const BreakawayPriors& priors = {});
 
 }  // namespace pcavr

@@ -38,8 +38,10 @@ struct ContactFitOptions {
   double moving_window;    ///< [s] of one stiffness of such a surface: some periods
   double min_moving_gain;  ///< of the residual force, for the surface to be taken as moving
   double max_exponent;     ///< of the Hunt-Crossley law
-  double min_mass_stds;    ///< mass over its std: below, the contact's mass is not fitted
-  double min_improvement;  ///< of the misfit, as a share, for the Hunt-Crossley law to be chosen
+  double prior_exponent;   ///< what is known of it before the presses: normal, with this mean ...
+  double prior_exponent_std;  ///< ... and this std
+  double min_mass_stds;       ///< mass over its std: below, the contact's mass is not fitted
+  double min_improvement;     ///< of the misfit, as a share, for the Hunt-Crossley law to be chosen
   /// >= 1: fixed, and only the Hunt-Crossley law of this exponent is fitted.
   std::optional<double> exponent;
   /// Of a fixed exponent: k has another value for another one, so that its share goes into all

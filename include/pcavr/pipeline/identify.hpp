@@ -21,6 +21,7 @@
 #include "pcavr/geometry/pose.hpp"
 #include "pcavr/geometry/tracked_pose.hpp"
 #include "pcavr/identification/breakaway.hpp"
+#include "pcavr/identification/breakaway_motion.hpp"
 #include "pcavr/identification/contact_fit.hpp"
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/friction_posterior.hpp"
@@ -83,6 +84,7 @@ struct IdentificationOptions {
   LimitingFrictionOptions limiting_friction;
   SlidingOptions sliding;
   FrictionPriors friction_priors;
+  BreakawayPriors breakaway_priors;
   LimitSurfaceFitOptions limit_surface;
   PlanOptions plan;               ///< of plan_motion
   EstimatorOptions<3> estimator;  ///< of the comparison of BSLS, EWRLS and affRLS on the presses
