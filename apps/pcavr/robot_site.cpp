@@ -63,7 +63,7 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
       "bytes of {} that "
       "streaming would send, {} sent again\npictures {}, {:.1f} kB each\ncycles {}, {} late, "
       "{:.1f} us CPU each, {:.2f} ms at "
-      "most with corrections\n",
+      "most\n",
       report.sessions, report.holds, report.emergency_stops, report.commands,
       report.discarded_commands, report.corrections.size(), report.correction_bytes,
       report.streaming_bytes, report.repeated_corrections, report.pictures,

@@ -47,13 +47,16 @@ Vectors despike(std::span<const Eigen::Vector3d> force, const SpikeOptions& opti
   return clean;
 }
 
-/// Size of the smoothed force; ends and gaps count as free.
-std::vector<double> smooth_size(std::span<const double> t, const Vectors& force,
-                                double half_width) {
+/// Size of the smoothed force; at ends and gaps, where it `is_known` not, 0.
+std::vector<double> smooth_size(std::span<const double> t, const Vectors& force, double half_width,
+                                std::vector<bool>& is_known) {
   std::vector<double> size(t.size(), 0.0);
   for (int k = 0; k < 3; ++k) {
     const std::vector<SmoothedSample> samples = smooth(t, axis_of(force, k), t, half_width);
-    for (std::size_t i = 0; i < t.size(); ++i) size[i] += samples[i].value * samples[i].value;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      size[i] += samples[i].value * samples[i].value;
+      is_known[i] = samples[i].is_valid;
+    }
   }
   for (double& value : size) value = std::sqrt(value);
   return size;
@@ -324,7 +327,8 @@ Segmentation segment_contacts(std::span<const double> t_force,
   for (int pass = 0; pass < 2; ++pass) {
     result.force_base = clean;
     for (std::size_t i = 0; i < clean.size(); ++i) result.force_base[i] -= result.bias_base[i];
-    size = smooth_size(t_force, result.force_base, half_width);
+    std::vector<bool> is_free(t_force.size(), true);
+    size = smooth_size(t_force, result.force_base, half_width, is_free);
     contacts =
         find_contacts(t_force, size, enter, options.leave_share * enter, options.min_duration);
     const Vectors raw = without_bias(force_base, result.bias_base);
@@ -336,7 +340,7 @@ Segmentation segment_contacts(std::span<const double> t_force,
       }
     }
     if (pass == 1) break;
-    std::vector<bool> is_free(t_force.size(), true);
+    // In gaps a contact may go on.
     const auto exclude = [&](const Range& range) {
       // The smoothing and the slow rise of a contact extend beyond its threshold.
       const double from = t_force[range.begin] - kRiseHalfWidths * half_width;

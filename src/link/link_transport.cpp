@@ -11,6 +11,8 @@
 #include <utility>
 
 #include <poll.h>
+#include <pthread.h>
+#include <sched.h>
 #include <zmq.hpp>
 
 #include "pcavr/core/check.hpp"
@@ -29,6 +31,29 @@ constexpr int kMaxReconnectInterval = 1000;
 // The authentication thread ends within this time [ms].
 constexpr int kAuthenticationPoll = 50;
 constexpr std::size_t kMaxNotices = 64;
+constexpr int kThreadPriority = 20;  // that of the sites' loops
+
+/// Whether this process may have threads of that priority: libzmq aborts where it may not.
+bool is_permitted(int policy, int priority) {
+  int result = 0;
+  std::thread([&] {
+    const sched_param parameters{.sched_priority = priority};
+    result = ::pthread_setschedparam(::pthread_self(), policy, &parameters);
+  }).join();
+  return result == 0;
+}
+
+/// A context whose socket thread has real-time priority where that is permitted, as the loops of
+/// the sites have: on a loaded machine it would otherwise not run for longer than a session lasts
+/// without messages.
+zmq::context_t make_context() {
+  zmq::context_t context;
+  if (is_permitted(SCHED_RR, kThreadPriority)) {
+    context.set(zmq::ctxopt::thread_sched_policy, SCHED_RR);
+    context.set(zmq::ctxopt::thread_priority, kThreadPriority);
+  }
+  return context;
+}
 
 std::string endpoint_of(const std::string& host, const std::string& port) {
   const bool is_ipv6 = host.find(':') != std::string::npos;
@@ -191,7 +216,7 @@ bool is_loopback(const std::string& host) {
 }
 
 struct LinkServer::Impl {
-  zmq::context_t context;
+  zmq::context_t context = make_context();
   std::filesystem::path authorized;
   bool has_keys = false;
   std::optional<Authenticator> authenticator;
@@ -286,7 +311,7 @@ std::vector<std::string> LinkServer::take_notices() {
 }
 
 struct LinkClient::Impl {
-  zmq::context_t context;
+  zmq::context_t context = make_context();
   zmq::socket_t socket{context, zmq::socket_type::dealer};
   std::optional<SocketMonitor> monitor;
   State state = State::connecting;

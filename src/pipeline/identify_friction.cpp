@@ -11,6 +11,7 @@
 
 #include "pcavr/core/median.hpp"
 #include "pcavr/identification/breakaway_motion.hpp"
+#include "pcavr/turning/support.hpp"
 
 #include "identify_parts.hpp"
 #include "identify_slides.hpp"
@@ -239,9 +240,18 @@ LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject
   return found;
 }
 
+/// Of a push whose force is beside the centre as it breaks away [N].
+double turning_std_of(const IdentifiedContact& push, double radius,
+                      const IdentifiedParameter& coulomb, double limit) {
+  if (!(radius > 0.0) || !coulomb.is_excited) return 0.0;
+  return turning_limit_std(limit - coulomb.value, push.breakaway_lever / radius);
+}
+
 /// F_M of each push, and of all that count: with the scatter between pushes.
+/// `radius`: the friction radius [m].
 void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCompliance& compliance,
-                 const IdentificationOptions& options, ObjectIdentification& result) {
+                 double radius, const IdentificationOptions& options,
+                 ObjectIdentification& result) {
   const std::optional<PushedObject> object =
       pushed_object(compliance, options.friction_priors, result);
   std::vector<Breakaway> breakaways;
@@ -250,8 +260,11 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
     widen_smoothing(push->episode, options.inputs.segmentation.breakaway);
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
-      const LimitOfMotion limit =
+      LimitOfMotion limit =
           limit_of(push->episode, object, compliance.law, result.parameters.mass, options);
+      limit.shared_std =
+          std::hypot(limit.shared_std,
+                     turning_std_of(*push, radius, result.friction.coulomb, limit.limit.value));
       push->limit = limit.limit;
       push->limit_shared_std = limit.shared_std;
       shared.push_back(limit.shared_std);
@@ -289,22 +302,30 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
   }
 }
 
-/// Whether the force at the breakaway, too, is through the centre of mass of a tracked object: a
-/// tip that holds on to a face may push it obliquely, and the object turns before it slides.
-bool breaks_away_centred(const IdentifiedContact& push, const BodyMotion& body, const PathView& tip,
-                         double tool_radius) {
+/// Lever arm [m] of the force about the centre of mass at the breakaway, of a tracked object: a tip
+/// that holds on to a face may push it obliquely, and the object turns before it slides.
+double lever_at_breakaway(const IdentifiedContact& push, const BodyMotion& body,
+                          const PathView& tip, double tool_radius) {
   const Breakaway& breakaway = push.episode.breakaway;
-  if (!breakaway.is_found || body.tracked.empty()) return true;
+  if (!breakaway.is_found || body.tracked.empty()) return 0.0;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < push.episode.t.size(); ++i) {
     if (std::abs(push.episode.t[i] - breakaway.t) <= kRateHalfWidth) force += push.force_base[i];
   }
+  const double size = force.head<2>().norm();
+  if (!(size > 0.0)) return 0.0;
   const Pose T_base_object = pose_at(body.tracked, breakaway.t);
   const Eigen::Vector3d arm = tip.at(breakaway.t) -
                               tool_radius * (T_base_object.rotation() * push.normal_object) -
                               T_base_object * body.model.centre_of_mass_object;
-  const double moment = arm.x() * force.y() - arm.y() * force.x();
-  return std::abs(moment) <= kMaxCentredLever * force.head<2>().norm();
+  return (arm.x() * force.y() - arm.y() * force.x()) / size;
+}
+
+/// [m] Known, or that of even pressure; 0 where neither is.
+double support_radius(const BodyMotion& body, const ObjectParameters& known) {
+  if (known.friction_radius) return known.friction_radius->value;
+  if (body.tracked.empty()) return 0.0;
+  return Support(body.model, body.tracked.front().T_base_object).radius();
 }
 
 }  // namespace
@@ -322,8 +343,9 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   std::vector<IdentifiedContact*> pushes = contacts_of(contacts, object, false);
   const std::vector<IdentifiedContact*> all = pushes;
   const auto off_centre =
-      std::stable_partition(pushes.begin(), pushes.end(), [&](const IdentifiedContact* push) {
-        return is_centred(push) && breaks_away_centred(*push, body, tip, tool_radius);
+      std::stable_partition(pushes.begin(), pushes.end(), [&](IdentifiedContact* push) {
+        push->breakaway_lever = lever_at_breakaway(*push, body, tip, tool_radius);
+        return is_centred(push) && std::abs(push->breakaway_lever) <= kMaxCentredLever;
       });
   const auto off_centre_count = static_cast<std::size_t>(pushes.end() - off_centre);
   pushes.erase(off_centre, pushes.end());
@@ -359,7 +381,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   result.slide_samples = friction_samples(body.tracked.empty() ? pushes : all, compliance, body,
                                           tip, tool_radius, support);
   take_sliding(infer(result.slide_samples, known_mass, priors), given_mass, result);
-  find_limits(pushes, compliance, options, result);
+  find_limits(pushes, compliance, support_radius(body, result.parameters), options, result);
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {
     result.is_contact_off_centre = true;
   }

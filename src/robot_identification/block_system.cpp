@@ -141,6 +141,26 @@ FitSolution solve(const BlockSystem& system, const std::vector<bool>& use,
   return solution;
 }
 
+Eigen::MatrixXd leave_out_changes(const BlockSystem& system, const Selection& selection,
+                                  const Eigen::VectorXd& variance, const FitPrior& prior,
+                                  const FitSolution& solution, std::size_t stretches) {
+  PCAVR_REQUIRE(stretches >= 2 && stretches <= system.blocks.size(), stretches);
+  Eigen::MatrixXd changes(solution.ordered.size(), static_cast<Eigen::Index>(stretches));
+  for (std::size_t stretch = 0; stretch < stretches; ++stretch) {
+    std::vector<bool> use(system.blocks.size());
+    for (std::size_t b = 0; b < use.size(); ++b) use[b] = b * stretches / use.size() != stretch;
+    changes.col(static_cast<Eigen::Index>(stretch)) =
+        solve(system, use, selection, variance, prior).ordered - solution.ordered;
+  }
+  return changes;
+}
+
+Eigen::MatrixXd jackknife_covariance(const Eigen::MatrixXd& changes) {
+  const auto stretches = static_cast<double>(changes.cols());
+  const Eigen::MatrixXd from_mean = changes.colwise() - changes.rowwise().mean();
+  return (stretches - 1.0) / stretches * from_mean * from_mean.transpose();
+}
+
 void set_ordered(Eigen::VectorXd ordered, const BlockSystem& system, const Selection& selection,
                  FitSolution& solution) {
   solution.ordered = std::move(ordered);

@@ -68,6 +68,18 @@ struct FitSolution {
                                 const Selection& selection, const Eigen::VectorXd& variance,
                                 const FitPrior& prior, bool with_covariance = false);
 
+/// Changes of `solution` (without bounds) when a stretch of the blocks is left out, one column
+/// each; `stretches`: as many of equal length.
+[[nodiscard]] Eigen::MatrixXd leave_out_changes(const BlockSystem& system,
+                                                const Selection& selection,
+                                                const Eigen::VectorXd& variance,
+                                                const FitPrior& prior, const FitSolution& solution,
+                                                std::size_t stretches);
+
+/// Covariance of values whose changes by leaving out are the columns: the jackknife's.
+/// [Efron & Stein 1981]
+[[nodiscard]] Eigen::MatrixXd jackknife_covariance(const Eigen::MatrixXd& changes);
+
 /// Replaces the values of a solution; covariance and information stay.
 void set_ordered(Eigen::VectorXd ordered, const BlockSystem& system, const Selection& selection,
                  FitSolution& solution);

@@ -160,10 +160,10 @@ void RobotFitter::set_friction(const FitSolution& solution, std::size_t index,
   }
 }
 
-/// Projects the friction that is fitted onto offset, viscous and Coulomb friction. `covariance`: of
-/// the joint's terms.
-void RobotFitter::set_equivalent(std::size_t index, const Eigen::MatrixXd& covariance,
-                                 JointFit& joint) const {
+/// Projects the friction that is fitted onto offset, viscous and Coulomb friction. The std: of
+/// terms and motion, both without a stretch each. `first`: place of the joint's terms in the
+/// solution.
+void RobotFitter::set_equivalent(std::size_t index, Eigen::Index first, JointFit& joint) const {
   constexpr std::array<FrictionTerm, 3> kTerms{FrictionTerm::offset, FrictionTerm::viscous,
                                                FrictionTerm::coulomb};
   const Eigen::VectorXd speed = signals_.velocity.col(at(index)).head(train_);
@@ -173,16 +173,29 @@ void RobotFitter::set_equivalent(std::size_t index, const Eigen::MatrixXd& covar
   Eigen::VectorXd values(used.cols());
   for (Eigen::Index k = 0; k < used.cols(); ++k) {
     const FittedTerm& term = joint.friction[static_cast<std::size_t>(k)];
-    const bool is_friction = term.term != FrictionTerm::motor_inertia;
-    values[k] = is_friction ? term.value : 0.0;
+    values[k] = term.value;
     used.col(k) =
         joints_[index].library.col(selection_[index][static_cast<std::size_t>(k)]).head(train_);
-    if (!is_friction) used.col(k).setZero();
+    if (term.term == FrictionTerm::motor_inertia) used.col(k).setZero();
   }
-  const Eigen::MatrixXd projection =
-      (plain.transpose() * plain).ldlt().solve(plain.transpose() * used);
+  const Eigen::MatrixXd gram = plain.transpose() * plain, cross = plain.transpose() * used;
+  const Eigen::MatrixXd projection = gram.ldlt().solve(cross);
   const Eigen::VectorXd found = projection * values;
-  const Eigen::MatrixXd spread = projection * covariance * projection.transpose();
+  Eigen::MatrixXd changes(at(kTerms.size()), changes_.cols());
+  for (Eigen::Index k = 0; k < changes.cols(); ++k) {
+    const Eigen::Index begin = train_ * k / changes.cols();
+    const Eigen::Index count = train_ * (k + 1) / changes.cols() - begin;
+    const auto left_out = plain.middleRows(begin, count).transpose();
+    changes.col(k) = (gram - left_out * plain.middleRows(begin, count))
+                         .ldlt()
+                         .solve((cross - left_out * used.middleRows(begin, count)) *
+                                (values + changes_.col(k).segment(first, values.size()))) -
+                     found;
+  }
+  const Eigen::MatrixXd spread =
+      projection * prior_covariance_.block(first, first, values.size(), values.size()) *
+          projection.transpose() +
+      jackknife_covariance(changes);
   for (std::size_t k = 0; k < kTerms.size(); ++k) {
     joint.equivalent.push_back({kTerms[k], found[at(k)], std::sqrt(spread(at(k), at(k))), true});
   }
@@ -222,9 +235,8 @@ void RobotFitter::finish(RobotFit& fit) {
       joint.friction[k].is_excited =
           joint.friction[k].std < 0.3 * prior_.library_std[j][selection_[j][k]];
     }
-    const Eigen::Index count = at(joint.friction.size());
-    set_equivalent(j, solution_.covariance.block(first, first, count, count), joint);
-    first += count;
+    set_equivalent(j, first, joint);
+    first += at(joint.friction.size());
     const Eigen::VectorXd r = residual(j, solution_);
     joint.train = error_of(j, r, false);
     joint.held_out = error_of(j, r, true);

@@ -145,8 +145,25 @@ void RobotFitter::fit_friction_terms() {
     system = train_system();
   }
   solution_ = solve(system, all, selection_, variance_, scaled_prior(prior_scale_), true);
+  set_covariance(system);
   leave_out(system);
   if (options_.is_physical && !options_.known_body) make_physical(system);
+}
+
+/// By leaving out stretches: residuals are errors of the model more than noise, so that neither
+/// their size nor their correlation says how far they move the parameters.
+void RobotFitter::set_covariance(const BlockSystem& system) {
+  const FitPrior prior = scaled_prior(prior_scale_);
+  changes_ = leave_out_changes(system, selection_, variance_, prior, solution_, kStretches);
+  Eigen::VectorXd prior_std(solution_.ordered.size());
+  prior_std.head(prior.std.size()) = prior.std;
+  Eigen::Index place = prior.std.size();
+  for (std::size_t j = 0; j < selection_.size(); ++j) {
+    for (const int column : selection_[j]) prior_std[place++] = prior.library_std[j][column];
+  }
+  const Eigen::MatrixXd share = solution_.covariance * prior_std.cwiseInverse().asDiagonal();
+  prior_covariance_ = share * share.transpose();
+  solution_.covariance = prior_covariance_ + jackknife_covariance(changes_);
 }
 
 /// Moves the solution to the nearest possible bodies, in the metric of its own covariance.

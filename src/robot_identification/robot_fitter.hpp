@@ -16,6 +16,9 @@ namespace pcavr::detail {
 
 inline constexpr std::size_t kBlocks = 30;  ///< of the training part: cross-validation joins them
 
+/// Of the training part, left out in turn for the stds.
+inline constexpr std::size_t kStretches = 10;
+
 [[nodiscard]] inline Eigen::Index at(std::size_t index) { return static_cast<Eigen::Index>(index); }
 
 /// How many consecutive values count as one independent one: 1 + 2 sum of the autocorrelation up to
@@ -56,7 +59,8 @@ class RobotFitter {
   void choose_prior_scale(const BlockSystem& system);
   void make_physical(const BlockSystem& system);
   void set_friction(const FitSolution& solution, std::size_t index, JointFit& joint) const;
-  void set_equivalent(std::size_t index, const Eigen::MatrixXd& covariance, JointFit& joint) const;
+  void set_equivalent(std::size_t index, Eigen::Index first, JointFit& joint) const;
+  void set_covariance(const BlockSystem& system);
   void leave_out(const BlockSystem& system);
   void finish(RobotFit& fit);
   [[nodiscard]] FitPrior scaled_prior(double scale) const;
@@ -78,6 +82,8 @@ class RobotFitter {
   Eigen::VectorXd noise_;            ///< std by joint
   Eigen::VectorXd correlated_rows_;  ///< by joint
   FitSolution solution_;
+  Eigen::MatrixXd prior_covariance_;  ///< of the solution: what the prior's errors make of it
+  Eigen::MatrixXd changes_;           ///< of the solution by leaving out a stretch each
   std::vector<LeftOutFit> left_out_;
 };
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -16,6 +15,7 @@
 
 #include "command_schedule.hpp"
 #include "connection_faults.hpp"
+#include "link_leads.hpp"
 #include "next_world.hpp"
 #include "operator_connection.hpp"
 #include "picture_view.hpp"
@@ -35,10 +35,6 @@ constexpr double kPingInterval = 0.1;        // [s]
 constexpr double kLinkInterval = 1.0;        // [s] between two statistics in the log
 constexpr std::size_t kMinRoundTrips = 10;
 constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
-constexpr double kDelayVariations = 4.0;
-constexpr double kMaxEarly = 0.4;  // [s] that commands may arrive early: below max_lead
-// [s] that corrections wait for others whose delay varies; later ones are applied as they arrive.
-constexpr double kMaxCorrectionWait = 0.05;
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
 constexpr std::size_t kMaxReportedTimes = 10'000;
@@ -231,6 +227,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       return;
     }
     has_connected_ = true;
+    // It took longer than expected: another one, with time for that.
+    if (is_too_late(now)) return;
     site_.emplace(std::move(*site));
     next_link_ = now;
     if (welcome_->follows_commands) place_objects();
@@ -244,11 +242,10 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   }
 
   void prepare(double now) {
-    const double early =
-        kDelayVariations * link_.shared_clock().delay_variation() + options_.lead_margin;
-    if (early > kMaxEarly) return;  // the link is not steady yet: the robot would wait for long
-    const double lead = 0.5 * link_.shared_clock().mean_delay() + early;
-    report_.lead = lead;
+    const LinkLeads leads(link_.shared_clock(), options_, teleop_.predictor.step);
+    const std::optional<double> command_lead = leads.command_lead();
+    if (!command_lead) return;
+    const double lead = report_.lead = *command_lead;
     // Time of the recorded motion: the scene's, or since the first session; without one, since this
     // session, because a robot's site that was started again has another clock.
     if (!schedule_.has_begun() || !person_.cycles()) {
@@ -263,7 +260,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       is_done_ = true;
       return;
     }
-    set_correction_delay(lead);
+    report_.correction_delay = leads.correction_delay(lead);
     TeleopOptions options = teleop_;
     options.forward_delay = lead;
     options.backward_delay = std::max(report_.correction_delay - lead, teleop_.backward_delay);
@@ -272,16 +269,6 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     next_world_.begin(
         now, world_, options, schedule_.time_of(next - 1),
         person_.p_base_start(next, welcome_->follows_commands ? robot_.state() : nullptr));
-  }
-
-  /// From the robot's cycle that composes a correction to the first command that contains it. It
-  /// ends between two commands: their times' rounding must not decide.
-  void set_correction_delay(double lead) {
-    const double variations = kDelayVariations * link_.shared_clock().delay_variation();
-    const double delay = lead + 0.5 * link_.shared_clock().mean_delay() +
-                         std::min(variations, kMaxCorrectionWait) + options_.correction_margin;
-    const double step = teleop_.predictor.step;
-    report_.correction_delay = step * (std::ceil(delay / step) + 0.5);
   }
 
   /// Where the robot's site sees them: they were moved before this session.
@@ -306,6 +293,11 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
                                          schedule_.lead());
   }
 
+  /// The commands since would come at once.
+  [[nodiscard]] bool is_too_late(double now) const {
+    return now - next_local_time() > kMaxOperatorBacklog * teleop_.predictor.step;
+  }
+
   /// The duration is the machine's, also where the loop runs in virtual time.
   void timed_cycle(double now) {
     const auto begin = std::chrono::steady_clock::now();
@@ -316,9 +308,8 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   void cycle(double now) {
     const double behind = now - next_local_time();
     if (behind > teleop_.predictor.step) ++report_.late_cycles;
-    if (behind > kMaxOperatorBacklog * teleop_.predictor.step) {
+    if (is_too_late(now))
       return lose(now, fmt::format("this site did not run for {:.2f} s", behind));
-    }
     if (const LinkState* const state = robot_.state()) {
       site_->set_tool_compliance(static_cast<double>(state->tool_compliance));
     }

@@ -103,10 +103,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     const double cpu = thread_cpu();
     if (start_ && now >= *start_) measure(now);
     if (session()) correct(now);
-    if (has_composed_) {
-      report_.max_correction_time = std::max(report_.max_correction_time, thread_cpu() - cpu);
-      has_composed_ = false;
-    }
+    report_.max_correction_time = std::max(report_.max_correction_time, thread_cpu() - cpu);
     if (session() && now >= next_state_) {
       next_state_ = now + 1.0 / options_.state_rate;
       send_state(now);
@@ -282,7 +279,6 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   void correct(double now) {
     if (!start_) return;
     for (LiveCorrection& correction : site_.advance(now - *start_)) {
-      has_composed_ = true;
       if (session()->corrections.is_full()) continue;  // then the silence ends this session
       report_.correction_bytes += correction.bytes.size();
       LinkCorrection sent{0, *start_ + correction.sent.t, *start_ + correction.due,
@@ -364,7 +360,6 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   OperatorSessions sessions_;
   RobotSiteReport report_;
   double lead_ = 0.0;
-  bool has_composed_ = false;
   double next_state_ = 0.0;
   double next_authorisation_ = 0.0;
   std::uint32_t sequence_ = 0;
@@ -382,6 +377,7 @@ Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& rob
                                          const std::atomic<bool>& stop, BlackBox* black_box) {
   SiteRuntime runtime;
   if (black_box != nullptr) runtime.log = &black_box->log();
+  site.set_waiting(false);
   RobotSiteLoop loop(server, robot, site, scene, options, observer, runtime);
   request_site_priority(observer);
   while (!stop && !loop.is_finished()) {

@@ -14,6 +14,12 @@ namespace {
 constexpr double kStepFactor = 2.0;
 /// Longest prediction [s]: beyond it every push is unstable.
 constexpr double kMaxTrial = 1.0;
+// [stds] of a correction as it is displayed, above which it is worse than an error of that size.
+// Three would also hold back corrections that help slow pushes.
+constexpr double kGrowthStds = 1.0;
+// Parameters are sent unless the prediction of a contact grows worse by this factor: its error has
+// other causes too.
+constexpr double kMaxErrorRatio = 1.5;
 
 class RootMeanSquare {
  public:
@@ -52,6 +58,23 @@ CorrectionTrial::CorrectionTrial(const TeleopInput& world, const std::vector<Bod
   if (!copy) return;
   world_ = std::move(*copy);
   untouched_ = world_->state();
+}
+
+TrialResult CorrectionTrial::evaluate(const CorrectionProposal& proposal) {
+  TrialResult result;
+  if (proposal.pose) {
+    const std::optional<double> displayed = displayed_std(*proposal.pose);
+    result.rejects_pose = displayed && kGrowthStds * *displayed > proposal.pose_error;
+  }
+  for (const CorrectionProposal::Contact& contact : proposal.contacts) {
+    const std::optional<double> error = error_of(contact.recorded, contact.after);
+    // One that can't be noticed is right whatever the error was: a trial less.
+    if (!error || *error <= 1.0) continue;
+    if (*error <= kMaxErrorRatio * *error_of(contact.recorded, contact.before)) continue;
+    result.rejects_parameters = true;
+    break;
+  }
+  return result;
 }
 
 std::optional<double> CorrectionTrial::displayed_std(const TriedCorrection& tried) {

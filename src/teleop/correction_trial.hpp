@@ -13,7 +13,6 @@
 #include "pcavr/prediction/predicted_world.hpp"
 #include "pcavr/teleop/run_teleop.hpp"
 
-#include "teleop/force_stream.hpp"
 #include "teleop/message.hpp"
 
 namespace pcavr {
@@ -33,17 +32,39 @@ struct TriedCorrection {
   std::function<Eigen::Vector3d(double)> p_base_tip;  ///< at any time [s]
 };
 
-/// How a contact went so far, as it was measured.
+/// How a contact went so far, as it was measured. A copy of the samples: a thread uses it.
 struct RecordedContact {
+  struct Force {
+    std::vector<double> t;                    ///< [s]
+    std::vector<Eigen::Vector3d> clean_base;  ///< [N] on the object, bias included
+  };
   std::size_t object = 0;
   double begin = 0.0, end = 0.0;                              ///< [s]
   Pose T_base_start;                                          ///< of the object at the begin
   Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();  ///< of the push
-  std::vector<TrackedPose> seen;                        ///< of the object, on the tool's clock
-  ForceStream::Record force;                            ///< on the object, bias included
+  std::vector<TrackedPose> seen;  ///< of the object, on the tool's clock
+  Force force;
   Eigen::Vector3d bias_base = Eigen::Vector3d::Zero();  ///< [N]
   double force_resolution = 0.0;                        ///< [N] below it no difference counts
   std::function<Eigen::Vector3d(double)> p_base_tip;    ///< at any time [s]
+};
+
+/// What is tried of one correction.
+struct CorrectionProposal {
+  struct Contact {
+    RecordedContact recorded;
+    BodyPhysics before, after;  ///< with the operator's parameters, and with the correction's
+  };
+  std::optional<TriedCorrection> pose;  ///< empty: it is sent as it is
+  double pose_error = 0.0;              ///< [m] of the pose that the operator's site has
+  std::vector<Contact> contacts;        ///< empty: parameters are sent as they are
+
+  [[nodiscard]] bool is_empty() const { return !pose && contacts.empty(); }
+};
+
+struct TrialResult {
+  bool rejects_pose = false;        ///< it would be worse than the error when it is displayed
+  bool rejects_parameters = false;  ///< a contact would have been predicted worse
 };
 
 /// A copy of the operator's world without the scan, in which corrections are tried before they are
@@ -55,6 +76,7 @@ class CorrectionTrial {
   CorrectionTrial(const TeleopInput& world, const std::vector<BodyPhysics>& physics,
                   const TeleopOptions& options);
 
+  [[nodiscard]] TrialResult evaluate(const CorrectionProposal& proposal);
   /// [m] To what the std of the correction's pose grows until it is displayed; a rotation counts
   /// at `rotation_radius`. Empty if there is no copy of the world.
   [[nodiscard]] std::optional<double> displayed_std(const TriedCorrection& tried);

@@ -2,23 +2,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <future>
 #include <utility>
 
+#include <pthread.h>
+#include <sched.h>
+
 namespace pcavr {
+
+/// The real-time priority of the calling thread; 0 without one.
+inline int real_time_priority() {
+  int policy = SCHED_OTHER;
+  sched_param parameters{};
+  ::pthread_getschedparam(::pthread_self(), &policy, &parameters);
+  const int real_time = policy & ~SCHED_RESET_ON_FORK;
+  return real_time == SCHED_RR || real_time == SCHED_FIFO ? parameters.sched_priority : 0;
+}
+
+/// Where the system permits it.
+inline void request_real_time(int priority) {
+  const sched_param parameters{.sched_priority = priority};
+  static_cast<void>(::pthread_setschedparam(::pthread_self(), SCHED_RR, &parameters));
+}
 
 /// What another thread computes while the samples go on, used from a time of the data on: whether
 /// it was ready by then or is waited for, and whether a thread computed it or the caller does then,
-/// leaves no trace in the results. Waits for the thread before it ends.
+/// leaves no trace in the results. Waits for the thread before it ends. A thread for a real-time
+/// loop has real-time priority, too, below that loop's: else a loaded machine delays what the loop
+/// needs.
 template <typename Result>
 class DelayedResult {
  public:
   /// `due` [s]: from then on the result is used.
   template <typename Work>
   DelayedResult(std::launch policy, double due, Work work)
-      : due_(due), result_(std::async(policy, std::move(work)).share()) {}
+      : due_(due),
+        result_(std::async(policy, [policy, loop = real_time_priority(),
+                                    work = std::move(work)]() mutable {
+                  if (policy == std::launch::async && loop > 1) request_real_time(loop - 1);
+                  return work();
+                }).share()) {}
 
   [[nodiscard]] bool is_due(double t) const { return t >= due_; }
+  /// Whether its use at `t` [s] would wait for the thread.
+  [[nodiscard]] bool would_wait(double t) const {
+    return is_due(t) && result_.wait_for(std::chrono::seconds(0)) == std::future_status::timeout;
+  }
   /// Waits for it.
   [[nodiscard]] const Result& get() const { return result_.get(); }
 

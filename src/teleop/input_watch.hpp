@@ -47,6 +47,10 @@ class InputWatch {
   /// kExaminationTime later. True if a fault or an offset has changed. Call while no object is
   /// touched.
   bool examine(double t, bool has_new_contact);
+  /// Whether examine() would wait for the thread.
+  [[nodiscard]] bool would_wait(double t) const {
+    return examination_ && examination_->would_wait(t);
+  }
   static constexpr double kExaminationTime = 0.2;  ///< [s] of the data, so that replay equals live
 
   /// A fault of the force; as of the last examination. (One of the tool or its clock is stated by

@@ -99,6 +99,7 @@ struct LiveRobotSite::Impl {
   double processed = 0.0;                 ///< [s] the newest cycle's time
   std::vector<Cycle> cycles;              ///< used again, so that no command allocates
   std::size_t waiting = 0;                ///< the first of them, not processed yet
+  bool is_waiting = true;                 ///< for threads
   std::optional<PredictionLog> log;       ///< since the start, or the last interruption
   double log_start = 0.0;
   std::size_t logged = 0;          ///< cycles
@@ -202,12 +203,26 @@ void LiveRobotSite::add_predictions(double t, std::span<const LinkPrediction> pr
 std::vector<LiveCorrection> LiveRobotSite::advance(double now) {
   // [s] Older samples are not kept for predictions that may still come.
   constexpr double kMaxWait = 0.5;
+  constexpr double kMaxBacklog = 10.0;  // [s]
   std::vector<LiveCorrection> corrections;
-  for (std::size_t i = 0; i < impl_->waiting; ++i) impl_->process(impl_->cycles[i], corrections);
-  impl_->waiting = 0;
-  impl_->samples.pass_on(now - kMaxWait, impl_->site);
+  std::vector<Impl::Cycle>& cycles = impl_->cycles;
+  std::size_t done = 0;
+  for (; done < impl_->waiting; ++done) {
+    const double t = cycles[done].t;
+    if (!impl_->is_waiting && t > now - kMaxBacklog && impl_->site.would_wait(t)) break;
+    impl_->process(cycles[done], corrections);
+  }
+  const auto begin = cycles.begin();
+  std::rotate(begin, begin + static_cast<std::ptrdiff_t>(done),
+              begin + static_cast<std::ptrdiff_t>(impl_->waiting));
+  impl_->waiting -= done;
+  if (impl_->waiting == 0) impl_->samples.pass_on(now - kMaxWait, impl_->site);
   return corrections;
 }
+
+void LiveRobotSite::set_waiting(bool is_waiting) { impl_->is_waiting = is_waiting; }
+
+std::size_t LiveRobotSite::backlog() const { return impl_->waiting; }
 
 void LiveRobotSite::idle(double now) {
   impl_->samples.pass_on(now, impl_->site);

@@ -257,7 +257,7 @@ void ObjectLearner::learn_contact() {
   const std::vector<ForceMotion>& parts = has_presses ? presses : static_parts;
   ContactFit fit = identified.best();
   std::optional<double> std_of_fit = usable_std(fit, parts);
-  if (!std_of_fit && !old && identified.hunt_crossley.is_valid) {
+  if (!std_of_fit && !old && has_presses && identified.hunt_crossley.is_valid) {
     fit = preliminary_law(identified, contacts_.back().peak_force);
     std_of_fit = usable_std(fit, parts);
   }

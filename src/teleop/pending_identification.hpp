@@ -32,6 +32,7 @@ class PendingIdentification {
                 }) {}
 
   [[nodiscard]] bool is_due(double t) const { return result_.is_due(t); }
+  [[nodiscard]] bool would_wait(double t) const { return result_.would_wait(t); }
   /// [s] Begin of the contact.
   [[nodiscard]] double begin() const { return begin_; }
   /// Waits for the thread. Once.

@@ -10,6 +10,8 @@ namespace {
 
 // After this the line's start is known well enough to estimate the time of contact [s].
 constexpr double kStampAfter = 0.150;
+// [s] From the touch of a soft surface until its force is above the noise.
+constexpr double kMaxTouchTime = 0.4;
 // [s] In which the tip must advance: one that has just stopped relaxes its contact, which also
 // looks like motion.
 constexpr double kRecentTime = 0.020;
@@ -50,6 +52,8 @@ void PhaseMonitor::step(const MonitorSample& sample,
                         const std::optional<ParameterValue>& limiting_friction, double damping) {
   const double size = sample.force_base.norm();
   if (!is_touched_) {
+    approach_.push_back({sample.t, sample.p_base_tip});
+    while (approach_.front().t < sample.t - kMaxTouchTime) approach_.pop_front();
     const bool is_above = sample.is_within_reach && size > sensors_.enter_force;
     if (is_above && in_a_row_ == 0) above_since_ = sample.t;
     in_a_row_ = is_above ? in_a_row_ + 1 : 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -108,6 +109,7 @@ class PhaseMonitor {
   [[nodiscard]] double without_damping(double t, double tip, double force, double damping) const;
   void end_contact();
   void stamp_contact();
+  [[nodiscard]] std::optional<double> touch_time() const;  ///< [s]
   void end_line_of_press(double force);
   void process(const Point& point, const std::optional<ParameterValue>& limiting_friction);
   void update_static_phase(const std::optional<ParameterValue>& limiting_friction);
@@ -153,8 +155,13 @@ class PhaseMonitor {
   double touch_force_ = 0.0;  ///< [N] when contact was detected
   double max_force_ = 0.0;    ///< [N] of a press
   std::size_t next_for_line_ = 0;
-  std::vector<Point> contact_;  ///< all samples of the current contact
-  double window_;               ///< for the speed estimate [s]
+  struct TipSample {
+    double t = 0.0;
+    Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();
+  };
+  std::deque<TipSample> approach_;  ///< the newest before the current contact, and its first
+  std::vector<Point> contact_;      ///< all samples of the current contact
+  double window_;                   ///< for the speed estimate [s]
   double speed_ = 0.0, tip_speed_ = 0.0, speed_noise_ = 0.0;
   int fast_in_a_row_ = 0;
   int critical_in_a_row_ = 0;

@@ -4,17 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "teleop/phase_monitor.hpp"
 
 namespace pcavr {
 namespace {
 
-// From the touch of a soft surface until its force is above the noise [s]: slower, the tip's speed
-// need not have been the same.
-constexpr double kMaxTouchTime = 0.25;
-// [m/s] A slower tip has come to rest in the contact: it was faster before.
-constexpr double kMinTouchSpeed = 0.005;
 // An onset is extrapolated from two levels of the displacement, this factor apart.
 constexpr double kLevels = 4.0;
 // After this long a slide is stamped with the available data [s].
@@ -28,22 +24,32 @@ constexpr double kStopTime = 0.020;
 
 void PhaseMonitor::stamp_contact() {
   if (!line_.is_ready() || contact_.empty()) return;
-  // Extrapolates from the first sample in contact back to the surface, with the speed of the first
-  // samples.
-  const std::size_t early = std::min<std::size_t>(contact_.size() - 1, 20);
-  const double duration = contact_[early].t - contact_.front().t;
-  const double advance = contact_[early].tip - contact_.front().tip;
-  if (duration <= 0.0 || advance <= 0.0) return;
-  const double inside = std::max(contact_.front().tip - line_.surface(), 0.0);
-  const double max_back = advance < kMinTouchSpeed * duration ? options_.line_guard : kMaxTouchTime;
-  const double back = std::min(inside * duration / advance, max_back);
-  const double t_touch = std::min(contact_.front().t - back, contact_begin_);
+  const double t_touch = touch_time().value_or(contact_begin_);
   for (std::size_t i = changes_.size(); i-- > 1;) {
     if (changes_[i].phase != MotionPhase::static_contact || changes_[i].t != contact_stamp_)
       continue;
     changes_[i].t = contact_stamp_ = std::max(t_touch, changes_[i - 1].t);
     return;
   }
+}
+
+/// Before the force was above its noise: when the tip passed where the contact line begins.
+std::optional<double> PhaseMonitor::touch_time() const {
+  const double surface = line_.surface();
+  double t_after = contact_.front().t;
+  double tip_after = contact_.front().tip;
+  for (std::size_t i = approach_.size(); i-- > 0;) {
+    const double t = approach_[i].t;
+    const double tip = approach_[i].p_base_tip.dot(advance_base_);
+    if (t >= t_after) continue;
+    if (tip <= surface) {
+      const double share = tip_after > tip ? (surface - tip) / (tip_after - tip) : 1.0;
+      return std::min(t + std::clamp(share, 0.0, 1.0) * (t_after - t), contact_begin_);
+    }
+    t_after = t;
+    tip_after = tip;
+  }
+  return std::nullopt;
 }
 
 void PhaseMonitor::stamp_slide(bool is_over) {

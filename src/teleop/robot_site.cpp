@@ -145,6 +145,14 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
   return std::move(outgoing_);
 }
 
+bool RobotSite::would_wait(double now) const {
+  const auto waits = [now](const RobotObject& object) {
+    return object.identification && object.identification->would_wait(now);
+  };
+  return watch_.would_wait(now) || (pending_trial_ && pending_trial_->would_wait(now)) ||
+         std::any_of(objects_.begin(), objects_.end(), waits);
+}
+
 void RobotSite::set_round_trip(double round_trip) {
   round_trip_ = round_trip;
   for (RobotObject& object : objects_) object.correction_switch.set_round_trip(round_trip);
@@ -161,6 +169,7 @@ void RobotSite::idle(double now) {
 void RobotSite::restart(double now) {
   now_ = now;
   processed_ = std::max(processed_, now);
+  pending_trial_.reset();
   for (RobotObject& object : objects_) {
     object.in_flight.reset();
     object.correction_switch.restart();

@@ -23,6 +23,7 @@
 #include "teleop/force_stream.hpp"
 #include "teleop/input_watch.hpp"
 #include "teleop/operator_site.hpp"
+#include "teleop/pending_trial.hpp"
 #include "teleop/prediction_log.hpp"
 #include "teleop/robot_object.hpp"
 
@@ -54,6 +55,8 @@ class RobotSite {
   /// Processes the samples that are ready at `now` [s]; `log` covers it. Returns the corrections to
   /// send.
   [[nodiscard]] std::vector<CorrectionMessage> advance(double now, const PredictionLog& log);
+  /// Whether advance() to `now` [s] would wait for a thread.
+  [[nodiscard]] bool would_wait(double now) const;
   /// After an outage of the link: nothing is in flight, nothing before `now` [s] is compared, and
   /// the next comparison of each object sends all of its state.
   void restart(double now);
@@ -107,24 +110,26 @@ class RobotSite {
   void record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
                     const PredictionLog& log);
   void compare(std::size_t index, const TouchSample& sample, const Prediction& prediction);
-  [[nodiscard]] std::optional<CorrectionMessage> compose(std::size_t index, CorrectionCase which,
-                                                         const TouchSample& sample,
-                                                         const PlanarPose& predicted, double gap,
-                                                         const SiteComparison& seen);
+  /// What differs, without what only noise shows; not tried yet.
+  [[nodiscard]] CorrectionMessage compose(std::size_t index, CorrectionCase which,
+                                          const TouchSample& sample, const PlanarPose& predicted,
+                                          double gap, const SiteComparison& seen);
+  void send_tried(const TouchSample& sample);
+  /// What is left of a correction after its trial, if it is worth sending.
+  void send(CorrectionMessage message, const TouchSample& sample);
   /// The case of a law that was sent before its contact had ended, once: after the whole contact
   /// has been identified.
   static std::optional<CorrectionCase> take_unfinished_law(RobotObject& object,
                                                            const SiteComparison& seen);
-  /// Whether a correction of the pose would be worse than the error by the time that it is shown.
-  [[nodiscard]] bool grows_beyond(double gap, std::size_t index, const CorrectionMessage& message);
+  /// What has to be tried of a correction.
+  [[nodiscard]] CorrectionProposal propose(const CorrectionMessage& message, double gap) const;
+  [[nodiscard]] TriedCorrection tried_pose(const CorrectionMessage& message) const;
   /// [m] Below it a gap between the sites says nothing while the object rests here.
   [[nodiscard]] double resting_noise(const RobotObject& object, const TouchSample& sample,
                                      const SiteComparison& seen) const;
-  /// Whether any of the last contacts would have been predicted worse with these parameters.
-  [[nodiscard]] bool worsens_contacts(std::size_t index, const ObjectParameters& parameters);
-  [[nodiscard]] Eigen::Vector3d p_base_tip_at(double t) const;
-  /// The tip's measured path without its noise [m].
-  [[nodiscard]] Eigen::Vector3d smooth_tip(double t) const;
+  /// The last contacts, which must not be predicted worse with these parameters.
+  [[nodiscard]] std::vector<CorrectionProposal::Contact> tried_contacts(
+      std::size_t index, const ObjectParameters& parameters) const;
   /// Whether the contact of an object that the tool is kept off was identified.
   [[nodiscard]] static bool is_release_due(const RobotObject& object, double t);
   void send_release(std::size_t index, double t);
@@ -165,6 +170,8 @@ class RobotSite {
   double round_trip_;  ///< [s]
   std::size_t sent_bytes_ = 0;
   std::size_t streaming_bytes_ = 0;
+  /// Of one object at a time: trials share a world. Last: its thread uses that.
+  std::optional<PendingTrial> pending_trial_ = {};
 };
 
 }  // namespace pcavr

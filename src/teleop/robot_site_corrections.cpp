@@ -6,6 +6,9 @@
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
+
+#include "pcavr/identification/path_view.hpp"
 
 #include "teleop/robot_site.hpp"
 #include "teleop/sent_parameters.hpp"
@@ -21,19 +24,53 @@ constexpr double kTipSpeedTime = 0.05;
 // [s] Half width over which the tip's noise is averaged in a trial: the operator's command has
 // none, and on a stiff face its force would count as an error of the stiffness.
 constexpr double kTipSmoothing = 0.01;
-// [stds] of a correction as it is displayed, above which it is worse than an error of that size.
-// Three would also hold back corrections that help slow pushes.
-constexpr double kGrowthStds = 1.0;
 // [stds] of the estimate: a smaller difference of two poses at rest is noise.
 constexpr double kRestStds = 2.0;
-// Parameters are sent unless the prediction of a contact grows worse by this factor: its error has
-// other causes too.
-constexpr double kMaxErrorRatio = 1.5;
-
 // [m] Between an object and a tool that is kept off it: more than both sites' poses differ by then.
 constexpr double kOffDistance = 0.003;
 // [s] after which a tool that is kept off is released whatever has been identified.
 constexpr double kMaxKeptOff = 3.0;
+
+/// The tip's measured path, copied for a trial.
+class TriedPath {
+ public:
+  /// Of [begin, end] [s]; after that the operator goes on as before, as far as is known here.
+  TriedPath(const TipStream& tip, double begin, double end) {
+    const std::span<const double> t = tip.t();
+    const auto from = std::upper_bound(t.begin(), t.end(), begin);
+    const auto first = static_cast<std::size_t>(from == t.begin() ? 0 : from - t.begin() - 1);
+    const auto last = static_cast<std::size_t>(std::lower_bound(from, t.end(), end) - t.begin());
+    const std::size_t count = std::min(last + 1, t.size()) - first;
+    t_.assign(t.begin() + first, t.begin() + first + count);
+    p_base_.assign(tip.p_base().begin() + first, tip.p_base().begin() + first + count);
+    velocity_base_ = (p_base_.back() - tip.at(t_.back() - kTipSpeedTime)) / kTipSpeedTime;
+  }
+  [[nodiscard]] Eigen::Vector3d at(double t) const {
+    if (t <= t_.back()) return PathView(t_, p_base_).at(t);
+    return p_base_.back() + (t - t_.back()) * velocity_base_;
+  }
+  /// Without the noise of its measurement.
+  [[nodiscard]] Eigen::Vector3d smooth_at(double t) const {
+    const auto first = std::lower_bound(t_.begin(), t_.end(), t - kTipSmoothing);
+    const auto last = std::upper_bound(first, t_.end(), t + kTipSmoothing);
+    if (last - first < 3) return at(t);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double sum_t = 0.0;
+    for (auto now = first; now != last; ++now) {
+      sum += p_base_[static_cast<std::size_t>(now - t_.begin())];
+      sum_t += *now - t;
+    }
+    const auto begin = static_cast<std::size_t>(first - t_.begin());
+    const auto end = static_cast<std::size_t>(last - t_.begin()) - 1;
+    const Eigen::Vector3d velocity_base = (p_base_[end] - p_base_[begin]) / (t_[end] - t_[begin]);
+    return (sum - sum_t * velocity_base) / static_cast<double>(last - first);
+  }
+
+ private:
+  std::vector<double> t_;
+  std::vector<Eigen::Vector3d> p_base_;
+  Eigen::Vector3d velocity_base_;
+};
 
 /// That of the push; of the force itself where this has turned away from it, as in a hole, where
 /// the tip goes on from a wall to the floor.
@@ -102,9 +139,14 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   const double allowed =
       options_.correction_switch.burst_bytes +
       options_.correction_switch.byte_budget * static_cast<double>(streaming_bytes_);
+  if (pending_trial_ && pending_trial_->object() == index) {
+    if (pending_trial_->is_due(sample.t)) send_tried(sample);
+    return;
+  }
   std::optional<CorrectionCase> which =
       object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
   if (is_release_due(object, sample.t)) return send_release(index, sample.t);
+  if (pending_trial_) return;  // of another object
   if (!which) which = take_unfinished_law(object, seen);
   if (!which) return;
   const bool is_learned_lately =
@@ -117,14 +159,16 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
     if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
   }
   if (object.identification && !is_by_force) return;  // it is composed with what that finds
-  std::optional<CorrectionMessage> message =
-      compose(index, *which, sample, prediction.pose, gap, seen);
-  if (!message) {
-    object.correction_switch.note_nothing_to_send(*which, sample.t);
-    return;
-  }
-  object.correction_switch.note_sent(*which, now_, message->sequence);
-  outgoing_.push_back(std::move(*message));
+  CorrectionMessage message = compose(index, *which, sample, prediction.pose, gap, seen);
+  CorrectionProposal proposal = propose(message, gap);
+  if (proposal.is_empty()) return send(std::move(message), sample);
+  pending_trial_.emplace(background_, sample.t, trial_, std::move(message), std::move(proposal));
+}
+
+void RobotSite::send_tried(const TouchSample& sample) {
+  CorrectionMessage message = pending_trial_->take();
+  pending_trial_.reset();
+  send(std::move(message), sample);
 }
 
 std::optional<CorrectionCase> RobotSite::take_unfinished_law(RobotObject& object,
@@ -157,25 +201,36 @@ void RobotSite::send_release(std::size_t index, double t) {
   outgoing_.push_back(std::move(message));
 }
 
-bool RobotSite::grows_beyond(double gap, std::size_t index, const CorrectionMessage& message) {
-  RobotObject& object = objects_[index];
-  if (!object.is_pushed() || !slides(object.monitor.phase())) return false;
+CorrectionProposal RobotSite::propose(const CorrectionMessage& message, double gap) const {
+  const RobotObject& object = objects_[message.object];
+  CorrectionProposal proposal;
+  if (message.pose && object.is_pushed() && slides(object.monitor.phase())) {
+    proposal.pose = tried_pose(message);
+    proposal.pose_error = gap;
+  }
+  proposal.contacts = tried_contacts(message.object, message.parameters);
+  return proposal;
+}
+
+TriedCorrection RobotSite::tried_pose(const CorrectionMessage& message) const {
+  const RobotObject& object = objects_[message.object];
   TriedCorrection tried;
   tried.t = message.t;
-  tried.until = now_ + round_trip_;
-  tried.object = index;
+  tried.until = now_ + PendingTrial::kDuration + round_trip_;
+  tried.object = message.object;
   for (const RobotObject& other : objects_) {
     tried.poses.push_back(planar_pose_of(other.T_base_object()));
   }
-  tried.poses[index] = *message.pose;
+  tried.poses[message.object] = *message.pose;
   tried.twist = message.twist.value_or(Eigen::Vector3d::Zero());
   tried.physics = object.physics();
   tried.lateral_base = Eigen::Vector3d::UnitZ().cross(object.monitor.direction_base());
   tried.position_std = object.latest().position_std / std::sqrt(3.0);
   tried.rotation_std = object.latest().rotation_std;
-  tried.p_base_tip = [this](double t) { return p_base_tip_at(t); };
-  const std::optional<double> displayed = trial_.displayed_std(tried);
-  return displayed && kGrowthStds * *displayed > gap;
+  tried.p_base_tip = [path = TriedPath(tip_, message.t, tip_.t().back())](double t) {
+    return path.at(t);
+  };
+  return tried;
 }
 
 double RobotSite::resting_noise(const RobotObject& object, const TouchSample& sample,
@@ -187,9 +242,11 @@ double RobotSite::resting_noise(const RobotObject& object, const TouchSample& sa
          (sample.p_base_tip - tip_.at(object.latest().t)).norm();
 }
 
-bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& parameters) {
+std::vector<CorrectionProposal::Contact> RobotSite::tried_contacts(
+    std::size_t index, const ObjectParameters& parameters) const {
+  std::vector<CorrectionProposal::Contact> contacts;
   const RobotObject& object = objects_[index];
-  if (is_empty(parameters) || object.is_shared || !has_force(now_)) return false;
+  if (is_empty(parameters) || object.is_shared || !has_force(now_)) return contacts;
   ObjectParameters next = object.acknowledged;
   overwrite(next, parameters);
   const BodyPhysics before = object.physics_with(object.acknowledged);
@@ -197,51 +254,27 @@ bool RobotSite::worsens_contacts(std::size_t index, const ObjectParameters& para
   const Eigen::Vector3d offset = after.surface_offset;
   for (const RobotObject::SeenContact& seen : object.seen_contacts()) {
     const double end = std::min(seen.begin + RobotObject::kMaxSeenTime, processed_);
-    if (seen.begin < tip_.t().front()) continue;
-    RecordedContact contact{.object = index,
-                            .begin = seen.begin,
-                            .end = end,
-                            .T_base_start = seen.T_base_start,
-                            .direction_base = seen.direction_base,
-                            .seen = seen.poses,
-                            .force = force_.between(seen.begin, end),
-                            .bias_base = bias_base_,
-                            .force_resolution = sensors_.enter_force,
-                            .p_base_tip = [this](double t) { return smooth_tip(t); }};
+    if (seen.begin < tip_.t().front() || seen.poses.empty()) continue;
+    const ForceStream::Record force = force_.between(seen.begin, end);
+    RecordedContact recorded{
+        .object = index,
+        .begin = seen.begin,
+        .end = end,
+        .T_base_start = seen.T_base_start,
+        .direction_base = seen.direction_base,
+        .seen = seen.poses,
+        .force = {{force.t.begin(), force.t.end()},
+                  {force.clean_base.begin(), force.clean_base.end()}},
+        .bias_base = bias_base_,
+        .force_resolution = sensors_.enter_force,
+        .p_base_tip = [path = TriedPath(tip_, seen.begin - kTipSmoothing, end + kTipSmoothing)](
+                          double t) { return path.smooth_at(t); }};
     // The surface is measured on the face that is touched now: another one's need not change.
     const bool is_newest = &seen == &object.seen_contacts().back();
     after.surface_offset = is_newest ? offset : before.surface_offset;
-    const std::optional<double> error = trial_.error_of(contact, after);
-    // One that can't be noticed is right whatever the error was: a trial less.
-    if (!error || *error <= 1.0) continue;
-    if (*error > kMaxErrorRatio * *trial_.error_of(contact, before)) return true;
+    contacts.push_back({std::move(recorded), before, after});
   }
-  return false;
-}
-
-Eigen::Vector3d RobotSite::smooth_tip(double t) const {
-  const std::span<const double> times = tip_.t();
-  const auto first = std::lower_bound(times.begin(), times.end(), t - kTipSmoothing);
-  const auto last = std::upper_bound(first, times.end(), t + kTipSmoothing);
-  const auto count = static_cast<std::size_t>(last - first);
-  if (count < 3) return tip_.at(t);
-  const auto path = tip_.p_base().subspan(static_cast<std::size_t>(first - times.begin()), count);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double sum_t = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    sum += path[i];
-    sum_t += first[static_cast<std::ptrdiff_t>(i)] - t;
-  }
-  const Eigen::Vector3d velocity = (path.back() - path.front()) / (*(last - 1) - *first);
-  return (sum - sum_t * velocity) / static_cast<double>(count);
-}
-
-Eigen::Vector3d RobotSite::p_base_tip_at(double t) const {
-  const double end = tip_.t().back();
-  if (t <= end) return tip_.at(t);
-  // The operator goes on as before, as far as is known here.
-  const Eigen::Vector3d velocity = (tip_.at(end) - tip_.at(end - kTipSpeedTime)) / kTipSpeedTime;
-  return tip_.at(end) + (t - end) * velocity;
+  return contacts;
 }
 
 void RobotSite::send_full_state(std::size_t index, const TouchSample& sample,
@@ -261,13 +294,13 @@ void RobotSite::send_full_state(std::size_t index, const TouchSample& sample,
   outgoing_.push_back(std::move(message));
 }
 
-std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, CorrectionCase which,
-                                                    const TouchSample& sample,
-                                                    const PlanarPose& predicted, double gap,
-                                                    const SiteComparison& seen) {
+CorrectionMessage RobotSite::compose(std::size_t index, CorrectionCase which,
+                                     const TouchSample& sample, const PlanarPose& predicted,
+                                     double gap, const SiteComparison& seen) {
   RobotObject& object = objects_[index];
   const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error &&
                                !object.correction_switch.is_sliding_force();
+  const bool is_noise = !seen.robot_slides && gap < resting_noise(object, sample, seen);
   const ParameterDifference changed =
       difference(object.parameters(), object.acknowledged,
                  object.in_flight ? &object.in_flight->parameters : nullptr, options_.messages);
@@ -275,39 +308,40 @@ std::optional<CorrectionMessage> RobotSite::compose(std::size_t index, Correctio
   message.t = sample.t;
   message.object = index;
   message.which = which;
-  if (is_pose_current) {
+  if (is_pose_current && !is_noise) {
     // Again, since newly identified contact parameters change it.
     message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
     if (seen.operator_slides || slides(object.monitor.phase())) message.twist = object.twist();
-    const bool is_noise = seen.robot_slides ? grows_beyond(gap, index, message)
-                                            : gap < resting_noise(object, sample, seen);
-    if (is_noise) {
-      message.pose.reset();
-      message.twist.reset();
-    }
   }
   message.parameters = parameters_to_send(
       changed, which, object.correction_switch.forces_agree(seen), options_.messages);
-  if (worsens_contacts(index, message.parameters)) message.parameters = {};
-  if (which == CorrectionCase::touched_by_robot && message.pose) {
-    const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
-    message.tool_retraction = -inside * object.monitor.direction_base();
-  }
+  return message;
+}
+
+void RobotSite::send(CorrectionMessage message, const TouchSample& sample) {
+  RobotObject& object = objects_[message.object];
+  const CorrectionCase which = message.which;
   const bool has_parameters = !is_empty(message.parameters);
-  if (options_.correction_switch.keeps_off && which == CorrectionCase::phases_differ &&
-      has_parameters && object.is_pushed() && !object.kept_off_since) {
-    const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
-    message.tool_retraction = -(inside + kOffDistance) * object.monitor.direction_base();
-    object.kept_off_since = sample.t;
-  }
+  const bool is_known = !message.pose && !has_parameters;
   const bool is_unfinished =
       message.parameters.contact_stiffness || !contact_law_of(object.learner.known());
   if (is_unfinished && object.monitor.is_touched()) object.unfinished_law = which;
-  if (!message.pose && !has_parameters) return std::nullopt;
-  if (!has_parameters && object.correction_switch.had_no_effect(which)) return std::nullopt;
+  if (is_known || (!has_parameters && object.correction_switch.had_no_effect(which))) {
+    return object.correction_switch.note_nothing_to_send(which, sample.t);
+  }
+  const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
+  if (which == CorrectionCase::touched_by_robot && message.pose) {
+    message.tool_retraction = -inside * object.monitor.direction_base();
+  }
+  if (options_.correction_switch.keeps_off && which == CorrectionCase::phases_differ &&
+      has_parameters && object.is_pushed() && !object.kept_off_since) {
+    message.tool_retraction = -(inside + kOffDistance) * object.monitor.direction_base();
+    object.kept_off_since = sample.t;
+  }
   message.sequence = ++object.sequence;
   object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
-  return message;
+  object.correction_switch.note_sent(which, now_, message.sequence);
+  outgoing_.push_back(std::move(message));
 }
 
 }  // namespace pcavr

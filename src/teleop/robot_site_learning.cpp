@@ -72,10 +72,11 @@ void RobotSite::plan_learning(RobotObject& object, MotionPhase before, bool was_
 }
 
 /// With an assumed law the operator feels a multiple of the real force, or a fraction of it: the
-/// first law is identified from the beginning of the contact, not once that is over.
+/// first law is identified from the beginning of a press, not once that is over. A push breaks
+/// loose before long, and is identified then.
 void RobotSite::look_for_first_law(RobotObject& object, double t) {
-  const bool rests = object.monitor.is_touched() && !slides(object.monitor.phase());
-  if (!rests || object.identification || contact_law_of(object.learner.known())) return;
+  const bool is_pressed = object.monitor.is_touched() && object.monitor.is_press();
+  if (!is_pressed || object.identification || contact_law_of(object.learner.known())) return;
   const double begin = object.monitor.contact_begin();
   const double tried = std::max(object.first_law_tried.value_or(begin), begin);
   const double age =
@@ -89,7 +90,8 @@ void RobotSite::apply_identification(RobotObject& object) {
   if (!object.identification) return;
   const bool had_law = contact_law_of(object.learner.known()).has_value();
   object.learner = object.identification->take();
-  if (!had_law && contact_law_of(object.learner.known())) object.correction_switch.send_again();
+  const bool is_first_law = !had_law && contact_law_of(object.learner.known());
+  if (is_first_law && object.monitor.is_press()) object.correction_switch.send_again();
   const double begin = object.identification->begin();
   object.identification.reset();
   note_contradiction(object, begin);

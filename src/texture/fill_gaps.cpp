@@ -99,8 +99,8 @@ void fill_gaps(ColorImage& image, const MaskImage& is_known) {
   }
 }
 
-void continue_colors(ColorImage& image, const MaskImage& is_known, const MaskImage& is_doubtful) {
-  MaskImage is_sure = is_known;
+void continue_colors(ColorImage& image, const MaskImage& is_seen, const MaskImage& is_doubtful) {
+  MaskImage is_sure = is_seen;
   std::vector<OpenPixel> open;
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {

@@ -86,31 +86,30 @@ class AtlasPainter {
         options_(options),
         image_(triangles.width(), triangles.height()),
         is_known_(triangles.width(), triangles.height()),
+        is_seen_(triangles.width(), triangles.height()),
         is_doubtful_(triangles.width(), triangles.height()) {}
 
   void paint(Parallelism parallelism) {
     const int columns = (image_.width() + kBlock - 1) / kBlock;
     const int rows = (image_.height() + kBlock - 1) / kBlock;
     const auto blocks = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-    seen_.assign(blocks, 0);
-    used_.assign(blocks, 0);
     parallel_for(parallelism, blocks, 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto block = static_cast<int>(i);
-        paint_block(block % columns * kBlock, block / columns * kBlock, i);
+        paint_block(block % columns * kBlock, block / columns * kBlock);
       }
     });
-    continue_colors(image_, is_known_, is_doubtful_);
+    continue_colors(image_, is_seen_, is_doubtful_);
     fill_gaps(image_, is_known_);
   }
 
   [[nodiscard]] ColorImage take_image() { return std::move(image_); }
+  /// Of the texels on charts, those with a colour from an image.
   [[nodiscard]] double seen_fraction() const {
-    std::size_t seen = 0;
-    std::size_t used = 0;
-    for (const std::size_t count : seen_) seen += count;
-    for (const std::size_t count : used_) used += count;
-    return used == 0 ? 0.0 : static_cast<double>(seen) / static_cast<double>(used);
+    const auto count = [](const MaskImage& mask) {
+      return static_cast<double>(std::count(mask.pixels().begin(), mask.pixels().end(), 1));
+    };
+    return count(is_known_) > 0.0 ? count(is_seen_) / count(is_known_) : 0.0;
   }
 
  private:
@@ -152,7 +151,7 @@ class AtlasPainter {
             weights[0] * color(a) + weights[1] * color(b) + weights[2] * color(c)};
   }
 
-  void paint_block(int left, int top, std::size_t block) {
+  void paint_block(int left, int top) {
     struct Entry {
       int x;
       int y;
@@ -183,15 +182,10 @@ class AtlasPainter {
         samples.push_back(
             {color, sighting.weight, 0.3F * color.x() + 0.6F * color.y() + 0.1F * color.z()});
       }
-      seen_[block] += samples.empty() ? 0U : 1U;
+      is_seen_(entry.x, entry.y) = samples.empty() ? 0 : 1;
       set(entry.x, entry.y, samples.empty() ? entry.texel.fused : blend(samples, options_));
-      const bool is_doubtful = !sightings.empty() && std::all_of(sightings.begin(), sightings.end(),
-                                                                 [](const SeenFrom& seen) {
-                                                                   return seen.sighting.is_mixed;
-                                                                 });
-      is_doubtful_(entry.x, entry.y) = is_doubtful ? 1 : 0;
+      is_doubtful_(entry.x, entry.y) = is_doubtful(views, entry.texel, sightings) ? 1 : 0;
     }
-    used_[block] = entries.size();
   }
 
   struct SeenFrom {
@@ -226,6 +220,17 @@ class AtlasPainter {
     return best;
   }
 
+  /// Whether the colour may be that of a nearer surface: all views see one beside the texel, or
+  /// none sees it and one lies just in front.
+  static bool is_doubtful(const std::vector<const PaintedView*>& views, const Texel& texel,
+                          const std::vector<SeenFrom>& sightings) {
+    if (!sightings.empty())
+      return std::all_of(sightings.begin(), sightings.end(),
+                         [](const SeenFrom& seen) { return seen.sighting.is_mixed; });
+    return std::any_of(views.begin(), views.end(),
+                       [&](const PaintedView* view) { return view->is_behind_edge(texel.p_base); });
+  }
+
   void set(int x, int y, const Eigen::Vector3f& color) {
     const auto byte = [](float value) {
       return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 255.0F)));
@@ -241,9 +246,8 @@ class AtlasPainter {
   const TextureOptions& options_;
   ColorImage image_;
   MaskImage is_known_;
-  MaskImage is_doubtful_;          ///< may have the colour of a nearer surface
-  std::vector<std::size_t> seen_;  ///< by block: texels with a colour from an image
-  std::vector<std::size_t> used_;  ///< by block: texels
+  MaskImage is_seen_;      ///< has a colour from an image
+  MaskImage is_doubtful_;  ///< may have the colour of a nearer surface
 };
 
 bool has_surface_and_colors(const std::vector<TriangleMesh>& levels) {

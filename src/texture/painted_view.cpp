@@ -85,6 +85,13 @@ Image<std::uint8_t> distance_from(const MaskImage& mask) {
   return distance;
 }
 
+Eigen::Vector2f project(const CameraModel& camera, const Eigen::Vector3f& p_camera) {
+  if (camera.has_distortion()) return camera.project(p_camera.cast<double>().eval()).cast<float>();
+  return {
+      static_cast<float>(camera.fx) * p_camera.x() / p_camera.z() + static_cast<float>(camera.cx),
+      static_cast<float>(camera.fy) * p_camera.y() / p_camera.z() + static_cast<float>(camera.cy)};
+}
+
 /// Of the four samples around an offset from the second one, in [0, 1].
 Eigen::Array4f cubic_weights(float u) {
   return {((1.0F - 0.5F * u) * u - 0.5F) * u, (1.5F * u - 2.5F) * u * u + 1.0F,
@@ -154,6 +161,10 @@ float PaintedView::share_seen(const Eigen::Vector2f& pixel, float depth, float t
   return hides(nearest_surface_(x, y)) ? kDoubtful : 1.0F;
 }
 
+float PaintedView::tolerance_at(float depth) const {
+  return kSurfaceError + kNoiseFactor * static_cast<float>(noise_.depth_std(depth));
+}
+
 bool PaintedView::may_see(const Eigen::Vector3f& center_base, float radius) const {
   const Eigen::Vector3f p = R_color_base_ * center_base + t_color_base_;
   if (p.z() < kNear - radius) return false;
@@ -181,18 +192,11 @@ std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
   if (!(cosine > kMinCosine)) return std::nullopt;
   float weight = cosine * cosine / (z * z) * sharpness_weight;
   if (weight < min_weight) return std::nullopt;  // what follows lowers it
-  const auto project = [](const CameraModel& camera, const Eigen::Vector3f& point) {
-    if (camera.has_distortion())
-      return camera.project(point.cast<double>().eval()).cast<float>().eval();
-    return Eigen::Vector2f(
-        static_cast<float>(camera.fx) * point.x() / point.z() + static_cast<float>(camera.cx),
-        static_cast<float>(camera.fy) * point.y() / point.z() + static_cast<float>(camera.cy));
-  };
   const Eigen::Vector2f at = project(depth_camera_, p);
   const std::optional<int> x = pixel_index(at.x(), depth_camera_.width);
   const std::optional<int> y = pixel_index(at.y(), depth_camera_.height);
   if (!x || !y) return std::nullopt;
-  const float tolerance = kSurfaceError + kNoiseFactor * static_cast<float>(noise_.depth_std(z));
+  const float tolerance = tolerance_at(z);
   const float measured = view_->depth(*x, *y);
   const float tilted = tolerance / std::max(cosine, 0.3F);
   if (measured > 0.0F && std::abs(measured - z) > tilted) return std::nullopt;
@@ -220,16 +224,29 @@ std::optional<Sighting> PaintedView::look_up(const Eigen::Vector3f& p_base,
   if (!(weight > 0.0F)) return std::nullopt;
   weight *= std::min(1.0F, border / kBorder);
   const bool is_mixed =
-      is_beside_nearer && (!is_measured || touches_nearer(*x, *y, z - 2.0F * tilted));
+      is_beside_nearer && (!is_measured || touches_depth(*x, *y, 0.0F, z - 2.0F * tilted));
   return Sighting{pixel, weight, is_mixed};
 }
 
-bool PaintedView::touches_nearer(int x, int y, float depth) const {
+bool PaintedView::is_behind_edge(const Eigen::Vector3f& p_base) const {
+  const Eigen::Vector3f p = R_camera_base_ * p_base + t_camera_base_;
+  if (!(p.z() > kNear)) return false;
+  const Eigen::Vector2f at = project(depth_camera_, p);
+  const std::optional<int> x = pixel_index(at.x(), depth_camera_.width);
+  const std::optional<int> y = pixel_index(at.y(), depth_camera_.height);
+  if (!x || !y) return false;
+  const float margin = 2.0F * tolerance_at(p.z());
+  const float measured = view_->depth(*x, *y);
+  return measured > 0.0F && measured < p.z() - margin &&
+         touches_depth(*x, *y, p.z() - margin, p.z() + margin);
+}
+
+bool PaintedView::touches_depth(int x, int y, float from, float to) const {
   const DepthImage& measured = view_->depth;
   for (int at_y = y - kMixedRadius; at_y <= y + kMixedRadius; ++at_y) {
     for (int at_x = x - kMixedRadius; at_x <= x + kMixedRadius; ++at_x) {
       if (!measured.contains(at_x, at_y)) continue;
-      if (measured(at_x, at_y) > 0.0F && measured(at_x, at_y) < depth) return true;
+      if (measured(at_x, at_y) > from && measured(at_x, at_y) < to) return true;
     }
   }
   return false;

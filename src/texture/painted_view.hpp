@@ -50,6 +50,10 @@ class PaintedView {
                                                 const Eigen::Vector3f& normal_base,
                                                 float min_weight = 0.0F) const;
 
+  /// Whether the point is hidden by a measured surface whose edge is within two pixels: what was
+  /// fused there has that one's colour in part.
+  [[nodiscard]] bool is_behind_edge(const Eigen::Vector3f& p_base) const;
+
   /// The recorded colour at a pixel inside the image, bilinear.
   [[nodiscard]] RawColor raw_color_at(const Eigen::Vector2f& pixel) const;
   /// With the view's vignetting, gain and offset.
@@ -86,8 +90,10 @@ class PaintedView {
   /// image; 0 where that hides it. `tolerance` in m.
   [[nodiscard]] float share_seen(const Eigen::Vector2f& pixel, float depth, float tolerance) const;
 
-  /// Whether a pixel beside one of the depth image is nearer than `depth` [m].
-  [[nodiscard]] bool touches_nearer(int x, int y, float depth) const;
+  /// How far a measured depth may be from the surface's [m].
+  [[nodiscard]] float tolerance_at(float depth) const;
+  /// Whether a pixel beside one of the depth image has a depth in (from, to) [m].
+  [[nodiscard]] bool touches_depth(int x, int y, float from, float to) const;
 
   const TextureView* view_;
   ColorRegistration registration_;

@@ -80,5 +80,14 @@ TEST(LimitOfPushes, APeakUnderFastLoadingFarAboveTheSlidingFrictionIsInertia) {
   EXPECT_FALSE(is_inertial_peak(peak, {}));
 }
 
+TEST(TurningLimit, IsAsUncertainAsItsExcessUnderALargeLever) {
+  EXPECT_EQ(turning_limit_std(0.0, 0.2), 0.0);
+  EXPECT_EQ(turning_limit_std(-1.0, 0.2), 0.0);
+  EXPECT_LT(turning_limit_std(2.0, 0.04), 0.06);
+  EXPECT_GT(turning_limit_std(2.0, -0.15), 1.0);
+  EXPECT_LE(turning_limit_std(2.0, 5.0), 2.0);
+  EXPECT_GT(turning_limit_std(2.0, 0.09), turning_limit_std(2.0, 0.07));
+}
+
 }  // namespace
 }  // namespace pcavr

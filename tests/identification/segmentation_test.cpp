@@ -160,5 +160,26 @@ TEST(SegmentContacts, TakesNoSlowPressForDrift) {
   for (const ContactEpisode& contact : found.contacts) EXPECT_NEAR(contact.peak_force, 3.0, 0.3);
 }
 
+/// A modulated press that was never let go of for long, whose log has few samples for a second.
+TEST(SegmentContacts, TakesGapsInAContactForNoBias) {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force_base, p_base_tip;
+  Random random(5161);
+  for (int i = 0; i < 1320; ++i) {
+    if (i > 650 && i < 715 && i % 4 != 0) continue;
+    t.push_back(0.0152 * i);
+    const double force = std::max(0.0, 0.9 + 1.1 * std::cos(2.0 * M_PI * 3.0 * t.back()));
+    const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+    force_base.push_back(0.02 * noise - force * Eigen::Vector3d::UnitZ());
+    p_base_tip.push_back({0.0, 0.0, -force / 500.0});
+  }
+  const Segmentation found = segment_contacts(t, force_base, t, p_base_tip);
+  for (const Eigen::Vector3d& bias : found.bias_base) ASSERT_LT(bias.norm(), 0.2);
+  ASSERT_FALSE(found.contacts.empty());
+  for (const ContactEpisode& contact : found.contacts) {
+    EXPECT_LT(contact.direction_base.z(), -0.9) << contact.begin;
+  }
+}
+
 }  // namespace
 }  // namespace pcavr

@@ -3,6 +3,8 @@
 #include "teleop/correction_trial.hpp"
 
 #include <cmath>
+#include <future>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -10,6 +12,7 @@
 
 #include "pcavr/prediction/body_physics.hpp"
 
+#include "teleop/pending_trial.hpp"
 #include "teleop/plant_input.hpp"
 
 namespace pcavr {
@@ -125,6 +128,42 @@ TEST(CorrectionTrial, FindsWhichParametersAContactAgreesWith) {
   wrong = right;
   wrong.friction.limiting_force *= 3.0;
   EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+}
+
+// A pose whose noise exceeds the error, and parameters by which a contact is predicted worse.
+TEST(PendingTrial, RejectsOnAThreadOrNotFromAFixedTimeOn) {
+  TeleopInput world = one_box_input();
+  const TeleopOptions options;
+  const BodyPhysics right = physics_of(world.objects[0], options);
+  BodyPhysics wrong = right;
+  wrong.contact.stiffness *= 0.1;
+  const Push push(right.contact.stiffness, 4.2, 4.0, world.tool_radius);
+  CorrectionTrial trial(world, {right}, options);
+  CorrectionProposal proposal;
+  TriedCorrection& tried = proposal.pose.emplace();
+  tried.until = 0.4;
+  tried.poses = {planar_pose_of(world.objects[0].T_base_object)};
+  tried.physics = right;
+  tried.position_std = 1e-3;
+  tried.p_base_tip = [](double) { return Eigen::Vector3d(1.0, 0.0, 1.0); };
+  for (const std::launch policy : {std::launch::async, std::launch::deferred}) {
+    for (const bool is_worse : {true, false}) {
+      proposal.pose_error = is_worse ? 5e-4 : 5e-3;
+      proposal.contacts = {{push.contact, is_worse ? right : wrong, is_worse ? wrong : right}};
+      CorrectionMessage correction;
+      correction.pose = PlanarPose{};
+      correction.twist = Eigen::Vector3d::Zero();
+      correction.parameters.mass = ParameterValue{1.0};
+      PendingTrial pending(policy, 2.0, trial, std::move(correction), proposal);
+      EXPECT_FALSE(pending.is_due(2.004));
+      EXPECT_FALSE(pending.would_wait(2.004));
+      EXPECT_TRUE(pending.is_due(2.0051));
+      const CorrectionMessage left = pending.take();
+      EXPECT_EQ(left.pose.has_value(), !is_worse);
+      EXPECT_EQ(left.twist.has_value(), !is_worse);
+      EXPECT_EQ(left.parameters.mass.has_value(), !is_worse);
+    }
+  }
 }
 
 TEST(CorrectionTrial, HasNoErrorOfAContactInWhichTheObjectWasNotSeen) {

@@ -3,7 +3,10 @@
 #include "pcavr/teleop/live_sites.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <deque>
+#include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -46,14 +49,29 @@ class Samples {
   std::vector<std::size_t> tracked_;
 };
 
+/// Corrections by `now` [s] of a site that does not wait for threads, which get `max_backlog`
+/// cycles of virtual time.
+std::vector<LiveCorrection> advance(LiveRobotSite& site, double now, std::size_t max_backlog) {
+  std::vector<LiveCorrection> corrections = site.advance(now);
+  while (site.backlog() > max_backlog) {
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+    for (LiveCorrection& more : site.advance(now)) corrections.push_back(std::move(more));
+  }
+  return corrections;
+}
+
 /// Both live sites. The robot's runs every 1 to `max_cycles` cycles, `late` [s] after the last of
-/// them. A correction is in each command from `delay` [s] after its composition on.
+/// them. A correction is in each command from `delay` [s] after its composition on. `max_backlog`:
+/// of a robot's site that does not wait for its threads.
 std::vector<SentCorrection> run_live(const TeleopInput& input, const TeleopOptions& options,
-                                     double delay, std::size_t max_cycles, double late) {
+                                     double delay, std::size_t max_cycles, double late,
+                                     std::optional<std::size_t> max_backlog = {}) {
   RecordedCommand command = RecordedCommand::create(input, options).value();
   const double start = command.start();
   auto robot = LiveRobotSite::create(input, options, start).value();
   auto person = LiveOperatorSite::create(input, options, start, command.p_base_tip(0)).value();
+  if (max_backlog) robot.set_waiting(false);
+  std::size_t delayed = 0;
   Samples samples(input);
   std::deque<LiveCorrection> in_flight;
   std::vector<SentCorrection> sent;
@@ -72,11 +90,13 @@ std::vector<SentCorrection> run_live(const TeleopInput& input, const TeleopOptio
       robot.add_predictions(t + 3e-10, predictions, delay);  // as the shared clock rounds it
     }
     samples.add(t + late, options.pose.tracking_latency, robot);
-    for (LiveCorrection& correction : robot.advance(t + late)) {
+    for (LiveCorrection& correction : advance(robot, t + late, max_backlog.value_or(0))) {
       sent.push_back(correction.sent);
       in_flight.push_back(std::move(correction));
     }
+    if (robot.backlog() > 0) ++delayed;
   }
+  EXPECT_EQ(delayed > 0, max_backlog.has_value());
   return sent;
 }
 
@@ -99,6 +119,15 @@ TEST(LiveSites, SendTheCorrectionsOfAReplayHoweverLateTheyRun) {
   ASSERT_GT(replayed.corrections.size(), 5U);
   expect_same(run_live(made.input, options, options.round_trip(), 1, 0.0), replayed.corrections);
   expect_same(run_live(made.input, options, options.round_trip(), 60, 0.1), replayed.corrections);
+}
+
+TEST(LiveSites, SendTheSameCorrectionsIfTheyDoNotWaitForThreads) {
+  const PlantInput made = plant_input(3, false);
+  TeleopOptions options;
+  options.backward_delay = 0.2005;
+  const TeleopRun replayed = run_teleop(made.input, options).value();
+  expect_same(run_live(made.input, options, options.round_trip(), 1, 0.0, 100),
+              replayed.corrections);
 }
 
 // The delay is that of the session, whatever the robot site's own options expect.

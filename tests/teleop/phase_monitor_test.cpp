@@ -81,6 +81,26 @@ TEST(PhaseMonitor, StampsContactSlideAndStop) {
   }
 }
 
+TEST(PhaseMonitor, StampsTheTouchOfATipThatSlowsDownInTheContact) {
+  // As an arm does that a hard face stops: 20 mm/s up to 2 N, then 1.5 mm/s.
+  constexpr double kTouch = 0.5;            // [s]
+  constexpr double kFaceStiffness = 250e3;  // [N/m^1.5]
+  Random random(12);
+  PhaseMonitor monitor(0.0, {});
+  double tip = -0.020 * kTouch;
+  for (double t = 0.0; t < 1.5; t += kInterval) {
+    const double force = kFaceStiffness * std::pow(std::max(tip, 0.0), 1.5);
+    MonitorSample sample;
+    sample.t = t;
+    sample.is_within_reach = true;
+    sample.p_base_tip.x() = tip + 1e-5 * random.normal();
+    sample.force_base.x() = force + 0.05 * random.normal();
+    monitor.step(sample, std::nullopt, 0.0);
+    tip += (force < 2.0 ? 0.020 : 0.0015) * kInterval;
+  }
+  EXPECT_NEAR(time_of(monitor, MotionPhase::static_contact), kTouch, 0.010);
+}
+
 TEST(PhaseMonitor, IsCriticalFromNineTenthsOfAKnownLimit) {
   const MadePush push = made_push(0.0);
   PhaseMonitor monitor(0.0, {});

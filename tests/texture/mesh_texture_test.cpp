@@ -128,6 +128,25 @@ TEST(MeshTexture, HasNoColourOfANearerSurfaceBesideIt) {
   }
 }
 
+// Up to there the mesh may reach, and what was fused there has the post's colour.
+TEST(MeshTexture, HasNoFusedColourOfANearerSurfaceJustBehindItsEdge) {
+  TextureView view = view_of_post();
+  for (int y = 0; y < view.depth.height(); ++y) view.depth(149, y) = view.depth(148, y);
+  std::vector<TriangleMesh> levels = wall_levels();
+  for (TriangleMesh& level : levels) {
+    for (Rgb8& color : level.colors) color = {20, 200, 20};
+  }
+  const MeshTexture texture = paint(levels, {view}, without_registration());
+  const auto greenness_at = [&](double pixel) {
+    const double x = 0.6 * (pixel - 159.5) / 300.0;
+    const Eigen::Vector3d color = texture_at(texture, levels[0], 0, x, 0.0);
+    return color.y() - color.x();
+  };
+  for (double pixel = 149.0; pixel < 151.0; pixel += 0.25)
+    EXPECT_LT(greenness_at(pixel), 12.0) << "pixel " << pixel;
+  EXPECT_GT(greenness_at(159.5), 170.0);  // nothing is known there but what was fused
+}
+
 /// Ratio of the highest to the lowest brightness relative to blobs in a texture from views with
 /// these gains and offsets.
 double unevenness(double gain_step, double offset_step) {

@@ -97,6 +97,7 @@ struct IdentificationOptions {
 struct IdentifiedContact : AttributedContact {
   IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
   double limit_shared_std = 0.0;   ///< [N] ... and its std that the object's pushes have in common
+  double breakaway_lever = 0.0;    ///< [m] of the force then; 0 where the object was not tracked
   /// [m] std of the episode's `tool` by a cause that all samples share; empty: none.
   std::vector<double> tip_std = {};
   /// Of a push, where a press gave the object's contact law; its ratio may be not excited.

@@ -66,8 +66,9 @@ struct RobotSiteReport {
   std::vector<SentCorrection> corrections;  ///< the first of them; times of the scene
   std::size_t cycles = 0;
   std::size_t late_cycles = 0;
-  double max_correction_time = 0.0;  ///< [s] CPU of a cycle in which corrections were composed
-  double cpu = 0.0;                  ///< [s] of this thread
+  /// [s] CPU of any cycle's samples and corrections, without what threads identify and try.
+  double max_correction_time = 0.0;
+  double cpu = 0.0;                            ///< [s] of this thread
   std::optional<double> tool_compliance = {};  ///< [m/N] of the robot's arm, if it was found
   std::vector<std::string> notes;
 };

@@ -65,6 +65,12 @@ class LiveRobotSite {
   /// Processes, one of these times after the other, what had been measured up to it. `now` [s]: no
   /// prediction for a time long before it will come.
   [[nodiscard]] std::vector<LiveCorrection> advance(double now);
+  /// Whether advance() waits for what a thread identifies or tries, as by default. Else it leaves
+  /// the times from then on to its next calls, for ten seconds at most: the corrections are the
+  /// same, and a control loop goes on.
+  void set_waiting(bool is_waiting);
+  /// Times that were left to the next calls.
+  [[nodiscard]] std::size_t backlog() const;
   /// In place of advance() without an operator's site: forgets what is older than needed.
   void idle(double now);
   /// After an interruption: what was sent may be lost, and nothing before `now` [s] is compared.

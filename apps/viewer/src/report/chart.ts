@@ -63,6 +63,7 @@ export function drawStrip(
 ): SVGSVGElement {
   const points = pointsOf(strip);
   const axis = { tickSize: 0, labelAnchor: 'center' as const, labelArrow: 'none' as const };
+  const ticks = Math.floor((stripHeight - margins.marginTop - margins.marginBottom) / 20);
   return Plot.plot({
     width,
     height: stripHeight,
@@ -74,7 +75,7 @@ export function drawStrip(
     marks: [
       Plot.axisX({ ...axis, label: xLabel }),
       // Above the axis: beside it there is less room than the label is long.
-      Plot.axisY({ ...axis, label: strip.label, labelAnchor: 'top', ticks: 3 }),
+      Plot.axisY({ ...axis, label: strip.label, labelAnchor: 'top', ticks }),
       Plot.lineY(points, { x: 'x', y: 'y', stroke: seriesColors[strip.color] }),
       Plot.frame({ stroke: softInk }),
     ],
