@@ -60,7 +60,7 @@ TEST(IdentifyContacts, StateThePenetrationOfAPushAndNoStiffness) {
   ASSERT_TRUE(found.parameters.contact_stiffness);
   EXPECT_FALSE(found.parameters.contact_stiffness->std);
   EXPECT_EQ(found.parameters.sources.pushes.count("contact.stiffness"), 0U);
-  state_penetration(found);
+  state_penetration({}, found);
   ASSERT_TRUE(found.penetration.depth.is_excited);
   const double depth = std::pow(found.penetration.force / 1e4, 1.0 / 1.3);
   EXPECT_NEAR(found.penetration.depth.value, depth, 2.0 * found.penetration.depth.std);
