@@ -201,7 +201,7 @@ std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
                                           const ObjectIdentification& known) {
   const FrictionPosterior& friction = known.friction;
   const std::optional<ParameterValue>& mass = known.parameters.mass;
-  if (!mass || !friction.is_valid || !friction.coulomb.is_excited) return std::nullopt;
+  if (!mass || !friction.is_valid) return std::nullopt;
   PushedObject object{.contact_law = compliance.law.value_or(HuntCrossley{}),
                       .compliance_std = compliance.std,
                       .damping_std = compliance.damping_std,

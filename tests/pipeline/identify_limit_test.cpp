@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "identification/plant.hpp"
+#include "pipeline/identify_parts.hpp"
+
+namespace pcavr {
+namespace {
+
+/// A push at 60 mm/s of a light body, whose inertia is half of the force's peak.
+IdentifiedContact fast_push(const Plant& plant, std::uint64_t seed) {
+  const Trial trial =
+      run(plant, {.force_noise = 0.05}, 1.6, seed, [](double t) { return 0.06 * (t - 0.3); });
+  IdentifiedContact push;
+  push.object = 0;
+  push.normal_object = Eigen::Vector3d::UnitX();
+  ContactEpisode& episode = push.episode;
+  episode.kind = ContactKind::slide;
+  episode.direction_base = Eigen::Vector3d::UnitX();
+  episode.t = trial.t;
+  episode.tool = trial.tool;
+  episode.force = trial.force;
+  episode.begin = 0.3;
+  episode.end = trial.t.back();
+  episode.peak_force = *std::max_element(episode.force.begin(), episode.force.end());
+  episode.breakaway = find_breakaway(trial.series());
+  for (const double force : trial.force) {
+    push.force_base.push_back(force * episode.direction_base);
+  }
+  return push;
+}
+
+// Its peak is the limiting friction and the inertia of the object, whose contact law nothing gave.
+TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLaw) {
+  const Plant plant{.mass = 0.98,
+                    .coulomb = 2.2,
+                    .breakaway = 2.8,
+                    .viscous = 5.0,
+                    .bristle = 6e5,
+                    .stiffness = 1e5,
+                    .damping = 3.5e5};
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    std::vector<IdentifiedContact> contacts{fast_push(plant, seed)};
+    ASSERT_TRUE(contacts[0].episode.breakaway.is_found) << seed;
+    ASSERT_GT(contacts[0].episode.breakaway.force, 1.3 * plant.breakaway) << seed;
+    std::vector<Eigen::Vector3d> p_base_tip;
+    for (const double x : contacts[0].episode.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
+    const PathView tip(contacts[0].episode.t, p_base_tip);
+    const CadModel cad;
+    ObjectIdentification found;
+    found.parameters.mass = ParameterValue{plant.mass, {}};
+    identify_friction_of(contacts, 0, plant.mass, {cad, {}}, tip, 0.005, {}, found);
+    EXPECT_FALSE(found.parameters.contact_stiffness);
+    ASSERT_TRUE(found.parameters.limiting_static_friction) << seed;
+    const ParameterValue& limit = *found.parameters.limiting_static_friction;
+    EXPECT_NEAR(limit.value, plant.breakaway, 3.0 * *limit.std) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
