@@ -274,7 +274,7 @@ ReportTable replay_table(const RobotIdentification& found) {
     table.rows.push_back({found.fit.joints[j].name, replay_text(replay.alone.rms[joint]),
                           readable(replay.alone.kept[joint]), replay_text(replay.after_1s[joint]),
                           replay_text(replay.simulated.rms[joint]),
-                          readable(replay.tolerable_torque[joint]),
+                          uncertain(replay.tolerable_torque[joint], {}).value,
                           readable(found.fit.joints[j].held_out.rms)});
   }
   table.note = fmt::format(
