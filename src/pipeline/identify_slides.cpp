@@ -91,6 +91,8 @@ struct SmoothSlide {
   double speed_std = 0.0, acceleration_std = 0.0, force_std = 0.0;
   double narrow_speed_std = 0.0;  ///< of `narrow`
   double compliance_std = 0.0;    ///< relative
+  /// Of the compression's rate and acceleration: the force's noise.
+  double compression_speed_std = 0.0, compression_acceleration_std = 0.0;
   double noise_covariance = 0.0;  ///< [N m/s^2] of force and acceleration
   std::vector<SmoothedSample> object, tool, compression, force;
   std::vector<SmoothedSample> narrow;  ///< the object, over half the width
@@ -157,11 +159,14 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
   const double soft = compliance_of(depth, force, exponent);
   const double noise = std::max(std::hypot(tip, soft * force_noise), estimate_noise_std(object));
   const double cube = std::pow(push.half_width, 3);
+  const double square = push.half_width * push.half_width;
   push.speed_std = noise * std::sqrt(15.0 / 7.0 * spacing / cube);
   push.narrow_speed_std = push.speed_std * std::sqrt(8.0);  // the cube of half the width
-  push.acceleration_std =
-      noise * std::sqrt(22.5 * spacing / (cube * push.half_width * push.half_width));
+  push.acceleration_std = noise * std::sqrt(22.5 * spacing / (cube * square));
   push.compliance_std = compliance.std;
+  push.compression_speed_std = soft * force_noise * std::sqrt(15.0 / 7.0 * push.interval / cube);
+  push.compression_acceleration_std =
+      soft * force_noise * std::sqrt(22.5 * push.interval / (cube * square));
   push.force_std = force_noise / std::sqrt(correlated_samples(push.half_width, push.interval));
   push.noise_covariance = soft * force_noise * force_noise * 15.0 / 7.0 * push.interval / cube;
   const auto smoothed = [&](const std::vector<double>& values) {
@@ -216,6 +221,34 @@ void raise_noise(std::span<FrictionSample> samples) {
   for (FrictionSample& sample : samples) sample.force_std = std::max(sample.force_std, shown);
 }
 
+/// Share of the signal in the squares of what was measured, of a noise of this std.
+double signal_share(double squares, std::size_t count, double noise_std) {
+  const double noise = static_cast<double>(count) * noise_std * noise_std;
+  return squares > noise ? 1.0 - noise / squares : 0.0;
+}
+
+/// Of what another contact would change in the object's motion, the part that is expected without
+/// the force's noise [regression calibration; Carroll et al. 2006, Measurement Error in Nonlinear
+/// Models, ch. 4]. The same noise is in the object's acceleration, and an even speed fits best
+/// where the contact gives way so little that it vanishes: steady pushes would say how stiff it is.
+void remove_noise(const SmoothSlide& push, std::span<FrictionSample> samples) {
+  double speeds = 0.0, accelerations = 0.0;
+  for (const FrictionSample& sample : samples) {
+    speeds += std::pow(sample.speed_change, 2);
+    accelerations += std::pow(sample.acceleration_change, 2);
+  }
+  const double speed_share =
+      signal_share(speeds, samples.size(), push.compliance_std * push.compression_speed_std);
+  const double acceleration_share = signal_share(
+      accelerations, samples.size(), push.compliance_std * push.compression_acceleration_std);
+  for (FrictionSample& sample : samples) {
+    sample.speed_change *= speed_share;
+    sample.acceleration_change *= acceleration_share;
+    sample.damping_speed_change *= acceleration_share;
+    sample.damping_acceleration_change *= acceleration_share;
+  }
+}
+
 class Slides {
  public:
   Slides(const BodyMotion& body, const PathView& tip, double tool_radius, const KnownSupport& known)
@@ -253,6 +286,7 @@ class Slides {
       next = t + push.half_width;
       samples.push_back(*sample);
     }
+    remove_noise(push, std::span(samples).subspan(first));
     raise_noise(std::span(samples).subspan(first));
   }
 

@@ -72,6 +72,35 @@ TEST(FrictionSamples, LeaveOutTheTimeInWhichFrictionSettlesAfterAStop) {
   }
 }
 
+// In a steady push all of the contact's compression that is measured is the force's noise, which
+// says nothing of how soft the contact is. In one whose force swings it does.
+TEST(FrictionSamples, ExpectNoMotionOfTheContactFromTheNoiseOfTheForce) {
+  for (const double swing : {0.0, 3.0}) {
+    std::vector<double> object, force;
+    for (double t = 0.0; t < 2.2; t += kStep) {
+      object.push_back(0.06 * std::max(t - 0.2, 0.0));
+      const double steady = kSlidingForce + swing * std::sin(6.0 * std::numbers::pi * t);
+      force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : steady);
+    }
+    IdentifiedContact contact = push_of(object, force, 0.20);
+    Random random(3);
+    for (double& measured : contact.episode.force) measured += 0.1 * random.normal();
+    const std::vector<FrictionSample> samples = samples_of(contact);
+    ASSERT_GE(samples.size(), 20U);
+    double squares = 0.0, noise = 0.0;
+    for (const FrictionSample& sample : samples) {
+      squares += std::pow(sample.acceleration_change, 2);
+      noise += std::pow(0.1 * sample.acceleration_std, 2);  // 0.1: the compliance's std
+    }
+    const double share = std::sqrt(squares / noise);
+    if (swing > 0.0) {
+      EXPECT_GT(share, 2.0);
+    } else {
+      EXPECT_LT(share, 0.5);
+    }
+  }
+}
+
 TEST(FrictionSamples, KeepBothHalvesOfAModulatedPush) {
   std::vector<double> object, force;
   for (double t = 0.0; t < 2.2; t += kStep) {
