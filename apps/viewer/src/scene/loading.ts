@@ -10,6 +10,7 @@ import {
   type Material,
   type Texture,
 } from 'three';
+import { count } from '../ui/format';
 import { readGlb, type GlbPart } from './glb';
 import { fetchBytes, type MeshLevel } from './scene_model';
 import { fetchTexture } from './scan_texture';
@@ -92,7 +93,7 @@ export class SceneLoader {
     this.requested = level;
     if (level === this.level) return;
     const { path, triangles } = this.view.model!.mesh[level];
-    const what = `scan, ${triangles.toLocaleString('en')} triangles`;
+    const what = `scan, ${count(triangles)} triangles`;
     await this.attempt(path, async () => {
       const parts = await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, what)));
       const maps = await Promise.all(

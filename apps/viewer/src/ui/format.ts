@@ -29,6 +29,11 @@ export function significant(value: number, digits = 3): string {
   });
 }
 
+/// Three digits at most: 20 k for 19,999.
+export function count(value: number): string {
+  return value < 1000 ? significant(value) : `${significant(value / 1000)} k`;
+}
+
 export function megabytes(bytes: number): string {
   return `${(bytes / 1e6).toFixed(1)} MB`;
 }

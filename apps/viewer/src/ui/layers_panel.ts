@@ -3,6 +3,7 @@
 import { layerHints, layerNames, layerTitles, type LayerName, type Layers } from '../scene/layers';
 import type { SceneModel } from '../scene/scene_model';
 import { byId, create } from './dom';
+import { count } from './format';
 
 /// A checkbox for each layer; disabled if the scene has no data for it.
 export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): void {
@@ -48,7 +49,7 @@ export function fillDetail(model: SceneModel, onChoice: (level: number) => void)
     ...model.mesh.map(({ triangles }, level) =>
       create('option', {
         value: String(level),
-        textContent: `${triangles.toLocaleString('en')} triangles`,
+        textContent: `${count(triangles)} triangles`,
       }),
     ),
   );
