@@ -22,24 +22,26 @@ namespace {
 /// Descriptions have some 100 kB; meshes are in files of their own.
 constexpr std::uintmax_t kMaxSize = 16'000'000;
 
-/// urdfdom names links and joints in its messages, but no lines.
+/// urdfdom names links and joints in its messages, but no lines; the detail comes before the name.
 Error error_of(const robot::UrdfdomResult& result, const robot::UrdfStructure& structure,
                const std::filesystem::path& file) {
   Error error{"is not a valid robot description", file.string(), 0, "",
               "check it by check_urdf of Debian's liburdfdom-tools"};
-  if (result.errors.empty()) return error;
-  error.message = result.errors.front();
-  const auto find_in = [&](const auto& elements, const char* kind) {
+  const auto find_in = [&](const std::string& message, const auto& elements, const char* kind) {
     for (const auto& element : elements) {
-      const bool is_named = error.message.find("[" + element.name + "]") != std::string::npos ||
-                            error.message.find("'" + element.name + "'") != std::string::npos;
+      const bool is_named = message.find("[" + element.name + "]") != std::string::npos ||
+                            message.find("'" + element.name + "'") != std::string::npos;
       if (!is_named || error.line != 0) continue;
       error.line = element.line;
       error.place = fmt::format("{} '{}'", kind, element.name);
     }
   };
-  find_in(structure.joints, "joint");
-  find_in(structure.links, "link");
+  for (const std::string& message : result.errors) {
+    if (error.line != 0) break;
+    error.message = &message == &result.errors.front() ? message : error.message + "; " + message;
+    find_in(message, structure.joints, "joint");
+    find_in(message, structure.links, "link");
+  }
   return error;
 }
 
@@ -76,7 +78,8 @@ Expected<RobotModel> parse_urdf(const std::string& text, const std::filesystem::
   const Expected<robot::UrdfStructure> structure = robot::parse_urdf_structure(text, file);
   if (!structure) return structure.error();
   const robot::UrdfdomResult parsed = robot::parse_by_urdfdom(text);
-  if (!parsed.model) return error_of(parsed, *structure, file);
+  // Of a link with a part that it did not understand, urdfdom leaves out the further shapes, too.
+  if (!parsed.model || !parsed.errors.empty()) return error_of(parsed, *structure, file);
   Expected<RobotModel> model = robot::build_robot(*parsed.model, *structure, file, options);
   if (!model) return model;
   if (const Expected<void> added = add_rotors(text, file, *model); !added) return added.error();

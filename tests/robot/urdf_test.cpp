@@ -177,11 +177,37 @@ TEST(Urdf, InertiasThatAreNoNumbersAreErrors) {
   }
   EXPECT_TRUE(parse_urdf("<robot name='r'>\n" +
                              link("a",
-                                  "<inertial><mass value=' 1e-3 '/><inertia "
+                                  "<inertial><mass value=' 1e-3'/><inertia "
                                   "ixx='+1' ixy='0' ixz='0' iyy='1' iyz='0' "
                                   "izz='1'/></inertial>") +
                              "</robot>",
                          "the.urdf", {}));
+}
+
+TEST(Urdf, ShapesThatAreNotUnderstoodAreErrorsAndTheOthersDoNotGetLost) {
+  const std::string sphere = "<geometry><sphere radius='0.1'/></geometry>";
+  const struct {
+    std::string shape;
+    std::string message;
+  } cases[] = {
+      {"<visual><origin xyz='0 q 0'/>" + sphere + "</visual>",
+       "Unable to parse component [q] to a double (while parsing a vector value); Could not parse "
+       "visual element for Link [b]"},
+      {"<visual><origin rpy='0 0'/>" + sphere + "</visual>",
+       "Parser found 2 elements but 3 expected while parsing vector [0 0]; Could not parse visual "
+       "element for Link [b]"},
+      {"<collision><geometry><sphere radius='x'/></geometry></collision>",
+       "radius [x] is not a valid float; Could not parse collision element for Link [b]"},
+  };
+  // Of white space behind a number, too: its mass would be lost, and the shapes.
+  EXPECT_EQ(error_line(link("a", "<inertial><mass value='1 '/></inertial>")).substr(0, 76),
+            "the.urdf:2: link 'a': Inertial: mass [1 ] is not a float; Could not parse in");
+  for (const auto& [shape, message] : cases) {
+    EXPECT_EQ(error_line(link("a") + link("b", shape + "<collision>" + sphere + "</collision>") +
+                         joint("j", "a", "b")),
+              "the.urdf:3: link 'b': " + message +
+                  "; check it by check_urdf of Debian's liburdfdom-tools");
+  }
 }
 
 TEST(Urdf, UnlikelyInertiasAreErrorsOnlyWhereWanted) {
