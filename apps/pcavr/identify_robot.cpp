@@ -13,6 +13,7 @@
 
 #include "pcavr/core/input_ranges.hpp"
 #include "pcavr/core/output_paths.hpp"
+#include "pcavr/report/number_text.hpp"
 #include "pcavr/report/report_page.hpp"
 #include "pcavr/robot/urdf.hpp"
 
@@ -132,8 +133,8 @@ void describe_contacts(const RobotIdentification& found, CommandResult& result) 
 void describe_gains(const RobotIdentification& found, CommandResult& result) {
   for (const JointGain& gain : found.gains) {
     result.json["gains"].push_back({{"joint", gain.joint}, {"gain", gain.gain}, {"std", gain.std}});
-    result.summary +=
-        fmt::format("gain of {}: {:.4g} +- {:.2g} N m/A\n", gain.joint, gain.gain, gain.std);
+    const UncertainText text = uncertain(gain.gain, gain.std);
+    result.summary += fmt::format("gain of {}: {} +- {} N m/A\n", gain.joint, text.value, text.std);
   }
 }
 
@@ -144,10 +145,13 @@ void describe_payload(const RobotIdentification& found, CommandResult& result) {
   result.json["payload"] = {{"mass", payload.mass},
                             {"mass_std", payload.mass_std},
                             {"centre_of_mass", {centre.x(), centre.y(), centre.z()}}};
+  const UncertainText mass = uncertain(payload.mass, payload.mass_std);
+  const auto coordinate = [&](int axis) {
+    return uncertain(centre[axis], payload.centre_of_mass_std[axis]).value;
+  };
   result.summary += fmt::format(
-      "load: {:.4g} +- {:.2g} kg at ({:.4g}, {:.4g}, {:.4g}) m in the frame behind joint {}\n",
-      payload.mass, payload.mass_std, centre.x(), centre.y(), centre.z(),
-      found.fit.joints.back().name);
+      "load: {} +- {} kg at ({}, {}, {}) m in the frame behind joint {}\n", mass.value, mass.std,
+      coordinate(0), coordinate(1), coordinate(2), found.fit.joints.back().name);
 }
 
 /// Paper A's trial beside the regression.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -23,7 +24,18 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kHundred = 100.0;
 constexpr double kMaxDrawnError = 20.0 / kDegrees;  ///< [rad] of a replay
 
-std::string short_number(double value) { return fmt::format("{:.4g}", value); }
+/// No more digits than the std allows: "1.234 ± 0.056".
+std::string with_std(double value, double std) {
+  const UncertainText text = uncertain(value, std);
+  return text.std == "-" ? text.value : text.value + " ± " + text.std;
+}
+
+/// Cells of a table: value, standard deviation.
+void append_uncertain(std::vector<std::string>& row, double value, double std) {
+  UncertainText text = uncertain(value, std);
+  row.push_back(std::move(text.value));
+  row.push_back(std::move(text.std));
+}
 
 std::vector<double> column_of(const Eigen::MatrixXd& values, Eigen::Index column) {
   return {values.col(column).begin(), values.col(column).end()};
@@ -51,19 +63,23 @@ ReportTable gains_table(const std::vector<JointGain>& gains) {
   ReportTable table{.title = "Gains of the drives, by the load's mass",
                     .columns = {"joint", "gain (N m/A)", "± std"}};
   for (const JointGain& gain : gains) {
-    table.rows.push_back({gain.joint, short_number(gain.gain), short_number(gain.std)});
+    append_uncertain(table.rows.emplace_back(std::vector{gain.joint}), gain.gain, gain.std);
   }
   return table;
 }
 
 ReportTable payload_table(const RobotFit& fit, const Payload& payload) {
   ReportTable table{.title = "Load", .columns = {"quantity", "value", "± std", "unit"}};
-  table.rows.push_back({"mass", short_number(payload.mass), short_number(payload.mass_std), "kg"});
+  const auto add = [&](const std::string& quantity, double value, double std, const char* unit) {
+    std::vector<std::string>& row = table.rows.emplace_back(std::vector{quantity});
+    append_uncertain(row, value, std);
+    row.emplace_back(unit);
+  };
+  add("mass", payload.mass, payload.mass_std, "kg");
   constexpr const char* kAxes[] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
-    table.rows.push_back({std::string("centre of mass, ") + kAxes[axis],
-                          short_number(payload.centre_of_mass[axis]),
-                          short_number(payload.centre_of_mass_std[axis]), "m"});
+    add(std::string("centre of mass, ") + kAxes[axis], payload.centre_of_mass[axis],
+        payload.centre_of_mass_std[axis], "m");
   }
   table.note = "In the frame of the link behind joint " + fit.joints.back().name +
                ": what the loaded run's torques have beyond the unloaded arm's.";
@@ -95,8 +111,9 @@ ReportTable trial_table(const RobotFit& fit, const FrictionTrial& trial) {
                   "held-out torque error (%)", "position rms of the stretches (deg)"}};
   const auto add = [&](const JointFit& joint, const std::string& method,
                        const std::string& position) {
-    table.rows.push_back({joint.name, method, short_number(joint.value_of(FrictionTerm::viscous)),
-                          short_number(joint.value_of(FrictionTerm::coulomb)),
+    table.rows.push_back({joint.name, method,
+                          uncertain(joint.value_of(FrictionTerm::viscous), {}).value,
+                          uncertain(joint.value_of(FrictionTerm::coulomb), {}).value,
                           readable(joint.held_out.relative * kHundred), position});
   };
   for (std::size_t j = 0; j < fit.joints.size(); ++j) {
@@ -126,7 +143,7 @@ ReportTable interval_table(const JointFit& joint, const JointIntervals& found) {
                                  readable(interval.end * kDegrees),
                                  fmt::format("{}", interval.rows)};
     for (const FittedTerm& term : interval.terms) {
-      row.push_back(short_number(term.value) + " ± " + fmt::format("{:.2g}", term.std));
+      row.push_back(with_std(term.value, term.std));
     }
     table.rows.push_back(std::move(row));
   }
@@ -139,8 +156,11 @@ ReportTable interval_table(const JointFit& joint, const JointIntervals& found) {
 ReportTable friction_table(const JointFit& joint) {
   ReportTable table{.title = "Friction", .columns = {"term", "value", "± std", "unit", "excited"}};
   for (const FittedTerm& term : joint.friction) {
-    table.rows.push_back({name_of(term.term), short_number(term.value), short_number(term.std),
-                          unit_of(term.term), term.is_excited ? "yes" : "no"});
+    std::vector<std::string>& row =
+        table.rows.emplace_back(std::vector<std::string>{name_of(term.term)});
+    append_uncertain(row, term.value, term.std);
+    row.emplace_back(unit_of(term.term));
+    row.emplace_back(term.is_excited ? "yes" : "no");
   }
   table.note =
       fmt::format("sign of the speed: tanh(speed / {:.3g} rad/s)", joint.sign.smoothing_speed);
@@ -153,8 +173,8 @@ ReportTable friction_table(const JointFit& joint) {
   }
   table.note += ". As three parameters, with a sign that changes at once:";
   for (const FittedTerm& term : joint.equivalent) {
-    table.note += fmt::format(" {} {} ± {:.2g} {}", name_of(term.term), short_number(term.value),
-                              term.std, unit_of(term.term));
+    table.note += fmt::format(" {} {} {}", name_of(term.term), with_std(term.value, term.std),
+                              unit_of(term.term));
   }
   table.note += ".";
   return table;
@@ -166,8 +186,10 @@ ReportTable base_table(const RobotFit& fit) {
       .columns = {"combination (SI)", "value", "± std", "std before the data", "excited"},
       .is_folded = true};
   for (const BaseParameter& entry : fit.base_parameters) {
-    table.rows.push_back({entry.name, short_number(entry.value), short_number(entry.std),
-                          short_number(entry.prior_std), entry.is_excited ? "yes" : "no"});
+    std::vector<std::string>& row = table.rows.emplace_back(std::vector{entry.name});
+    append_uncertain(row, entry.value, entry.std);
+    row.push_back(uncertain(entry.prior_std, {}).value);
+    row.emplace_back(entry.is_excited ? "yes" : "no");
   }
   table.note =
       "What joint torques can show of masses m, first moments mx my mz and inertias of the joints' "
