@@ -93,6 +93,7 @@ double fit_value(std::span<const double> t, std::span<const double> values, doub
 
 SmoothedSample fit_window(std::span<const double> t, std::span<const double> values, double at,
                           double half_width) {
+  if (t.size() < kMinSamples || !is_covered(t, at, half_width)) return {};
   Moments moments;
   const double middle = values[values.size() / 2];  // avoids cancellation where the value is large
   for (std::size_t i = 0; i < t.size(); ++i) {
@@ -111,28 +112,28 @@ std::size_t index_of(std::span<const double>::iterator position, std::span<const
   return static_cast<std::size_t>(std::distance(t.begin(), position));
 }
 
+/// Indices [begin, end) of a window's samples.
 struct Window {
-  std::size_t begin = 0, count = 0;
+  std::size_t begin = 0, end = 0;
+  [[nodiscard]] std::size_t size() const { return end - begin; }
 };
 
-/// The samples about `at`; none where they do not cover it.
-Window window_at(std::span<const double> t, double at, double half_width) noexcept {
+/// Empty beyond the ends, where no samples would be on one side.
+Window window_at(std::span<const double> t, double at, double half_width) {
   if (t.empty() || at - half_width < t.front() - 1e-9 || at + half_width > t.back() + 1e-9)
     return {};
   const std::size_t begin =
       index_of(std::upper_bound(t.begin(), t.end(), at - half_width * (1.0 - 1e-9)), t);
   const std::size_t end =
       index_of(std::lower_bound(t.begin(), t.end(), at + half_width * (1.0 - 1e-9)), t);
-  if (end < begin + kMinSamples) return {};
-  const Window window{begin, end - begin};
-  return is_covered(t.subspan(begin, window.count), at, half_width) ? window : Window{};
+  return end > begin ? Window{begin, end} : Window{};
 }
 
 SmoothedSample fit_at(std::span<const double> t, std::span<const double> values, double at,
                       double half_width) noexcept {
-  const auto [begin, count] = window_at(t, at, half_width);
-  if (count == 0) return {};
-  return fit_window(t.subspan(begin, count), values.subspan(begin, count), at, half_width);
+  const Window window = window_at(t, at, half_width);
+  return fit_window(t.subspan(window.begin, window.size()),
+                    values.subspan(window.begin, window.size()), at, half_width);
 }
 
 }  // namespace
@@ -156,10 +157,11 @@ SmoothedSample smooth_value_at(std::span<const double> t, std::span<const double
                                double half_width) {
   PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
   PCAVR_REQUIRE(half_width > 0.0, half_width);
-  const auto [begin, count] = window_at(t, at, half_width);
-  if (count == 0) return {};
+  const Window window = window_at(t, at, half_width);
+  const std::span<const double> stamps = t.subspan(window.begin, window.size());
+  if (stamps.size() < kMinSamples || !is_covered(stamps, at, half_width)) return {};
   SmoothedSample sample;
-  sample.value = fit_value(t.subspan(begin, count), values.subspan(begin, count), at, half_width);
+  sample.value = fit_value(stamps, values.subspan(window.begin, window.size()), at, half_width);
   sample.is_valid = true;
   return sample;
 }
