@@ -13,7 +13,7 @@
 
 namespace pcavr {
 
-/// The identification of a contact by a thread: some 10 ms of CPU, during most of which the robot's
+/// The identification of a contact by a thread: some 5 ms of CPU, during most of which the robot's
 /// site has to run its cycles. What is found applies from a fixed time of the data on, so that a
 /// replay equals a live site. The body that a record refers to must outlive it. Not thread-safe.
 class PendingIdentification {

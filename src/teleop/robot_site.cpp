@@ -25,6 +25,9 @@ constexpr double kMinBiasTime = 0.02;
 constexpr double kForceSilence = 0.2;
 // After a contact's end its samples are all there [s].
 constexpr double kSettled = 0.5;
+// Samples of the force that a cycle processes: those of a second, as when a session begins, would
+// take milliseconds of one. No sensor gives as many in a cycle.
+constexpr int kMaxSamplesPerCycle = 32;
 
 /// Damping over stiffness [s/m]; of a linear law, at a penetration of 1 mm.
 double relative_damping(const ObjectParameters& known) {
@@ -197,7 +200,9 @@ void RobotSite::update_sensors() {
 }
 
 void RobotSite::process_forces(double now, const PredictionLog& log) {
-  while (const std::optional<ForceStream::Sample> sample = force_.next(processed_, now, tip_)) {
+  for (int i = 0; i < kMaxSamplesPerCycle; ++i) {
+    const std::optional<ForceStream::Sample> sample = force_.next(processed_, now, tip_);
+    if (!sample) return;
     // No frame newer than the force: the displacement since then would count twice.
     update_tracking(sample->t);
     process_sample(*sample, log);
@@ -314,7 +319,10 @@ void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log
     if (object.identification && object.identification->is_due(sample.t)) {
       apply_identification(object);
     }
-    if (object.learn_at && *object.learn_at <= sample.t) learn(object, sample.t);
+    // What is being identified is of the data before: it is not waited for, but used first.
+    if (!object.identification && object.learn_at && *object.learn_at <= sample.t) {
+      learn(object, sample.t);
+    }
     look_for_first_law(object, sample.t);
     if (sample.t < log.start()) continue;  // a correction of that time would come too late
     compare(i, sample, log.at(sample.t, i));

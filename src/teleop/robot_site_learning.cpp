@@ -49,9 +49,9 @@ void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sampl
   }
   if (!object.above_limit_since) object.above_limit_since = sample.t;
   if (sample.t - *object.above_limit_since < options_.learning.static_limit_time) return;
+  if (object.identification) return;  // it may say so, and is used first
   const auto& supposed = object.learner.conservative_estimate().limiting_static_friction;
   if (supposed && friction <= supposed->value) return;
-  apply_identification(object);
   object.learner.raise_static_limit(friction);
 }
 
@@ -123,7 +123,6 @@ void RobotSite::identify(RobotObject& object, double t) {
       begin,
       t,
       {object.monitor.has_slid(), object.has_moved_in_contact(), !object.monitor.is_touched()}};
-  apply_identification(object);  // of the data before, which are in the new record, too
   const RobotObject::LearnedContact& contact = object.learned.back();
   object.identification.emplace(background_, t, object.learner, record_of(object, contact),
                                 contact.begin, contact.facts);
@@ -138,11 +137,7 @@ const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
 
 ContactRecord RobotSite::record_of(RobotObject& object,
                                    const RobotObject::LearnedContact& contact) {
-  std::optional<double> ceiling;
-  for (const SaturatedInterval& interval : force_.saturated()) {
-    ceiling = std::min(ceiling.value_or(interval.force), interval.force);
-  }
-  object.learner.set_force_ceiling(ceiling);
+  object.learner.set_force_ceiling(force_.ceiling());
   const ForceStream::Record force = force_.between(contact.begin - kBefore, contact.until);
   const std::span<const double> t = tip_.t();
   const auto from = std::lower_bound(t.begin(), t.end(), contact.begin - kBefore);

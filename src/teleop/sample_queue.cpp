@@ -2,7 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/sample_queue.hpp"
 
+#include <algorithm>
+
 namespace pcavr {
+namespace {
+
+// Of a series in a cycle, of those that wait at least this share: what has come before a session's
+// first command would take milliseconds of one cycle.
+constexpr std::size_t kMinPassedOn = 32;
+constexpr std::size_t kPassedOnShare = 8;
+
+}  // namespace
 
 void SampleQueue::add_tool(double t, const Eigen::Vector3d& p_base_tip,
                            const Eigen::Quaterniond& q_base_tool) {
@@ -18,15 +28,20 @@ void SampleQueue::add_tracked(std::size_t object, const TrackedPose& pose) {
 }
 
 void SampleQueue::pass_on(double until, RobotSite& robot) {
-  for (; !tool_.empty() && tool_.front().due <= until; tool_.pop_front()) {
-    const Tool& tool = tool_.front();
-    robot.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool);
-  }
-  for (; !wrench_.empty() && wrench_.front().due <= until; wrench_.pop_front()) {
-    robot.add_wrench(wrench_.front().t, wrench_.front().force_base);
-  }
-  for (; !tracked_.empty() && tracked_.front().due <= until; tracked_.pop_front()) {
-    robot.add_tracked(tracked_.front().object, tracked_.front().pose);
+  pass_on(until, tool_,
+          [&](const Tool& tool) { robot.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool); });
+  pass_on(until, wrench_,
+          [&](const Wrench& wrench) { robot.add_wrench(wrench.t, wrench.force_base); });
+  pass_on(until, tracked_,
+          [&](const Tracked& tracked) { robot.add_tracked(tracked.object, tracked.pose); });
+}
+
+template <typename Sample, typename Receive>
+void SampleQueue::pass_on(double until, std::deque<Sample>& samples, const Receive& receive) {
+  const std::size_t most = std::max(kMinPassedOn, samples.size() / kPassedOnShare);
+  for (std::size_t i = 0; i < most && !samples.empty() && samples.front().due <= until; ++i) {
+    receive(samples.front());
+    samples.pop_front();
   }
 }
 

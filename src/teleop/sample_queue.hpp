@@ -29,7 +29,8 @@ class SampleQueue {
   void add_wrench(double t, const Eigen::Vector3d& force_base);
   void add_tracked(std::size_t object, const TrackedPose& pose);
 
-  /// The samples that belong to cycles up to `until` [s]. A series keeps its order.
+  /// The samples that belong to cycles up to `until` [s], of many the first. A series keeps its
+  /// order.
   void pass_on(double until, RobotSite& robot);
 
  private:
@@ -49,6 +50,8 @@ class SampleQueue {
     std::size_t object = 0;
     TrackedPose pose;
   };
+  template <typename Sample, typename Receive>
+  static void pass_on(double until, std::deque<Sample>& samples, const Receive& receive);
   /// A stamp that is not a number is due at once: the site notes it.
   [[nodiscard]] double due(double t) const { return t < arrival_ ? t : arrival_; }
 
