@@ -5,10 +5,12 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 
 #include <Eigen/Core>
 
 #include "pcavr/identification/signals.hpp"
+#include "pcavr/inputs/noise_tracker.hpp"
 
 namespace pcavr {
 
@@ -16,14 +18,17 @@ namespace pcavr {
 /// search in all stored samples takes a millisecond of a live cycle. Not thread-safe.
 class ForceCeiling {
  public:
-  explicit ForceCeiling(const SaturationOptions& options = {}) : options_(options) {}
+  /// `prior_noise` [N]: std of one sample until it is measured.
+  explicit ForceCeiling(double prior_noise, const SaturationOptions& options = {})
+      : options_(options), noise_(prior_noise) {}
 
   /// `force_base` [N] as measured, with spikes.
   void add(const Eigen::Vector3d& force_base);
-  void clear() { *this = ForceCeiling(options_); }
+  /// From then on of these samples, which were added before, alone.
+  void restart(std::span<const Eigen::Vector3d> force_base);
   /// [N] The smallest extreme of an axis that was measured min_samples times in a row and is far
-  /// above the axis' `noise` [N]; empty: the sensor has not saturated.
-  [[nodiscard]] std::optional<double> value(const Eigen::Vector3d& noise) const;
+  /// above the axis' noise; empty: the sensor has not saturated.
+  [[nodiscard]] std::optional<double> value() const;
 
  private:
   /// Of one axis, upwards.
@@ -35,7 +40,11 @@ class ForceCeiling {
     void add(double force);
   };
 
+  void add_extremes(const Eigen::Vector3d& force_base);
+  [[nodiscard]] bool is_at_extreme() const;
+
   SaturationOptions options_;
+  NoiseTracker noise_;  ///< of what is not saturated: that has none
   std::array<Extreme, 3> highest_ = {};
   std::array<Extreme, 3> lowest_ = {};  ///< of the negative force
 };

@@ -113,8 +113,7 @@ void ForceStream::discard_before(double time) {
   raw_base_.erase(raw_base_.begin(), raw_base_.begin() + old);
   clean_base_.erase(clean_base_.begin(), clean_base_.begin() + old);
   next_ -= static_cast<std::size_t>(old);
-  ceiling_.clear();
-  for (const Eigen::Vector3d& force_base : raw_base_) ceiling_.add(force_base);
+  ceiling_.restart(raw_base_);
 }
 
 double ForceStream::interval() const {

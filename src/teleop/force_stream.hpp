@@ -36,7 +36,8 @@ class ForceStream {
   };
 
   /// `prior_noise` [N]: std of one sample until it is measured.
-  explicit ForceStream(double prior_noise) : raw_noise_(prior_noise), clean_noise_(prior_noise) {}
+  explicit ForceStream(double prior_noise)
+      : raw_noise_(prior_noise), clean_noise_(prior_noise), ceiling_(prior_noise) {}
 
   /// `t` [s] by the force's own clock, later than the one before.
   void add(double t, const Eigen::Vector3d& force_base);
@@ -54,7 +55,7 @@ class ForceStream {
   /// Samples before `time` [s] will not be requested again.
   void discard_before(double time);
   /// [N] At which the sensor has saturated in the stored time; empty: it has not.
-  [[nodiscard]] std::optional<double> ceiling() const { return ceiling_.value(raw_noise_.std()); }
+  [[nodiscard]] std::optional<double> ceiling() const { return ceiling_.value(); }
 
   [[nodiscard]] double interval() const;                                 ///< mean [s]
   [[nodiscard]] double noise() const { return clean_noise_.largest(); }  ///< [N] std, largest axis

@@ -25,9 +25,9 @@ constexpr double kMinBiasTime = 0.02;
 constexpr double kForceSilence = 0.2;
 // After a contact's end its samples are all there [s].
 constexpr double kSettled = 0.5;
-// Samples of the force that a cycle processes: those of a second, as when a session begins, would
-// take milliseconds of one. No sensor gives as many in a cycle.
-constexpr int kMaxSamplesPerCycle = 32;
+// Samples from before the operator's first cycle that one cycle processes: those of a second, which
+// wait when a session begins, would take milliseconds of one.
+constexpr int kMaxOldSamples = 32;
 
 /// Damping over stiffness [s/m]; of a linear law, at a penetration of 1 mm.
 double relative_damping(const ObjectParameters& known) {
@@ -200,13 +200,13 @@ void RobotSite::update_sensors() {
 }
 
 void RobotSite::process_forces(double now, const PredictionLog& log) {
-  for (int i = 0; i < kMaxSamplesPerCycle; ++i) {
-    const std::optional<ForceStream::Sample> sample = force_.next(processed_, now, tip_);
-    if (!sample) return;
+  int old = 0;
+  while (const std::optional<ForceStream::Sample> sample = force_.next(processed_, now, tip_)) {
     // No frame newer than the force: the displacement since then would count twice.
     update_tracking(sample->t);
     process_sample(*sample, log);
     processed_ = sample->t;
+    if (sample->t < log.start() && ++old == kMaxOldSamples) return;
   }
 }
 

@@ -124,8 +124,9 @@ void RobotSite::identify(RobotObject& object, double t) {
       t,
       {object.monitor.has_slid(), object.has_moved_in_contact(), !object.monitor.is_touched()}};
   const RobotObject::LearnedContact& contact = object.learned.back();
-  object.identification.emplace(background_, t, object.learner, record_of(object, contact),
-                                contact.begin, contact.facts);
+  std::vector<PendingIdentification::Contact> contacts;
+  contacts.push_back(copy_of(object, contact));
+  object.identification.emplace(background_, t, object.learner, std::move(contacts));
 }
 
 const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
@@ -155,18 +156,28 @@ void RobotSite::note_contradiction(RobotObject& object, double begin) {
                         *object.learner.contradiction()));
 }
 
+PendingIdentification::Contact RobotSite::copy_of(RobotObject& object,
+                                                  const RobotObject::LearnedContact& contact) {
+  return {RecordedSamples(record_of(object, contact)), contact.begin, contact.facts};
+}
+
 void RobotSite::learn_again(double offset_change) {
   for (RobotObject& object : objects_) {
     const std::deque<RobotObject::LearnedContact> contacts = std::exchange(object.learned, {});
+    // What is known by the old clock is better than nothing until the contacts are learnt again.
+    const ObjectLearner known = object.learner;
     object.forget_learned();
+    std::vector<PendingIdentification::Contact> again;
     for (RobotObject::LearnedContact contact : contacts) {
       contact.begin -= offset_change;
       contact.until -= offset_change;
       if (contact.begin - kBefore < tip_.t().front()) continue;
       object.learned.push_back(contact);
-      object.learner.learn(record_of(object, contact), contact.begin, contact.facts);
-      note_contradiction(object, contact.begin);
+      again.push_back(copy_of(object, contact));
     }
+    if (again.empty()) continue;
+    object.identification.emplace(background_, now_, object.learner, std::move(again));
+    object.learner = known;
   }
 }
 

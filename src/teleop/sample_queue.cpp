@@ -2,15 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/sample_queue.hpp"
 
-#include <algorithm>
+#include <cstddef>
 
 namespace pcavr {
 namespace {
 
-// Of a series in a cycle, of those that wait at least this share: what has come before a session's
-// first command would take milliseconds of one cycle.
-constexpr std::size_t kMinPassedOn = 32;
-constexpr std::size_t kPassedOnShare = 8;
+// Of a series in a cycle: what waits when a session begins would take milliseconds of one cycle.
+constexpr std::size_t kMaxOldPassedOn = 32;
 
 }  // namespace
 
@@ -27,21 +25,22 @@ void SampleQueue::add_tracked(std::size_t object, const TrackedPose& pose) {
   tracked_.push_back({due(pose.t + tracking_latency_), object, pose});
 }
 
-void SampleQueue::pass_on(double until, RobotSite& robot) {
-  pass_on(until, tool_,
+void SampleQueue::pass_on(double until, RobotSite& robot, double start) {
+  pass_on(until, start, tool_,
           [&](const Tool& tool) { robot.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool); });
-  pass_on(until, wrench_,
+  pass_on(until, start, wrench_,
           [&](const Wrench& wrench) { robot.add_wrench(wrench.t, wrench.force_base); });
-  pass_on(until, tracked_,
+  pass_on(until, start, tracked_,
           [&](const Tracked& tracked) { robot.add_tracked(tracked.object, tracked.pose); });
 }
 
 template <typename Sample, typename Receive>
-void SampleQueue::pass_on(double until, std::deque<Sample>& samples, const Receive& receive) {
-  const std::size_t most = std::max(kMinPassedOn, samples.size() / kPassedOnShare);
-  for (std::size_t i = 0; i < most && !samples.empty() && samples.front().due <= until; ++i) {
+void SampleQueue::pass_on(double until, double start, std::deque<Sample>& samples,
+                          const Receive& receive) {
+  std::size_t old = 0;
+  for (; !samples.empty() && samples.front().due <= until; samples.pop_front()) {
+    if (samples.front().due < start && old++ == kMaxOldPassedOn) return;
     receive(samples.front());
-    samples.pop_front();
   }
 }
 

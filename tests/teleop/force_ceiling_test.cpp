@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -14,6 +16,7 @@ namespace pcavr {
 namespace {
 
 constexpr double kClippedNoise = 0.02;  // [N]
+constexpr double kPriorNoise = 0.1;     // [N]
 
 struct ClippedForce {
   std::vector<double> t;
@@ -36,9 +39,9 @@ ClippedForce clipped_push(double range) {
 }
 
 std::optional<double> ceiling_of(const ClippedForce& samples) {
-  ForceCeiling ceiling;
+  ForceCeiling ceiling(kPriorNoise);
   for (const Eigen::Vector3d& force_base : samples.force_base) ceiling.add(force_base);
-  return ceiling.value(Eigen::Vector3d::Constant(kClippedNoise));
+  return ceiling.value();
 }
 
 TEST(ForceCeilingTest, IsThatOfASearchInAllSamples) {
@@ -51,7 +54,7 @@ TEST(ForceCeilingTest, IsThatOfASearchInAllSamples) {
 
 TEST(ForceCeilingTest, IsEmptyWithoutSaturation) {
   EXPECT_FALSE(ceiling_of(clipped_push(100.0)));
-  EXPECT_FALSE(ForceCeiling().value(Eigen::Vector3d::Constant(kClippedNoise)));
+  EXPECT_FALSE(ForceCeiling(kPriorNoise).value());
 }
 
 TEST(ForceCeilingTest, IsEmptyWhereAHigherForceFollows) {
@@ -63,12 +66,18 @@ TEST(ForceCeilingTest, IsEmptyWhereAHigherForceFollows) {
   EXPECT_FALSE(ceiling_of(samples));
 }
 
-TEST(ForceCeilingTest, ForgetsWhatIsCleared) {
+TEST(ForceCeilingTest, IsFoundWhereMostSamplesAreSaturated) {
+  const ClippedForce samples = clipped_push(1.0);
+  EXPECT_EQ(ceiling_of(samples), 1.0);
+}
+
+TEST(ForceCeilingTest, ForgetsSamplesThatAreDiscarded) {
   const ClippedForce samples = clipped_push(12.0);
-  ForceCeiling ceiling;
+  ForceCeiling ceiling(kPriorNoise);
   for (const Eigen::Vector3d& force_base : samples.force_base) ceiling.add(force_base);
-  ceiling.clear();
-  EXPECT_FALSE(ceiling.value(Eigen::Vector3d::Constant(kClippedNoise)));
+  ASSERT_TRUE(ceiling.value());
+  ceiling.restart(std::span(samples.force_base).first(100));
+  EXPECT_FALSE(ceiling.value());
 }
 
 }  // namespace
