@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Both sites for hours of virtual time through random faults:
-//   pcavr_bench_soak FIRST_SEED LAST_SEED MINUTES
+// Both sites for hours of virtual time through random faults, or without any, so that processes
+// grow old:
+//   pcavr_bench_soak FIRST_SEED LAST_SEED MINUTES [calm]
 // A line for each seed; exit code 1 if something did not hold.
 #include <cstdlib>
 #include <exception>
+#include <limits>
+#include <string>
 
 #include <fmt/core.h>
 
@@ -14,9 +17,11 @@
 
 namespace {
 
-bool soak(std::uint64_t seed, double minutes) {
-  const pcavr::SoakReport report = pcavr::run_two_sites_soak(
-      {.seed = seed, .duration = 60.0 * minutes, .heap_bytes = [] { return heap_bytes.load(); }});
+bool soak(std::uint64_t seed, double minutes, bool is_calm) {
+  pcavr::SoakOptions options{
+      .seed = seed, .duration = 60.0 * minutes, .heap_bytes = [] { return heap_bytes.load(); }};
+  if (is_calm) options.fault_interval = std::numeric_limits<double>::infinity();
+  const pcavr::SoakReport report = pcavr::run_two_sites_soak(options);
   std::size_t faults = 0;
   for (const auto& [name, count] : report.faults) faults += count;
   fmt::print(
@@ -37,14 +42,15 @@ bool soak(std::uint64_t seed, double minutes) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    fmt::print(stderr, "usage: {} FIRST_SEED LAST_SEED MINUTES\n", argv[0]);
+  const bool is_calm = argc == 5 && std::string(argv[4]) == "calm";
+  if (argc != 4 && !is_calm) {
+    fmt::print(stderr, "usage: {} FIRST_SEED LAST_SEED MINUTES [calm]\n", argv[0]);
     return 2;
   }
   try {
     bool holds = true;
     for (std::uint64_t seed = std::stoull(argv[1]); seed <= std::stoull(argv[2]); ++seed) {
-      holds = soak(seed, std::stod(argv[3])) && holds;
+      holds = soak(seed, std::stod(argv[3]), is_calm) && holds;
     }
     return holds ? EXIT_SUCCESS : EXIT_FAILURE;
   } catch (const std::exception& fault) {

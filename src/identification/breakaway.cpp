@@ -8,6 +8,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/signals.hpp"
+#include "pcavr/identification/smoothed_values.hpp"
 
 #include "identification/peak.hpp"
 #include "identification/touch.hpp"
@@ -47,8 +48,8 @@ SmoothPush smooth_push(const ForceMotion& push, const BreakawayOptions& options)
   result.interval = mean_interval(push.t);
   result.half_width = std::max(options.half_width, 3.0 * result.interval);
   result.force = remove_spikes(push.force).values;
-  result.tool = smooth(push.t, push.tool, push.t, result.half_width);
-  result.smooth_force = smooth(push.t, result.force, push.t, result.half_width);
+  result.tool = smooth_values(push.t, push.tool, push.t, result.half_width);
+  result.smooth_force = smooth_values(push.t, result.force, push.t, result.half_width);
   result.noise = estimate_noise_std(result.force);
   result.smooth_noise =
       result.noise / std::sqrt(correlated_samples(result.half_width, result.interval));
@@ -144,9 +145,10 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
     found.reason = "no contact: the force stays within its noise";
     return found;
   }
-  found.t_contact = touch_instant(smooth, 0, contact, std::max(contact, highest(smooth)));
+  const auto touch_of = [&](std::size_t peak) { return touch_instant(smooth, 0, contact, peak); };
   const Alarm alarm = find_alarm(smooth, contact, options);
   if (alarm.at == push.t.size()) {
+    found.t_contact = touch_of(std::max(contact, highest(smooth)));
     found.reason = "the force follows the line to the end: the object did not break loose";
     return found;
   }
@@ -154,10 +156,11 @@ Breakaway find_breakaway(const ForceMotion& push, const BreakawayOptions& option
   const Peak peak = track_peak(smooth, contact, alarm, options);
   found.is_found = peak.is_over;
   if (!peak.is_over) {
+    found.t_contact = touch_of(std::max(contact, highest(smooth)));
     found.reason = "the force still rises at the end of the push";
     return found;
   }
-  found.t_contact = touch_instant(smooth, 0, contact, peak.at);
+  found.t_contact = touch_of(peak.at);
   found.t_decided = push.t[peak.decided] + smooth.half_width;
   const PeakSignals signals{smooth.t,     smooth.force,        smooth.smooth_force,
                             smooth.noise, smooth.smooth_noise, smooth.half_width};

@@ -62,31 +62,28 @@ class Problem {
   }
 
   /// Sum of squared distances in units of the noise; also fills `normal` and `rhs`, the normal
-  /// equations of the linearised problem, where given.
-  double evaluate(const Eigen::VectorXd& theta, Eigen::MatrixXd* normal,
-                  Eigen::VectorXd* rhs) const {
-    if (normal != nullptr) {
-      normal->setZero(theta.size(), theta.size());
-      rhs->setZero(theta.size());
-    }
+  /// equations of the linearised problem.
+  double evaluate(const Eigen::VectorXd& theta, Eigen::MatrixXd& normal,
+                  Eigen::VectorXd& rhs) const {
+    normal.setZero(theta.size(), theta.size());
+    rhs.setZero(theta.size());
     double sum = 0.0;
     for (std::size_t p = 0; p < presses_.size(); ++p) {
       const Eigen::Index column = surface_column(p);
       for (const ContactSample& sample : presses_[p].raw) {
         const Row row = row_of(theta, theta[column], sample);
         sum += row.error * row.error;
-        if (normal == nullptr) continue;
         const Eigen::Vector3d shared = row.by.head<3>();
-        normal->topLeftCorner<3, 3>() += shared * shared.transpose();
-        normal->col(column).head<3>() += shared * row.by[3];
-        normal->row(column).head<3>() += shared.transpose() * row.by[3];
-        (*normal)(column, column) += row.by[3] * row.by[3];
-        rhs->head<3>() += shared * row.error;
-        (*rhs)[column] += row.by[3] * row.error;
+        normal.topLeftCorner<3, 3>() += shared * shared.transpose();
+        normal.col(column).head<3>() += shared * row.by[3];
+        normal.row(column).head<3>() += shared.transpose() * row.by[3];
+        normal(column, column) += row.by[3] * row.by[3];
+        rhs.head<3>() += shared * row.error;
+        rhs[column] += row.by[3] * row.error;
       }
     }
     if (!exponent_) sum += add_exponent_prior(theta[2], normal, rhs);
-    if (normal != nullptr && exponent_) fix_exponent(*normal, *rhs);
+    if (exponent_) fix_exponent(normal, rhs);
     return sum;
   }
 
@@ -128,13 +125,11 @@ class Problem {
 
  private:
   /// It decides only where noise hides the exponent.
-  double add_exponent_prior(double exponent, Eigen::MatrixXd* normal, Eigen::VectorXd* rhs) const {
+  double add_exponent_prior(double exponent, Eigen::MatrixXd& normal, Eigen::VectorXd& rhs) const {
     const double weight = 1.0 / (prior_exponent_std_ * prior_exponent_std_);
     const double off = prior_exponent_ - exponent;
-    if (normal != nullptr) {
-      (*normal)(2, 2) += weight;
-      (*rhs)[2] += weight * off;
-    }
+    normal(2, 2) += weight;
+    rhs[2] += weight * off;
     return weight * off * off;
   }
 
@@ -159,23 +154,23 @@ class Problem {
     constexpr int kSteps = 3;  // towards the nearest point; the curve is nearly straight there
     const double drag = 1.0 + theta[1] * sample.speed;
     double position = sample.position;
+    double u = 0.0, power = 0.0, slope = 0.0, scale = 0.0;
     Row row;
     for (int step = 0; step < kSteps; ++step) {
-      const double u = (position - surface) / depth_;
-      const double power = penetration_power(u, theta[2]);
-      const double slope = u > 0.0 ? theta[0] * theta[2] * power / u * drag / depth_ : 0.0;
+      u = (position - surface) / depth_;
+      power = penetration_power(u, theta[2]);
+      slope = u > 0.0 ? theta[0] * theta[2] * power / u * drag / depth_ : 0.0;
       const double residual =
           sample.force - theta[0] * power * drag - slope * (sample.position - position);
       const double variance = force_variance_ + slope * slope * position_variance_;
-      const double scale = 1.0 / std::sqrt(variance);
+      scale = 1.0 / std::sqrt(variance);
       row.error = scale * residual;
-      row.by.setZero();
-      if (u > 0.0) {
-        row.by << power * drag, theta[0] * power * sample.speed,
-            theta[0] * power * std::log(u) * drag, -slope;
-        row.by *= scale;
-      }
       position = sample.position + position_variance_ * slope * residual / variance;
+    }
+    if (u > 0.0) {
+      row.by << power * drag, theta[0] * power * sample.speed,
+          theta[0] * power * std::log(u) * drag, -slope;
+      row.by *= scale;
     }
     return row;
   }
@@ -191,26 +186,28 @@ class Problem {
   std::size_t count_ = 0;
 };
 
-/// Levenberg-Marquardt; returns the final sum of squares.
-double minimise(const Problem& problem, Eigen::VectorXd& theta) {
-  Eigen::MatrixXd normal;
-  Eigen::VectorXd rhs;
+/// Levenberg-Marquardt; returns the final sum of squares, and its normal equations.
+double minimise(const Problem& problem, Eigen::VectorXd& theta, Eigen::MatrixXd& normal) {
+  Eigen::MatrixXd candidate_normal;
+  Eigen::VectorXd rhs, candidate_rhs;
   double damping = 1e-3;
-  double sum = problem.evaluate(theta, &normal, &rhs);
+  double sum = problem.evaluate(theta, normal, rhs);
   for (int iteration = 0; iteration < kIterations && damping < 1e9; ++iteration) {
     Eigen::MatrixXd damped = normal;
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12;
     Eigen::VectorXd candidate = theta + damped.ldlt().solve(rhs);
     candidate[2] = std::clamp(candidate[2], kMinExponent, problem.max_exponent());
-    const double candidate_sum = problem.evaluate(candidate, nullptr, nullptr);
+    const double candidate_sum = problem.evaluate(candidate, candidate_normal, candidate_rhs);
     if (!(candidate_sum < sum)) {
       damping *= 10.0;
       continue;
     }
     const bool is_done = sum - candidate_sum < 1e-10 * sum;
-    theta = candidate;
-    sum = problem.evaluate(theta, &normal, &rhs);
+    theta.swap(candidate);
+    normal.swap(candidate_normal);
+    rhs.swap(candidate_rhs);
+    sum = candidate_sum;
     damping *= 0.1;
     if (is_done) break;
   }
@@ -312,11 +309,8 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
   const std::size_t unknowns = problem.unknowns();
   if (problem.count() < 4 * unknowns || problem.depth() <= 0.0) return fit;
   Eigen::VectorXd theta = problem.start();
-  const double sum = minimise(problem, theta);
-
   Eigen::MatrixXd normal;
-  Eigen::VectorXd rhs;
-  problem.evaluate(theta, &normal, &rhs);
+  const double sum = minimise(problem, theta, normal);
   // Reduced chi squared: above 1 where the law does not fit the surface exactly.
   const double variance =
       sum / static_cast<double>(problem.count() - unknowns) * problem.correlation_factor(theta);

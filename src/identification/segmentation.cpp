@@ -10,6 +10,7 @@
 #include "pcavr/core/median.hpp"
 #include "pcavr/identification/path_view.hpp"
 #include "pcavr/identification/signals.hpp"
+#include "pcavr/identification/smoothed_values.hpp"
 
 #include "identification/derivative_noise.hpp"
 #include "identification/first_bias.hpp"
@@ -52,7 +53,7 @@ std::vector<double> smooth_size(std::span<const double> t, const Vectors& force,
                                 std::vector<bool>& is_known) {
   std::vector<double> size(t.size(), 0.0);
   for (int k = 0; k < 3; ++k) {
-    const std::vector<SmoothedSample> samples = smooth(t, axis_of(force, k), t, half_width);
+    const std::vector<SmoothedSample> samples = smooth_values(t, axis_of(force, k), t, half_width);
     for (std::size_t i = 0; i < t.size(); ++i) {
       size[i] += samples[i].value * samples[i].value;
       is_known[i] = samples[i].is_valid;
@@ -145,7 +146,10 @@ std::optional<TipNoise> noise_of(const PathView& tip, const Eigen::Vector3d& dir
   const auto last = std::upper_bound(first, t_tip.end(), t.back());
   if (last - first < kMinSamples) return std::nullopt;
   std::vector<double> samples;
-  for (auto at = first; at != last; ++at) samples.push_back(tip.at(*at).dot(direction));
+  std::size_t at_sample = 0;
+  for (auto at = first; at != last; ++at) {
+    samples.push_back(tip.at(*at, at_sample).dot(direction));
+  }
   double share = 0.0;  // of the samples' variance
   auto next = first;
   for (const double at : t) {
@@ -167,12 +171,17 @@ struct Along {
   std::optional<TipNoise> noise;
 
   Along(const Cleaned& all, const Eigen::Vector3d& direction, double from, double to) {
-    for (std::size_t i = 0; i < all.t.size(); ++i) {
-      if (all.t[i] < from || all.t[i] > to) continue;
-      if (all.t[i] < all.tip.t().front() || all.t[i] > all.tip.t().back()) continue;
-      t.push_back(all.t[i]);
-      tool.push_back(all.tip.at(all.t[i]).dot(direction));
-      force.push_back(all.force[i].dot(direction));
+    const auto begin =
+        std::lower_bound(all.t.begin(), all.t.end(), std::max(from, all.tip.t().front()));
+    const auto end = std::upper_bound(begin, all.t.end(), std::min(to, all.tip.t().back()));
+    const auto first = static_cast<std::size_t>(begin - all.t.begin());
+    t.assign(begin, end);
+    tool.reserve(t.size());
+    force.reserve(t.size());
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      tool.push_back(all.tip.at(t[i], next).dot(direction));
+      force.push_back(all.force[first + i].dot(direction));
     }
     noise = noise_of(all.tip, direction, t);
   }
@@ -195,8 +204,8 @@ void refine_limits(const Cleaned& all, double free_from, double free_to, Contact
   const std::size_t count = along.t.size();
   if (count == 0) return;
   const TouchSignals signals{along.t, along.force,
-                             smooth(along.t, along.tool, along.t, all.half_width),
-                             smooth(along.t, along.force, along.t, all.half_width)};
+                             smooth_values(along.t, along.tool, along.t, all.half_width),
+                             smooth_values(along.t, along.force, along.t, all.half_width)};
   std::size_t first = count, last = 0, peak = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const SmoothedSample& force = signals.smooth_force[i];

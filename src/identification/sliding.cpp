@@ -12,6 +12,7 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/identification/estimator.hpp"
 #include "pcavr/identification/signals.hpp"
+#include "pcavr/identification/smoothed_values.hpp"
 
 #include "identification/derivative_noise.hpp"
 
@@ -52,7 +53,7 @@ void collect(const ForceMotion& push, const HuntCrossley& contact_law,
       derivative_noise(estimate_noise_std(object), half_width, interval).acceleration;
   result.acceleration_noise = std::max(result.acceleration_noise, noise);
   const std::vector<SmoothedSample> x = smooth(push.t, object, push.t, half_width);
-  const std::vector<SmoothedSample> f = smooth(push.t, force, push.t, half_width);
+  const std::vector<SmoothedSample> f = smooth_values(push.t, force, push.t, half_width);
   std::vector<bool> is_sliding(count);
   for (std::size_t i = 0; i < count; ++i) {
     is_sliding[i] = x[i].is_valid && f[i].is_valid && x[i].rate > options.min_speed &&

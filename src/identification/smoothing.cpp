@@ -8,6 +8,7 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
 #include "pcavr/identification/signals.hpp"
+#include "pcavr/identification/smoothed_values.hpp"
 
 #include "identification/small_solve.hpp"
 
@@ -24,12 +25,20 @@ struct Moments {
   std::array<double, 6> values{};
 
   void add(double u, double value) {
-    double power = 1.0;
-    for (std::size_t k = 0; k < values.size(); ++k, power *= u) {
-      powers[k] += power;
-      values[k] += power * value;
-    }
-    powers[values.size()] += power;
+    const double u2 = u * u, u3 = u2 * u, u4 = u2 * u2, u5 = u4 * u;
+    powers[0] += 1.0;
+    powers[1] += u;
+    powers[2] += u2;
+    powers[3] += u3;
+    powers[4] += u4;
+    powers[5] += u5;
+    powers[6] += u4 * u2;
+    values[0] += value;
+    values[1] += u * value;
+    values[2] += u2 * value;
+    values[3] += u3 * value;
+    values[4] += u4 * value;
+    values[5] += u5 * value;
   }
 };
 
@@ -63,6 +72,25 @@ bool is_covered(std::span<const double> t, double at, double half_width) {
   return at + half_width - before <= 0.5 * half_width;
 }
 
+/// The line under the kernel (1 - u^2)^2, at `at`.
+double fit_value(std::span<const double> t, std::span<const double> values, double at,
+                 double half_width) {
+  const double middle = values[values.size() / 2];  // avoids cancellation where the value is large
+  const double per_width = 1.0 / half_width;
+  double w = 0.0, wu = 0.0, wuu = 0.0, wv = 0.0, wuv = 0.0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const double u = (t[i] - at) * per_width;
+    const double root = 1.0 - u * u;
+    const double weight = root * root, weighted_u = weight * u, value = values[i] - middle;
+    w += weight;
+    wu += weighted_u;
+    wuu += weighted_u * u;
+    wv += weight * value;
+    wuv += weighted_u * value;
+  }
+  return middle + (wuu * wv - wu * wuv) / (w * wuu - wu * wu);
+}
+
 SmoothedSample fit_window(std::span<const double> t, std::span<const double> values, double at,
                           double half_width) {
   if (t.size() < kMinSamples || !is_covered(t, at, half_width)) return {};
@@ -84,17 +112,28 @@ std::size_t index_of(std::span<const double>::iterator position, std::span<const
   return static_cast<std::size_t>(std::distance(t.begin(), position));
 }
 
-SmoothedSample fit_at(std::span<const double> t, std::span<const double> values, double at,
-                      double half_width) noexcept {
+/// Indices [begin, end) of a window's samples.
+struct Window {
+  std::size_t begin = 0, end = 0;
+  [[nodiscard]] std::size_t size() const { return end - begin; }
+};
+
+/// Empty beyond the ends, where no samples would be on one side.
+Window window_at(std::span<const double> t, double at, double half_width) {
   if (t.empty() || at - half_width < t.front() - 1e-9 || at + half_width > t.back() + 1e-9)
     return {};
   const std::size_t begin =
       index_of(std::upper_bound(t.begin(), t.end(), at - half_width * (1.0 - 1e-9)), t);
   const std::size_t end =
       index_of(std::lower_bound(t.begin(), t.end(), at + half_width * (1.0 - 1e-9)), t);
-  if (end <= begin) return {};
-  return fit_window(t.subspan(begin, end - begin), values.subspan(begin, end - begin), at,
-                    half_width);
+  return end > begin ? Window{begin, end} : Window{};
+}
+
+SmoothedSample fit_at(std::span<const double> t, std::span<const double> values, double at,
+                      double half_width) noexcept {
+  const Window window = window_at(t, at, half_width);
+  return fit_window(t.subspan(window.begin, window.size()),
+                    values.subspan(window.begin, window.size()), at, half_width);
 }
 
 }  // namespace
@@ -111,6 +150,28 @@ std::vector<SmoothedSample> smooth(std::span<const double> t, std::span<const do
   std::vector<SmoothedSample> samples;
   samples.reserve(at.size());
   for (const double instant : at) samples.push_back(smooth_at(t, values, instant, half_width));
+  return samples;
+}
+
+SmoothedSample smooth_value_at(std::span<const double> t, std::span<const double> values, double at,
+                               double half_width) {
+  PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
+  PCAVR_REQUIRE(half_width > 0.0, half_width);
+  const Window window = window_at(t, at, half_width);
+  const std::span<const double> stamps = t.subspan(window.begin, window.size());
+  if (stamps.size() < kMinSamples || !is_covered(stamps, at, half_width)) return {};
+  SmoothedSample sample;
+  sample.value = fit_value(stamps, values.subspan(window.begin, window.size()), at, half_width);
+  sample.is_valid = true;
+  return sample;
+}
+
+std::vector<SmoothedSample> smooth_values(std::span<const double> t, std::span<const double> values,
+                                          std::span<const double> at, double half_width) {
+  std::vector<SmoothedSample> samples;
+  samples.reserve(at.size());
+  for (const double instant : at)
+    samples.push_back(smooth_value_at(t, values, instant, half_width));
   return samples;
 }
 

@@ -41,28 +41,47 @@ double misfit(const Rise& rise, double surface, double exponent) {
   return ff - f * f / n - (spread > 0.0 ? cross * cross / spread : 0.0);
 }
 
-/// The minimum of `cost` in [low, high], by golden section search: where, and its value.
+/// The minimum of `cost` in [low, high] to within `tolerance`, by parabolas and golden sections
+/// [Brent 1973, Algorithms for Minimization without Derivatives, ch. 5]: where, and its value.
 template <typename Cost>
-std::pair<double, double> minimise(const Cost& cost, double low, double high, int iterations) {
-  constexpr double kGolden = 0.6180339887498949;
-  double left = high - kGolden * (high - low);
-  double right = low + kGolden * (high - low);
-  double at_left = cost(left);
-  double at_right = cost(right);
-  for (int i = 0; i < iterations; ++i) {
-    if (at_left < at_right) {
-      high = std::exchange(right, left);
-      at_right = at_left;
-      left = high - kGolden * (high - low);
-      at_left = cost(left);
+std::pair<double, double> minimise(const Cost& cost, double low, double high, double tolerance) {
+  constexpr double kGolden = 0.3819660112501051;
+  constexpr int kMaxSteps = 40;  // golden sections alone need 20 for 1e-4 of the range
+  double x = low + kGolden * (high - low), w = x, v = x;  // the best, the second, the one before
+  double at_x = cost(x), at_w = at_x, at_v = at_x;
+  double step = 0.0, before = 0.0;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const double middle = 0.5 * (low + high);
+    if (std::abs(x - middle) <= 2.0 * tolerance - 0.5 * (high - low)) break;
+    // The vertex of the parabola through the three.
+    const double r = (x - w) * (at_x - at_v), q = (x - v) * (at_x - at_w);
+    const double numerator = (x - v) * q - (x - w) * r, denominator = 2.0 * (q - r);
+    const double vertex = denominator != 0.0 ? -numerator / denominator : high;
+    const bool is_inside = x + vertex > low && x + vertex < high;
+    const bool is_parabola =
+        std::abs(before) > tolerance && is_inside && std::abs(vertex) < 0.5 * std::abs(before);
+    before = is_parabola ? step : (x < middle ? high : low) - x;
+    step = is_parabola ? vertex : kGolden * before;
+    const bool is_near_end = x + step - low < tolerance || high - x - step < tolerance;
+    if (is_parabola && is_near_end) step = std::copysign(tolerance, middle - x);
+    const double u = std::abs(step) >= tolerance ? x + step : x + std::copysign(tolerance, step);
+    const double at_u = cost(u);
+    if (at_u <= at_x) {
+      (u < x ? high : low) = x;
+      v = std::exchange(w, std::exchange(x, u));
+      at_v = std::exchange(at_w, std::exchange(at_x, at_u));
     } else {
-      low = std::exchange(left, right);
-      at_left = at_right;
-      right = low + kGolden * (high - low);
-      at_right = cost(right);
+      (u < x ? low : high) = u;
+      if (at_u <= at_w || w == x) {
+        v = std::exchange(w, u);
+        at_v = std::exchange(at_w, at_u);
+      } else if (at_u <= at_v || v == x || v == w) {
+        v = u;
+        at_v = at_u;
+      }
     }
   }
-  return at_left < at_right ? std::pair{left, at_left} : std::pair{right, at_right};
+  return {x, at_x};
 }
 
 double fitted_instant(const Rise& rise, double fallback) {
@@ -71,10 +90,10 @@ double fitted_instant(const Rise& rise, double fallback) {
   if (!(rise.max_surface > shallowest)) return fallback;
   const auto surface_for = [&](double exponent) {
     return minimise([&](double surface) { return misfit(rise, surface, exponent); }, shallowest,
-                    rise.max_surface, 20);  // to 1e-4 of the range
+                    rise.max_surface, 1e-4 * (rise.max_surface - shallowest));
   };
   const double exponent =
-      minimise([&](double n) { return surface_for(n).second; }, 1.0, kMaxTouchExponent, 12).first;
+      minimise([&](double n) { return surface_for(n).second; }, 1.0, kMaxTouchExponent, 5e-3).first;
   const double surface = surface_for(exponent).first;
   // The last crossing of the surface before the sure contact.
   for (std::size_t i = rise.tool.size(); i-- > 1;) {

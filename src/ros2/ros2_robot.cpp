@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "pcavr/core/thread_priority.hpp"
 #include "pcavr/rosbag/cdr_messages.hpp"
 #include "pcavr/sites/site_clock.hpp"
 
@@ -116,6 +117,7 @@ class Ros2Robot final : public RobotInterface, private PictureSource {
   void set_command(const Eigen::Vector3d& p_base_tip,
                    const Eigen::Quaterniond& q_base_tool) override {
     if (!setup_.command) return;
+    follow_loop();
     Setpoint setpoint{boot_clock(), {p_base_tip.x(), p_base_tip.y(), p_base_tip.z()}};
     Eigen::Map<Eigen::Vector4d>(setpoint.q_base_tool.data()) = q_base_tool.coeffs();
     setpoints_.push(record_bytes(setpoint), {});
@@ -201,6 +203,15 @@ class Ros2Robot final : public RobotInterface, private PictureSource {
       }
       note_measured();
     }
+  }
+
+  /// The threads that the loop, which calls this, depends on: else a loaded machine delays samples
+  /// and setpoints, and old setpoints are withheld.
+  void follow_loop() {
+    if (std::exchange(follows_loop_, true)) return;
+    const int priority = real_time_priority();
+    follow_real_time(reader_.native_handle(), priority);
+    follow_real_time(publisher_.native_handle(), priority);
   }
 
   void note_measured() {
@@ -345,6 +356,7 @@ class Ros2Robot final : public RobotInterface, private PictureSource {
   std::atomic<bool> is_stopped_ = false;
   std::thread reader_;
   std::thread publisher_;
+  bool follows_loop_ = false;  ///< the threads have the loop's priority
 };
 
 /// By Ros2Setup::objects, the index in the world.

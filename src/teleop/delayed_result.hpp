@@ -7,24 +7,10 @@
 #include <utility>
 
 #include <pthread.h>
-#include <sched.h>
+
+#include "pcavr/core/thread_priority.hpp"
 
 namespace pcavr {
-
-/// The real-time priority of the calling thread; 0 without one.
-inline int real_time_priority() {
-  int policy = SCHED_OTHER;
-  sched_param parameters{};
-  ::pthread_getschedparam(::pthread_self(), &policy, &parameters);
-  const int real_time = policy & ~SCHED_RESET_ON_FORK;
-  return real_time == SCHED_RR || real_time == SCHED_FIFO ? parameters.sched_priority : 0;
-}
-
-/// Where the system permits it.
-inline void request_real_time(int priority) {
-  const sched_param parameters{.sched_priority = priority};
-  static_cast<void>(::pthread_setschedparam(::pthread_self(), SCHED_RR, &parameters));
-}
 
 /// What another thread computes while the samples go on, used from a time of the data on: whether
 /// it was ready by then or is waited for, and whether a thread computed it or the caller does then,
@@ -40,7 +26,7 @@ class DelayedResult {
       : due_(due),
         result_(std::async(policy, [policy, loop = real_time_priority(),
                                     work = std::move(work)]() mutable {
-                  if (policy == std::launch::async && loop > 1) request_real_time(loop - 1);
+                  if (policy == std::launch::async) follow_real_time(::pthread_self(), loop);
                   return work();
                 }).share()) {}
 

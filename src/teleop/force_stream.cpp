@@ -47,6 +47,7 @@ void ForceStream::add(double t, const Eigen::Vector3d& force_base) {
   t_.push_back(t - offset_);
   raw_base_.push_back(force_base);
   raw_noise_.add(force_base);
+  ceiling_.add(force_base);
   if (raw_base_.size() <= kSpikeWindow) return;
   clean_base_.push_back(despiked(raw_base_.size() - 1 - kSpikeWindow));
   clean_noise_.add(clean_base_.back());
@@ -112,10 +113,7 @@ void ForceStream::discard_before(double time) {
   raw_base_.erase(raw_base_.begin(), raw_base_.begin() + old);
   clean_base_.erase(clean_base_.begin(), clean_base_.begin() + old);
   next_ -= static_cast<std::size_t>(old);
-}
-
-std::vector<SaturatedInterval> ForceStream::saturated() const {
-  return find_saturation(t_, raw_base_);
+  ceiling_.restart(raw_base_);
 }
 
 double ForceStream::interval() const {

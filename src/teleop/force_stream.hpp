@@ -13,6 +13,8 @@
 #include "pcavr/inputs/noise_tracker.hpp"
 #include "pcavr/inputs/tip_stream.hpp"
 
+#include "teleop/force_ceiling.hpp"
+
 namespace pcavr {
 
 /// Force and tip at the force's stamps, as they come: single spikes removed, and both smoothed with
@@ -34,7 +36,8 @@ class ForceStream {
   };
 
   /// `prior_noise` [N]: std of one sample until it is measured.
-  explicit ForceStream(double prior_noise) : raw_noise_(prior_noise), clean_noise_(prior_noise) {}
+  explicit ForceStream(double prior_noise)
+      : raw_noise_(prior_noise), clean_noise_(prior_noise), ceiling_(prior_noise) {}
 
   /// `t` [s] by the force's own clock, later than the one before.
   void add(double t, const Eigen::Vector3d& force_base);
@@ -51,8 +54,8 @@ class ForceStream {
   [[nodiscard]] Record between(double from, double to) const;
   /// Samples before `time` [s] will not be requested again.
   void discard_before(double time);
-  /// Intervals of the stored time in which the sensor saturated.
-  [[nodiscard]] std::vector<SaturatedInterval> saturated() const;
+  /// [N] At which the sensor has saturated in the stored time; empty: it has not.
+  [[nodiscard]] std::optional<double> ceiling() const { return ceiling_.value(); }
 
   [[nodiscard]] double interval() const;                                 ///< mean [s]
   [[nodiscard]] double noise() const { return clean_noise_.largest(); }  ///< [N] std, largest axis
@@ -66,6 +69,7 @@ class ForceStream {
   [[nodiscard]] Sample smoothed(std::size_t index, const TipStream& tip) const;
 
   NoiseTracker raw_noise_, clean_noise_;
+  ForceCeiling ceiling_;  ///< of raw_base_
   double offset_ = 0.0;
   std::size_t next_ = 0;
   std::vector<double> t_;

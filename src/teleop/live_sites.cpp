@@ -137,7 +137,7 @@ void LiveRobotSite::Impl::process(const Cycle& cycle, std::vector<LiveCorrection
     site.set_round_trip(correction_delay);
   }
   processed = cycle.t;
-  samples.pass_on(cycle.t, site);
+  samples.pass_on(cycle.t, site, log_start);
   for (const CorrectionMessage& message : site.advance(cycle.t, *log)) {
     LiveCorrection& correction = corrections.emplace_back();
     correction.due = cycle.t + cycle.correction_delay;

@@ -25,6 +25,9 @@ constexpr double kMinBiasTime = 0.02;
 constexpr double kForceSilence = 0.2;
 // After a contact's end its samples are all there [s].
 constexpr double kSettled = 0.5;
+// Samples from before the operator's first cycle that one cycle processes: those of a second, which
+// wait when a session begins, would take milliseconds of one.
+constexpr int kMaxOldSamples = 32;
 
 /// Damping over stiffness [s/m]; of a linear law, at a penetration of 1 mm.
 double relative_damping(const ObjectParameters& known) {
@@ -197,11 +200,13 @@ void RobotSite::update_sensors() {
 }
 
 void RobotSite::process_forces(double now, const PredictionLog& log) {
+  int old = 0;
   while (const std::optional<ForceStream::Sample> sample = force_.next(processed_, now, tip_)) {
     // No frame newer than the force: the displacement since then would count twice.
     update_tracking(sample->t);
     process_sample(*sample, log);
     processed_ = sample->t;
+    if (sample->t < log.start() && ++old == kMaxOldSamples) return;
   }
 }
 
@@ -314,7 +319,10 @@ void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log
     if (object.identification && object.identification->is_due(sample.t)) {
       apply_identification(object);
     }
-    if (object.learn_at && *object.learn_at <= sample.t) learn(object, sample.t);
+    // What is being identified is of the data before: it is not waited for, but used first.
+    if (!object.identification && object.learn_at && *object.learn_at <= sample.t) {
+      learn(object, sample.t);
+    }
     look_for_first_law(object, sample.t);
     if (sample.t < log.start()) continue;  // a correction of that time would come too late
     compare(i, sample, log.at(sample.t, i));

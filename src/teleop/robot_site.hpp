@@ -92,6 +92,8 @@ class RobotSite {
   void learn_again(double offset_change);
   [[nodiscard]] ContactRecord record_of(RobotObject& object,
                                         const RobotObject::LearnedContact& contact);
+  [[nodiscard]] PendingIdentification::Contact copy_of(RobotObject& object,
+                                                       const RobotObject::LearnedContact& contact);
   /// What was identified of it applies from now on. Waits for the thread.
   void apply_identification(RobotObject& object);
   void note_contradiction(RobotObject& object, double begin);

@@ -153,7 +153,7 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
       object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
   // A slide is identified at its own intervals: its force alone is no reason for more.
   const bool is_by_force = object.correction_switch.is_sliding_force();
-  if (!is_learned_lately && object.monitor.is_touched() && !is_by_force) {
+  if (!is_learned_lately && !object.identification && object.monitor.is_touched() && !is_by_force) {
     const std::optional<double> planned = object.learn_at;
     learn(object, sample.t);
     if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;

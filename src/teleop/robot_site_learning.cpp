@@ -49,9 +49,9 @@ void RobotSite::check_static_limit(RobotObject& object, const TouchSample& sampl
   }
   if (!object.above_limit_since) object.above_limit_since = sample.t;
   if (sample.t - *object.above_limit_since < options_.learning.static_limit_time) return;
+  if (object.identification) return;  // it may say so, and is used first
   const auto& supposed = object.learner.conservative_estimate().limiting_static_friction;
   if (supposed && friction <= supposed->value) return;
-  apply_identification(object);
   object.learner.raise_static_limit(friction);
 }
 
@@ -123,10 +123,10 @@ void RobotSite::identify(RobotObject& object, double t) {
       begin,
       t,
       {object.monitor.has_slid(), object.has_moved_in_contact(), !object.monitor.is_touched()}};
-  apply_identification(object);  // of the data before, which are in the new record, too
   const RobotObject::LearnedContact& contact = object.learned.back();
-  object.identification.emplace(background_, t, object.learner, record_of(object, contact),
-                                contact.begin, contact.facts);
+  std::vector<PendingIdentification::Contact> contacts;
+  contacts.push_back(copy_of(object, contact));
+  object.identification.emplace(background_, t, object.learner, std::move(contacts));
 }
 
 const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
@@ -138,11 +138,7 @@ const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
 
 ContactRecord RobotSite::record_of(RobotObject& object,
                                    const RobotObject::LearnedContact& contact) {
-  std::optional<double> ceiling;
-  for (const SaturatedInterval& interval : force_.saturated()) {
-    ceiling = std::min(ceiling.value_or(interval.force), interval.force);
-  }
-  object.learner.set_force_ceiling(ceiling);
+  object.learner.set_force_ceiling(force_.ceiling());
   const ForceStream::Record force = force_.between(contact.begin - kBefore, contact.until);
   const std::span<const double> t = tip_.t();
   const auto from = std::lower_bound(t.begin(), t.end(), contact.begin - kBefore);
@@ -160,18 +156,28 @@ void RobotSite::note_contradiction(RobotObject& object, double begin) {
                         *object.learner.contradiction()));
 }
 
+PendingIdentification::Contact RobotSite::copy_of(RobotObject& object,
+                                                  const RobotObject::LearnedContact& contact) {
+  return {RecordedSamples(record_of(object, contact)), contact.begin, contact.facts};
+}
+
 void RobotSite::learn_again(double offset_change) {
   for (RobotObject& object : objects_) {
     const std::deque<RobotObject::LearnedContact> contacts = std::exchange(object.learned, {});
+    // What is known by the old clock is better than nothing until the contacts are learnt again.
+    const ObjectLearner known = object.learner;
     object.forget_learned();
+    std::vector<PendingIdentification::Contact> again;
     for (RobotObject::LearnedContact contact : contacts) {
       contact.begin -= offset_change;
       contact.until -= offset_change;
       if (contact.begin - kBefore < tip_.t().front()) continue;
       object.learned.push_back(contact);
-      object.learner.learn(record_of(object, contact), contact.begin, contact.facts);
-      note_contradiction(object, contact.begin);
+      again.push_back(copy_of(object, contact));
     }
+    if (again.empty()) continue;
+    object.identification.emplace(background_, now_, object.learner, std::move(again));
+    object.learner = known;
   }
 }
 

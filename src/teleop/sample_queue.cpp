@@ -2,7 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "teleop/sample_queue.hpp"
 
+#include <cstddef>
+
 namespace pcavr {
+namespace {
+
+// Of a series in a cycle: what waits when a session begins would take milliseconds of one cycle.
+constexpr std::size_t kMaxOldPassedOn = 32;
+
+}  // namespace
 
 void SampleQueue::add_tool(double t, const Eigen::Vector3d& p_base_tip,
                            const Eigen::Quaterniond& q_base_tool) {
@@ -17,16 +25,22 @@ void SampleQueue::add_tracked(std::size_t object, const TrackedPose& pose) {
   tracked_.push_back({due(pose.t + tracking_latency_), object, pose});
 }
 
-void SampleQueue::pass_on(double until, RobotSite& robot) {
-  for (; !tool_.empty() && tool_.front().due <= until; tool_.pop_front()) {
-    const Tool& tool = tool_.front();
-    robot.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool);
-  }
-  for (; !wrench_.empty() && wrench_.front().due <= until; wrench_.pop_front()) {
-    robot.add_wrench(wrench_.front().t, wrench_.front().force_base);
-  }
-  for (; !tracked_.empty() && tracked_.front().due <= until; tracked_.pop_front()) {
-    robot.add_tracked(tracked_.front().object, tracked_.front().pose);
+void SampleQueue::pass_on(double until, RobotSite& robot, double start) {
+  pass_on(until, start, tool_,
+          [&](const Tool& tool) { robot.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool); });
+  pass_on(until, start, wrench_,
+          [&](const Wrench& wrench) { robot.add_wrench(wrench.t, wrench.force_base); });
+  pass_on(until, start, tracked_,
+          [&](const Tracked& tracked) { robot.add_tracked(tracked.object, tracked.pose); });
+}
+
+template <typename Sample, typename Receive>
+void SampleQueue::pass_on(double until, double start, std::deque<Sample>& samples,
+                          const Receive& receive) {
+  std::size_t old = 0;
+  for (; !samples.empty() && samples.front().due <= until; samples.pop_front()) {
+    if (samples.front().due < start && old++ == kMaxOldPassedOn) return;
+    receive(samples.front());
   }
 }
 

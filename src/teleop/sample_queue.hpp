@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <deque>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Core>
@@ -29,8 +30,10 @@ class SampleQueue {
   void add_wrench(double t, const Eigen::Vector3d& force_base);
   void add_tracked(std::size_t object, const TrackedPose& pose);
 
-  /// The samples that belong to cycles up to `until` [s]. A series keeps its order.
-  void pass_on(double until, RobotSite& robot);
+  /// The samples that belong to cycles up to `until` [s]; of those from before `start` [s] the
+  /// first of each series. A series keeps its order.
+  void pass_on(double until, RobotSite& robot,
+               double start = -std::numeric_limits<double>::infinity());
 
  private:
   struct Tool {
@@ -49,6 +52,9 @@ class SampleQueue {
     std::size_t object = 0;
     TrackedPose pose;
   };
+  template <typename Sample, typename Receive>
+  static void pass_on(double until, double start, std::deque<Sample>& samples,
+                      const Receive& receive);
   /// A stamp that is not a number is due at once: the site notes it.
   [[nodiscard]] double due(double t) const { return t < arrival_ ? t : arrival_; }
 

@@ -24,6 +24,16 @@ TEST(PathView, InterpolatesLinearlyAndClampsAtTheEnds) {
   EXPECT_EQ(path.at(9.0), points[2]);
 }
 
+TEST(PathView, IsTheSameWithoutASearchForTimesThatAscend) {
+  const std::vector<double> t{1.0, 2.0, 4.0};
+  const std::vector<Eigen::Vector3d> points{{0, 0, 0}, {1, 2, 0}, {1, 2, 8}};
+  const PathView path(t, points);
+  std::size_t next = 0;
+  for (const double at : {-5.0, 1.0, 1.5, 1.7, 2.0, 3.5, 4.0, 9.0}) {
+    EXPECT_EQ(path.at(at, next), path.at(at)) << at;
+  }
+}
+
 TEST(PathView, ThrowsWhenReadWhileEmpty) {
   EXPECT_THROW((void)PathView({}, {}).at(0.0), ContractError);
 }

@@ -9,6 +9,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/random.hpp"
+#include "pcavr/identification/smoothed_values.hpp"
 
 namespace pcavr {
 namespace {
@@ -79,6 +80,21 @@ TEST(Smooth, FitsForceAndMotionTogetherExactly) {
     unsmoothed = std::max(unsmoothed, std::abs(force.value - exact));
   }
   EXPECT_GT(unsmoothed, 100.0);
+}
+
+TEST(SmoothValues, AreThoseOfSmooth) {
+  std::vector<double> t, values;
+  for (int i = 0; i < 200; ++i) {
+    t.push_back(0.002 * i + (i > 120 ? 0.05 : 0.0) + 1e-4 * std::sin(5.0 * i));
+    values.push_back(1000.0 + std::sin(40.0 * t.back()) + 0.1 * std::sin(77.0 * i));
+  }
+  const std::vector<SmoothedSample> all = smooth(t, values, t, 0.012);
+  const std::vector<SmoothedSample> alone = smooth_values(t, values, t, 0.012);
+  ASSERT_EQ(alone.size(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(alone[i].is_valid, all[i].is_valid) << i;
+    EXPECT_NEAR(alone[i].value, all[i].value, 1e-9) << i;
+  }
 }
 
 TEST(Smooth, IsInvalidWhereTheWindowIsNotFull) {

@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sites/soak/two_sites_soak.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "pcavr/core/random.hpp"
 
 #include "sites/soak/soak_checker.hpp"
 #include "support/heap_watermark.hpp"
@@ -180,13 +185,41 @@ TEST_F(SoakCheckerTest, NoticesASpeedThatTheStepForbids) {
   EXPECT_NE(checker_.violations().front().find("the setpoint moved"), std::string::npos);
 }
 
-TEST(SoakHeap, GrowsOrNot) {
-  std::vector<std::size_t> samples(90, 10'000'000);
-  samples[5] = 50'000'000;   // at the beginning
-  samples[80] = 12'000'000;  // restarts change it
+/// [bytes] each second of half an hour, of a process that starts anew after some 40 s: its windows
+/// fill at 0.1 MB/s until they are full, `window` [s]. `leak` [bytes/s] beyond that.
+std::vector<std::size_t> heap_of_lives(double mean_life, double window, double leak) {
+  Random random(11);
+  std::vector<std::size_t> samples;
+  double age = 0.0, life = 0.0;
+  for (int second = 0; second < 1800; ++second, age += 1.0) {
+    if (age >= life) {
+      age = 0.0;
+      life = -mean_life * std::log(1.0 - random.uniform());
+    }
+    samples.push_back(300'000 + static_cast<std::size_t>(1e5 * std::min(age, window) +
+                                                         leak * static_cast<double>(second)));
+  }
+  return samples;
+}
+
+TEST(SoakHeap, DoesNotGrowAsWindowsFill) {
+  const double kMeanLife = 40.0;
+  EXPECT_FALSE(heap_grows(heap_of_lives(kMeanLife, 600.0, 0.0)));
+  std::vector<std::size_t> samples = heap_of_lives(kMeanLife, 600.0, 0.0);
+  std::fill(samples.end() - 300, samples.end(), 60'000'000);  // an old process at the end
   EXPECT_FALSE(heap_grows(samples));
-  samples[85] = 13'100'000;
-  EXPECT_TRUE(heap_grows(samples));
+}
+
+TEST(SoakHeap, GrowsByALeakThatOutlivesProcesses) {
+  EXPECT_TRUE(heap_grows(heap_of_lives(40.0, 600.0, 1000.0)));
+}
+
+TEST(SoakHeap, GrowsByALeakInAProcessOnceItsWindowsAreFull) {
+  const double kForever = 1e9, kWindow = 300.0;
+  for (const double leak : {0.0, 1000.0}) {
+    const std::vector<std::size_t> samples = heap_of_lives(kForever, kWindow, leak);
+    EXPECT_EQ(heap_grows(std::span(samples).subspan(300)), leak > 0.0);
+  }
 }
 
 // A hundred cycles at once, each of them within the limits.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -25,14 +26,19 @@
 namespace pcavr {
 namespace {
 
-constexpr double kFirstFault = 3.0;     // [s]
-constexpr double kMinFault = 0.02;      // [s] the shortest, and
-constexpr double kMaxFault = 10.0;      // the longest, evenly distributed by their logarithm
-constexpr double kRestartDelay = 0.5;   // [s] until an operator's program that has ended is started
-constexpr double kSleep = 0.05;         // [s] of a machine whose clock steps
-constexpr double kMaxBoot = 60.0;       // [s] on the clock of a machine that has just been started
-constexpr double kMinHeapTime = 600.0;  // [s] from which on the use of memory shows its growth
-constexpr double kMinWait = 1e-7;       // [s] between two events of a site: rounding of its clock
+constexpr double kFirstFault = 3.0;    // [s]
+constexpr double kMinFault = 0.02;     // [s] the shortest, and
+constexpr double kMaxFault = 10.0;     // the longest, evenly distributed by their logarithm
+constexpr double kRestartDelay = 0.5;  // [s] until an operator's program that has ended is started
+constexpr double kSleep = 0.05;        // [s] of a machine whose clock steps
+constexpr double kMaxBoot = 60.0;      // [s] on the clock of a machine that has just been started
+// [s] until both sites have been started anew, or until the windows of processes that are not are
+// full: twice that of the inputs.
+constexpr double kFirstLife = 60.0;
+constexpr double kFullWindows = 1200.0;
+// [s] of a third of the samples: several processes end in it, or a window.
+constexpr double kMinHeapThird = 560.0;
+constexpr double kMinWait = 1e-7;  // [s] between two events of a site: rounding of its clock
 constexpr double kPeriodOfReplay = 0.003;    // [s] between two repeated messages
 constexpr double kPeriodOfIntruder = 0.007;  // [s]
 
@@ -179,6 +185,7 @@ class TwoSitesSoak final : private SiteLog {
   [[nodiscard]] double next_event_of(const SoakProcess<Report>& process) const;
   [[nodiscard]] bool is_due(double next, double runs_from, SoakNetwork::Direction direction) const;
   void note_heap();
+  [[nodiscard]] bool is_heap_growing() const;
   [[nodiscard]] double fault_length() {
     return kMinFault * std::pow(kMaxFault / kMinFault, random_.uniform());
   }
@@ -309,6 +316,7 @@ TwoSitesSoak::TwoSitesSoak(const SoakOptions& options)
           t_, checker_)),
       person_(robot_options_.limits, robot_->p_base_start(), places_of(world_),
               teleop_.predictor.step) {
+  if (!std::isfinite(options.fault_interval)) next_fault_ = options.fault_interval;
   network_.set_authorized(SoakNetwork::kOperatorKey, true);
   network_.set_authorized(SoakNetwork::kIntruderKey, false);
   network_.set_running(SoakNetwork::to_robot, false);
@@ -455,6 +463,12 @@ void TwoSitesSoak::note_heap() {
   report_.heap_peak = std::max(report_.heap_peak, heap_.back());
 }
 
+bool TwoSitesSoak::is_heap_growing() const {
+  const double fill = std::isfinite(options_.fault_interval) ? kFirstLife : kFullWindows;
+  if (heap_.empty() || options_.duration < fill + 3.0 * kMinHeapThird) return false;
+  return heap_grows(std::span(heap_).subspan(static_cast<std::size_t>(fill)));
+}
+
 SoakReport TwoSitesSoak::run() {
   const double last_fault = options_.duration - options_.quiet_end - kMaxFault;
   double next_heap = 0.0;
@@ -480,9 +494,7 @@ SoakReport TwoSitesSoak::run() {
   }
   checker_.check_recovered(t_);
   report_.violations = checker_.violations();
-  if (options_.duration >= kMinHeapTime && heap_grows(heap_)) {
-    report_.violations.emplace_back("the use of memory grows");
-  }
+  if (is_heap_growing()) report_.violations.emplace_back("the use of memory grows");
   report_.pressed = checker_.pressed();
   report_.digest = checker_.digest();
   report_.commands = checker_.executed();
@@ -497,12 +509,11 @@ SoakReport TwoSitesSoak::run() {
 }  // namespace
 
 bool heap_grows(std::span<const std::size_t> samples) {
+  constexpr std::size_t kMargin =
+      500'000;  // bytes: what a process that has just started differs by
   const std::size_t third = samples.size() / 3;
   if (third == 0) return false;
-  const auto peak = [&](std::size_t first) {
-    return static_cast<double>(std::ranges::max(samples.subspan(first, third)));
-  };
-  return peak(samples.size() - third) > 1.2 * peak(samples.size() - 2 * third) + 1e6;
+  return std::ranges::min(samples.last(third)) > std::ranges::min(samples.first(third)) + kMargin;
 }
 
 SoakReport run_two_sites_soak(const SoakOptions& options) {

@@ -13,10 +13,11 @@
 namespace pcavr {
 
 struct SoakOptions {
-  std::uint64_t seed = 1;       ///< of the faults, the network, the plant and the person
-  double duration = 60.0;       ///< [s] virtual time, with the end
-  double fault_interval = 4.0;  ///< [s] mean time between the beginnings of two faults
-  double quiet_end = 15.0;      ///< [s] without faults at the end, in which both sites recover
+  std::uint64_t seed = 1;  ///< of the faults, the network, the plant and the person
+  double duration = 60.0;  ///< [s] virtual time, with the end
+  /// [s] mean time between the beginnings of two faults; infinite: none, processes grow old
+  double fault_interval = 4.0;
+  double quiet_end = 15.0;  ///< [s] without faults at the end, in which both sites recover
   std::function<std::size_t()> heap_bytes = {};  ///< in use now
 };
 
@@ -35,8 +36,11 @@ struct SoakReport {
   std::size_t heap_rest = 0;    ///< the same after both sites have ended
 };
 
-/// Does the use of the heap [bytes], sampled at even intervals over a run, grow? Its maximum in the
-/// last third against that in the third before, by more than a fifth and 1 MB.
+/// Does the use of the heap [bytes], sampled at even intervals over a run, grow? Its minimum in the
+/// last third against that in the first, by more than half a megabyte. A process's windows of data
+/// fill with its age, so that the maximum depends on when processes are started anew; soon after
+/// that only what outlives them is left. Of processes that are not started anew, the samples from
+/// when their windows are full on.
 [[nodiscard]] bool heap_grows(std::span<const std::size_t> samples);
 
 /// Both sites' main loops, message handling, watchdogs and worlds, as the two programs run them, in
