@@ -5,6 +5,7 @@
 
     bench/coverage.py --plants PLANTS --pcavr build/test/apps/pcavr/pcavr [--kinds push,probe]
                       [--seeds 1-3] [--work out/coverage] [--each] [--also KEY=VALUE]
+                      [--truth parameters]
 
 PLANTS holds recordings named KIND-SEED, each with truth/parameters.yaml and, where it was tracked,
 tracked/. For each kind of motion and each parameter: how often it was identified and withheld, the
@@ -18,6 +19,11 @@ penetration that the true limiting friction causes (no standard deviation is sta
 Stiffness and damping of another law than the true one have another unit, so that they are compared
 where the exponent was identified, too, and is not that of a linear law. `--also` gives what all
 bodies have and their files do not state, such as tool_friction_coefficient=0.25. Needs only python3.
+
+A std is that of the object's own value, for all pushes that there may be. Where friction scatters
+from push to push and truth/parameters.yaml has the mean over the recorded pushes, that truth is
+closer to the estimate than the std says, by the scatter over the root of their number. A plant that
+has the object's own values in truth/population.yaml is judged by `--truth population`.
 
 Choose constants on some seeds, judge on others, and say which.
 """
@@ -196,6 +202,7 @@ def main():
     parser.add_argument("--seeds", type=seeds_of, help="such as 1-3; all without it")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/coverage"))
     parser.add_argument("--also", type=lambda text: text.split("="), action="append", default=[])
+    parser.add_argument("--truth", default="parameters", help="file in truth/, without .yaml")
     parser.add_argument("--each", action="store_true", help="print each recording's values")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
@@ -211,7 +218,7 @@ def main():
             if report is None:
                 failures.append(f"{folder.name}: {error}")
                 continue
-            for name, truth in read_truth(folder / "truth" / "parameters.yaml").items():
+            for name, truth in read_truth(folder / "truth" / f"{arguments.truth}.yaml").items():
                 truth.update({key: float(value) for key, value in arguments.also})
                 score_object(report, name, truth, folder.name, scores)
                 if arguments.each:

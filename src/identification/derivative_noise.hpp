@@ -6,6 +6,13 @@
 
 namespace pcavr {
 
+// Correlation of the noises of two samples half a window of smooth()'s kernel (1 - u^2)^2 apart: of
+// values, of their second derivatives, and of their first ones, which is that of values with second
+// derivatives (by parts).
+inline constexpr double kForceCorrelation = 0.201, kAccelerationCorrelation = -0.4375;
+inline constexpr double kSpeedCorrelation = -0.484;
+inline constexpr double kForceAccelerationCorrelation = kSpeedCorrelation;
+
 struct DerivativeNoise {
   double rate = 0.0;
   double acceleration = 0.0;

@@ -11,6 +11,7 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
 
+#include "identification/derivative_noise.hpp"
 #include "identification/expected_speeds.hpp"
 #include "identification/push_effects.hpp"
 
@@ -20,11 +21,9 @@ namespace {
 constexpr int kViscousSteps = 40;         // of the prior's range, then again of the posterior's
 constexpr double kRefinedRange = 5.0;     // in stds of the posterior, on either side
 constexpr int kGuessedViscousSteps = 10;  // while samples are weighed
-// The scatter, in stds of the prior's logarithm. Not below its range: a model of friction is not
-// better than half a per cent. Tables with ten per cent occur, and an end before that is a clamp.
-constexpr int kScatterSteps = 7;
-constexpr double kMinScatter = -1.6, kMaxScatter = 3.2;
-constexpr int kDriftSteps = 3;        // of the share of the scatter that is a drift
+constexpr int kScatterSteps = 9;
+constexpr double kMaxScatterStds = 3.2;  // of the prior's logarithm: tenths of a per cent to 20 %
+constexpr int kDriftSteps = 3;           // of the share of the scatter that is a drift
 constexpr double kMaxResidual = 2.5;  // in stds; beyond it a sample's std grows with its residual
 constexpr int kFrictionReweightings = 3;
 constexpr double kMaxPosteriorMassStd = 0.1;  // as a share of the mass
@@ -33,11 +32,7 @@ constexpr double kFlatPriorShare = 100.0;  // std of a flat prior, in units of t
 constexpr double kMaxMassFactor = 10.0;    // of the typical mass, for the effective variance
 constexpr double kSameSpeed = 1.25;        // pushes whose speeds are within this factor share a row
 constexpr double kMinRowSpeed = 1e-4;      // [m/s]
-// Of samples half a window of the smoothing kernel (1 - u^2)^2 apart: of its second derivatives,
-// and of its first ones, which is that of its values with its second derivatives (by parts).
-constexpr double kAccelerationCorrelation = -0.4375;
-constexpr double kForceAccelerationCorrelation = -0.484;
-constexpr double kGuessedFriction = 0.3;  // coefficient, for a first guess of the mass
+constexpr double kGuessedFriction = 0.3;   // coefficient, for a first guess of the mass
 
 /// Unknowns in closed form.
 enum Column { kCoulomb, kMass, kStribeck, kSize, kCompliance, kDamping, kColumns };
@@ -159,16 +154,25 @@ class Inference {
                              : 0.0;
   }
 
-  /// Of one sample's noise, which is independent between samples.
-  [[nodiscard]] double noise_variance_of(std::size_t i, double viscous) const {
+  /// Of the force over the model's, also with the sample before, whose smoothing window overlaps:
+  /// what two different signals share there cancels out, but the force's noise in the acceleration.
+  [[nodiscard]] detail::NoiseCovariance noise_of(std::size_t i, double viscous) const {
     const FrictionSample& sample = samples_[i];
-    const double noise = std::pow(sample.force_std, 2) + std::pow(viscous * sample.speed_std, 2) +
-                         std::pow(mass_guess_ * sample.acceleration_std, 2);
-    return inflation_[i] * (noise + turning_variance(sample));
+    const double force = std::pow(sample.force_std, 2);
+    const double speed = std::pow(viscous * sample.speed_std, 2);
+    const double inertia = std::pow(mass_guess_ * sample.acceleration_std, 2);
+    const double common = sample.is_turning ? 0.0 : 2.0 * mass_guess_ * sample.noise_covariance;
+    const double all = force + speed + inertia - common + turning_variance(sample);
+    detail::NoiseCovariance noise{inflation_[i] * all, 0.0};
+    if (!sample.is_adjacent) return noise;
+    noise.next = std::sqrt(inflation_[i] * inflation_[i - 1]) *
+                 (kForceCorrelation * force + kSpeedCorrelation * speed +
+                  kAccelerationCorrelation * inertia - kForceAccelerationCorrelation * common);
+    return noise;
   }
   /// And of friction's variation with the place.
   [[nodiscard]] double variance_of(std::size_t i, double viscous, double within) const {
-    return noise_variance_of(i, viscous) + std::pow(within * level_, 2);
+    return noise_of(i, viscous).own + std::pow(within * level_, 2);
   }
 
   /// Of the acceleration with itself, and with the force.
@@ -224,7 +228,7 @@ class Inference {
       if (i > 0 && sample.push != samples_[i - 1].push) filter = PlaceFilter(within * level_);
       PlaceFilter::Columns columns;
       columns << row_of(sample, viscous), value_of(sample, viscous), 1.0;
-      const auto whitened = filter.step(columns, noise_variance_of(i, viscous), kept_from_last(i),
+      const auto whitened = filter.step(columns, noise_of(i, viscous), kept_from_last(i),
                                         acceleration_noise_of(sample));
       const Unknowns row = whitened.columns.head<kColumns>();
       const double value = whitened.columns[kColumns], one = whitened.columns[kColumns + 1];
@@ -304,9 +308,8 @@ class Inference {
   }
 
   [[nodiscard]] double scatter_at(int step) const {
-    const double share = static_cast<double>(step) / (kScatterSteps - 1);
-    return priors_.scatter *
-           std::pow(priors_.scatter_factor, kMinScatter + share * (kMaxScatter - kMinScatter));
+    const double in_stds = kMaxScatterStds * (2.0 * step / (kScatterSteps - 1) - 1.0);
+    return priors_.scatter * std::pow(priors_.scatter_factor, in_stds);
   }
   [[nodiscard]] double scatter_in_stds(double scatter) const {
     return std::log(scatter / priors_.scatter) / std::log(priors_.scatter_factor);

@@ -12,6 +12,8 @@
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/random.hpp"
 
+#include "identification/derivative_noise.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -36,6 +38,25 @@ std::vector<double> expected_normals(int count, Random& random) {
   for (double& value : values) value = (value - mean) / std::sqrt(squares);
   return values;
 }
+
+/// Noise of std 1 of samples half a smoothing window apart: a first order moving average.
+class OverlappingNoise {
+ public:
+  /// With the sample before, in (-0.5, 0.5): the shares of two shocks of std 1 are the cosine and
+  /// the sine of an angle, and their product is the correlation.
+  OverlappingNoise(double correlation, Random& random)
+      : angle_(0.5 * std::asin(2.0 * correlation)), last_(random.normal()) {}
+
+  [[nodiscard]] double next(Random& random) {
+    const double before = last_;
+    last_ = random.normal();
+    return std::cos(angle_) * last_ + std::sin(angle_) * before;
+  }
+
+ private:
+  double angle_;
+  double last_;
+};
 
 /// The samples of planned slides, by the values known so far.
 class SimulatedSlides {
@@ -65,6 +86,9 @@ class SimulatedSlides {
     const double duration =
         motion_.distance / motion_.speed - 2.0 * kSettlePeriods / motion_.frequency;
     double of_place = known_.place_scatter * random.normal();
+    OverlappingNoise force_noise(kForceCorrelation, random);
+    OverlappingNoise speed_noise(kSpeedCorrelation, random);
+    OverlappingNoise acceleration_noise(kAccelerationCorrelation, random);
     for (double t = 0.0; t < duration; t += noise_.interval) {
       FrictionSample sample{.t = t, .push = push};
       sample.speed = motion_.speed + motion_.amplitude * omega * std::cos(omega * t);
@@ -75,9 +99,10 @@ class SimulatedSlides {
           kept * of_place + std::sqrt(1.0 - kept * kept) * known_.place_scatter * random.normal();
       sample.force = mass_ * sample.acceleration + known_.viscous.value * sample.speed +
                      known_.coulomb.value * (1.0 + off + of_place) +
-                     noise_.force_std * random.normal();
-      sample.speed += noise_.speed_std * random.normal();
-      sample.acceleration += noise_.acceleration_std * random.normal();
+                     noise_.force_std * force_noise.next(random);
+      sample.speed += noise_.speed_std * speed_noise.next(random);
+      sample.acceleration += noise_.acceleration_std * acceleration_noise.next(random);
+      sample.is_adjacent = t > 0.0;
       sample.force_std = noise_.force_std;
       sample.speed_std = noise_.speed_std;
       sample.acceleration_std = noise_.acceleration_std;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -42,7 +43,7 @@ struct NormalEquations {
   }
 };
 
-/// Covariances of the noises of two columns of a sample, with those of the sample before.
+/// Covariance of two noises of a sample (of a column with itself: its variance).
 struct NoiseCovariance {
   double own = 0.0;   ///< of this sample's two noises
   double next = 0.0;  ///< of one with the other's of the sample before
@@ -51,14 +52,18 @@ struct NoiseCovariance {
 /// Whitens the samples of one push, in order of time: of each column (of the rows, the value, and
 /// the effect that all share), the part that the samples before do not predict, over its std.
 /// Friction varies with the place as a first order autoregression along the path (an
-/// Ornstein-Uhlenbeck process), beside white noise [Kalman 1960].
+/// Ornstein-Uhlenbeck process). The noise beside it is a first order moving average: smoothing
+/// windows overlap those of the samples before [Kalman 1960; Box & Jenkins 1976, ch. 3]. The state
+/// is the friction of the place and the noise's last shock, of std 1.
 template <int N>
 class PlaceFilter {
  public:
   using Columns = Eigen::Matrix<double, N + 2, 1>;  ///< row, value, 1
 
   /// `std` of the friction that varies with the place.
-  explicit PlaceFilter(double std) : stationary_(std * std), variance_(stationary_) {}
+  explicit PlaceFilter(double std) : stationary_(std * std) {
+    covariance_(kPlace, kPlace) = stationary_;
+  }
 
   struct Whitened {
     Columns columns = Columns::Zero();
@@ -66,35 +71,64 @@ class PlaceFilter {
     /// What noise of the columns themselves adds to the products that are asked for, on average.
     std::array<double, 2> noise{};
   };
+  /// `value`: of the value's noise, which may be none; its `next` is 0 in a push's first sample.
   /// `kept`: correlation of the place's friction with that at the sample before. `noise`: of pairs
   /// of columns.
-  [[nodiscard]] Whitened step(const Columns& columns, double variance, double kept,
+  [[nodiscard]] Whitened step(const Columns& columns, const NoiseCovariance& value, double kept,
                               const std::array<NoiseCovariance, 2>& noise) {
-    const double after = kept * gain_;  // share of the last sample in the prediction of this one
-    predicted_ = kept * predicted_;
-    variance_ = kept * kept * variance_ + (1.0 - kept * kept) * stationary_;
-    const double total = variance_ + variance;
-    Whitened result{(columns - predicted_) / std::sqrt(total), total, {}};
-    const double gain = variance_ / total;
-    for (std::size_t k = 0; k < noise.size(); ++k) {
-      const double cross = after * noise[k].next;
-      const double predicted = kept * kept * predicted_noise_[k];
-      result.noise[k] = (noise[k].own - 2.0 * cross + predicted) / total;
-      predicted_noise_[k] = std::pow(1.0 - gain, 2) * predicted + gain * gain * noise[k].own +
-                            2.0 * gain * (1.0 - gain) * cross;
-    }
-    predicted_ += gain * (columns - predicted_);
-    variance_ *= 1.0 - gain;
-    gain_ = gain;
+    // The noise is `before` times the last shock, and `fresh_` times the present one.
+    const double max_before = kMaxSharedStd * std::sqrt(value.own);
+    const double before =
+        fresh_ > 0.0 ? std::clamp(value.next / fresh_, -max_before, max_before) : 0.0;
+    fresh_ = std::sqrt(value.own - before * before);
+    const State by(kept, before);  // of the state before this sample
+    const double new_place = (1.0 - kept * kept) * stationary_;
+    const double total = by.dot(covariance_ * by) + new_place + fresh_ * fresh_;
+    const Columns unpredicted = columns - estimate_ * by;
+    Whitened result{unpredicted / std::sqrt(total), total, {}};
+    const double place_with_value = kept * covariance_.row(kPlace).dot(by) + new_place;
+    const State last_gain = gain_;
+    gain_ = State(place_with_value, fresh_) / total;
+    propagate_noise(by, kept, total, last_gain, noise, result);
+    estimate_.col(kPlace) *= kept;
+    estimate_.col(kShock).setZero();
+    estimate_ += unpredicted * gain_.transpose();
+    const double place = kept * kept * covariance_(kPlace, kPlace) + new_place;
+    covariance_ = State(place, 1.0).asDiagonal();
+    covariance_ -= total * gain_ * gain_.transpose();
     return result;
   }
 
  private:
+  enum Part { kPlace, kShock };
+  using State = Eigen::Vector2d;
+  using StateCovariance = Eigen::Matrix2d;
+
+  /// Of a noise's std, at most so much is shared with the sample before: with more of it, the
+  /// moving average has no inverse.
+  static constexpr double kMaxSharedStd = 0.7;
+
+  /// Products of the noises in the unpredicted part, and in the estimate.
+  void propagate_noise(const State& by, double kept, double total, const State& last_gain,
+                       const std::array<NoiseCovariance, 2>& noise, Whitened& result) {
+    StateCovariance transition = State(kept, 0.0).asDiagonal();
+    transition -= gain_ * by.transpose();
+    for (std::size_t k = 0; k < noise.size(); ++k) {
+      StateCovariance& products = noise_[k];
+      const double cross = by.dot(last_gain) * noise[k].next;
+      result.noise[k] = (noise[k].own - 2.0 * cross + by.dot(products * by)) / total;
+      const StateCovariance shared = noise[k].next * transition * last_gain * gain_.transpose();
+      products = transition * products * transition.transpose() + shared + shared.transpose() +
+                 noise[k].own * gain_ * gain_.transpose();
+    }
+  }
+
   double stationary_;
-  double variance_;                          ///< of the place's friction, given the samples so far
-  double gain_ = 0.0;                        ///< of the last sample
-  Columns predicted_ = Columns::Zero();      ///< of the last sample, by it and those before
-  std::array<double, 2> predicted_noise_{};  ///< products of the noises in it
+  double fresh_ = 1.0;                                    ///< std of the last sample's own shock
+  StateCovariance covariance_ = StateCovariance::Zero();  ///< given the samples so far
+  State gain_ = State::Zero();                            ///< of the last sample
+  Eigen::Matrix<double, N + 2, 2> estimate_ = Eigen::Matrix<double, N + 2, 2>::Zero();
+  std::array<StateCovariance, 2> noise_{StateCovariance::Zero(), StateCovariance::Zero()};
 };
 
 /// Scatter that all samples of a push share.

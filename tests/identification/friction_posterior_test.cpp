@@ -163,6 +163,38 @@ TEST(FrictionPosterior, CoversTheTruthOfRandomBodies) {
   expect_coverage(force, "sliding_force");
 }
 
+TEST(FrictionPosterior, CountsTheNoiseThatSuccessiveAccelerationsShare) {
+  // Their smoothing windows overlap, so that most of it cancels out over a modulation's period.
+  Random random(82);
+  Scores viscous, as_independent;
+  double std = 0.0, independent_std = 0.0;
+  for (int i = 0; i < 40; ++i) {
+    Body body = random_body(random);
+    body.scatter = 0.003;
+    std::vector<FrictionSample> samples = pushes_of(body, {0.06, 0.06}, 0.003, random);
+    double before = random.normal();
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      const double shock = random.normal();
+      samples[k].acceleration += 0.15 * (0.861 * shock - 0.508 * before);  // correlation -0.4375
+      samples[k].acceleration_std = std::hypot(0.03, 0.15);
+      samples[k].is_adjacent = k > 0 && samples[k].push == samples[k - 1].push;
+      before = shock;
+    }
+    FrictionPriors priors;
+    priors.mass = body.mass;
+    const FrictionPosterior found = infer_friction(samples, priors);
+    for (FrictionSample& sample : samples) sample.is_adjacent = false;
+    const FrictionPosterior independent = infer_friction(samples, priors);
+    viscous.add(found.viscous, body.viscous);
+    as_independent.add(independent.viscous, body.viscous);
+    std += found.viscous.std;
+    independent_std += independent.viscous.std;
+  }
+  expect_coverage(viscous, "viscous");
+  EXPECT_LT(std, 0.75 * independent_std);
+  EXPECT_LT(viscous.share_within(1.0), as_independent.share_within(1.0));
+}
+
 TEST(FrictionPosterior, FindsTheMassOfAModulatedPush) {
   Random random(72);
   Scores mass;

@@ -91,11 +91,15 @@ TEST(PlaceFilter, WhitensAsTheCovarianceOfAllSamplesDoes) {
   Random random(8);
   Eigen::MatrixXd columns(kCount, 4), covariance = Eigen::MatrixXd::Zero(kCount, kCount);
   Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(kCount, kCount);
-  std::vector<double> places, variances;
+  std::vector<double> places;
+  std::vector<NoiseCovariance> values;
   for (int i = 0; i < kCount; ++i) {
     columns.row(i) << random.normal(), random.normal(), random.normal(), 1.0;
     places.push_back((i == 0 ? 0.0 : places.back()) + random.uniform(0.1, 1.0));
-    variances.push_back(random.uniform(0.01, 0.5));
+    // Of stds that differ, with a correlation of a third, negative or positive.
+    const double variance = random.uniform(0.1, 0.5);
+    const double both = i == 0 ? 0.0 : std::sqrt(variance * values.back().own);
+    values.push_back({variance, random.uniform(-0.33, 0.33) * both});
   }
   constexpr double kOwn = 0.3, kNext = -0.12;  // of a column's noise
   PlaceFilter<2> filter(kPlaceStd);
@@ -105,13 +109,18 @@ TEST(PlaceFilter, WhitensAsTheCovarianceOfAllSamplesDoes) {
     const auto k = static_cast<std::size_t>(i);
     for (int j = 0; j < kCount; ++j) {
       const double apart = std::abs(places[k] - places[static_cast<std::size_t>(j)]);
-      covariance(i, j) = kPlaceStd * kPlaceStd * std::exp(-apart) + (i == j ? variances[k] : 0.0);
+      covariance(i, j) = kPlaceStd * kPlaceStd * std::exp(-apart);
       noise(i, j) = i == j ? kOwn : std::abs(i - j) == 1 ? kNext : 0.0;
+    }
+    covariance(i, i) += values[k].own;
+    if (i > 0) {
+      covariance(i, i - 1) += values[k].next;
+      covariance(i - 1, i) += values[k].next;
     }
     const double kept = i == 0 ? 0.0 : std::exp(places[k - 1] - places[k]);
     const NoiseCovariance column_noise{kOwn, i == 0 ? 0.0 : kNext};
     const auto whitened =
-        filter.step(columns.row(i).transpose(), variances[k], kept, {column_noise, {}});
+        filter.step(columns.row(i).transpose(), values[k], kept, {column_noise, {}});
     products += whitened.columns * whitened.columns.transpose();
     log_determinant += std::log(whitened.variance);
     noise_product += whitened.noise[0];

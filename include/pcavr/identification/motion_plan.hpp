@@ -49,7 +49,7 @@ struct SlideMotion {
 
 /// Noise of the samples of a slide after smoothing, and their distance.
 struct SlideNoise {
-  double interval = 0.0;          ///< [s] between independent samples
+  double interval = 0.0;          ///< [s] between samples: half a smoothing window
   double force_std = 0.0;         ///< [N]
   double speed_std = 0.0;         ///< [m/s]
   double acceleration_std = 0.0;  ///< [m/s^2]
