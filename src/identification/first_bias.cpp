@@ -18,13 +18,16 @@ constexpr double kWindow = 0.05;
 struct Means {
   std::size_t width = 0;  ///< samples
   std::vector<Eigen::Vector3d> force;
+  std::vector<Eigen::Vector3d> p_base_tip;  ///< in the middle of each window
 
-  Means(std::span<const double> stamps, std::span<const Eigen::Vector3d> samples)
+  Means(std::span<const double> stamps, std::span<const Eigen::Vector3d> samples,
+        const PathView& tip)
       : width(static_cast<std::size_t>(std::ceil(kWindow / mean_interval(stamps)))) {
     for (std::size_t i = 0; i + width <= stamps.size(); i += width) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (std::size_t k = i; k < i + width; ++k) sum += samples[k];
       force.push_back(sum / static_cast<double>(width));
+      p_base_tip.push_back(tip.at(stamps[i + width / 2]));
     }
   }
 
@@ -63,19 +66,23 @@ Eigen::Vector3d followed(const Eigen::Vector3d& bias, const Eigen::Vector3d& mea
 }  // namespace
 
 std::vector<Eigen::Vector3d> first_bias(std::span<const double> t,
-                                        std::span<const Eigen::Vector3d> force, double nearness,
-                                        double max_drift) {
-  const Means means(t, force);
+                                        std::span<const Eigen::Vector3d> force, const PathView& tip,
+                                        double nearness, double max_drift,
+                                        double max_cable_stiffness) {
+  const Means means(t, force, tip);
   if (means.force.empty()) return {t.size(), Eigen::Vector3d::Zero()};
   const std::size_t start = means.smallest();
-  const double reach = max_drift * kWindow;
+  const auto reach = [&](std::size_t from, std::size_t to) {
+    return max_drift * kWindow +
+           max_cable_stiffness * (means.p_base_tip[to] - means.p_base_tip[from]).norm();
+  };
   std::vector<Eigen::Vector3d> levels(means.force.size());
   levels[start] = means.level_near(start, nearness);
   for (std::size_t i = start + 1; i < levels.size(); ++i) {
-    levels[i] = followed(levels[i - 1], means.force[i], nearness, reach);
+    levels[i] = followed(levels[i - 1], means.force[i], nearness, reach(i - 1, i));
   }
   for (std::size_t i = start; i-- > 0;) {
-    levels[i] = followed(levels[i + 1], means.force[i], nearness, reach);
+    levels[i] = followed(levels[i + 1], means.force[i], nearness, reach(i + 1, i));
   }
   std::vector<Eigen::Vector3d> bias(t.size());
   for (std::size_t i = 0; i < t.size(); ++i) {
