@@ -13,6 +13,9 @@ namespace {
 
 // [s] of the means that the bias is followed by: shorter than the time between contacts.
 constexpr double kWindow = 0.05;
+// Windows on either side over which the tip's net motion counts, half a second: a contact that is
+// modulated returns meanwhile, travel between contacts does not.
+constexpr std::size_t kNetWindows = 10;
 
 /// Means over successive windows of equally many samples; the last one has the remainder, too.
 struct Means {
@@ -38,6 +41,14 @@ struct Means {
     };
     return static_cast<std::size_t>(std::min_element(force.begin(), force.end(), least) -
                                     force.begin());
+  }
+
+  /// [m] in one window, of the tip's net motion about the i-th.
+  [[nodiscard]] double net_displacement(std::size_t i) const {
+    const std::size_t first = i - std::min(i, kNetWindows);
+    const std::size_t last = std::min(i + kNetWindows, p_base_tip.size() - 1);
+    if (last == first) return 0.0;
+    return (p_base_tip[last] - p_base_tip[first]).norm() / static_cast<double>(last - first);
   }
 
   /// Of all within `nearness` of one of them: that alone would be small by its noise.
@@ -72,17 +83,16 @@ std::vector<Eigen::Vector3d> first_bias(std::span<const double> t,
   const Means means(t, force, tip);
   if (means.force.empty()) return {t.size(), Eigen::Vector3d::Zero()};
   const std::size_t start = means.smallest();
-  const auto reach = [&](std::size_t from, std::size_t to) {
-    return max_drift * kWindow +
-           max_cable_stiffness * (means.p_base_tip[to] - means.p_base_tip[from]).norm();
+  const auto reach = [&](std::size_t i) {
+    return max_drift * kWindow + max_cable_stiffness * means.net_displacement(i);
   };
   std::vector<Eigen::Vector3d> levels(means.force.size());
   levels[start] = means.level_near(start, nearness);
   for (std::size_t i = start + 1; i < levels.size(); ++i) {
-    levels[i] = followed(levels[i - 1], means.force[i], nearness, reach(i - 1, i));
+    levels[i] = followed(levels[i - 1], means.force[i], nearness, reach(i));
   }
   for (std::size_t i = start; i-- > 0;) {
-    levels[i] = followed(levels[i + 1], means.force[i], nearness, reach(i + 1, i));
+    levels[i] = followed(levels[i + 1], means.force[i], nearness, reach(i));
   }
   std::vector<Eigen::Vector3d> bias(t.size());
   for (std::size_t i = 0; i < t.size(); ++i) {
