@@ -13,18 +13,24 @@ namespace {
 
 // [s] of the means that the bias is followed by: shorter than the time between contacts.
 constexpr double kWindow = 0.05;
+// Windows on either side over which the tip's net motion counts, half a second: a contact that is
+// modulated returns meanwhile, travel between contacts does not.
+constexpr std::size_t kNetWindows = 10;
 
 /// Means over successive windows of equally many samples; the last one has the remainder, too.
 struct Means {
   std::size_t width = 0;  ///< samples
   std::vector<Eigen::Vector3d> force;
+  std::vector<Eigen::Vector3d> p_base_tip;  ///< in the middle of each window
 
-  Means(std::span<const double> stamps, std::span<const Eigen::Vector3d> samples)
+  Means(std::span<const double> stamps, std::span<const Eigen::Vector3d> samples,
+        const PathView& tip)
       : width(static_cast<std::size_t>(std::ceil(kWindow / mean_interval(stamps)))) {
     for (std::size_t i = 0; i + width <= stamps.size(); i += width) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (std::size_t k = i; k < i + width; ++k) sum += samples[k];
       force.push_back(sum / static_cast<double>(width));
+      p_base_tip.push_back(tip.at(stamps[i + width / 2]));
     }
   }
 
@@ -35,6 +41,14 @@ struct Means {
     };
     return static_cast<std::size_t>(std::min_element(force.begin(), force.end(), least) -
                                     force.begin());
+  }
+
+  /// [m] in one window, of the tip's net motion about the i-th.
+  [[nodiscard]] double net_displacement(std::size_t i) const {
+    const std::size_t first = i - std::min(i, kNetWindows);
+    const std::size_t last = std::min(i + kNetWindows, p_base_tip.size() - 1);
+    if (last == first) return 0.0;
+    return (p_base_tip[last] - p_base_tip[first]).norm() / static_cast<double>(last - first);
   }
 
   /// Of all within `nearness` of one of them: that alone would be small by its noise.
@@ -63,19 +77,22 @@ Eigen::Vector3d followed(const Eigen::Vector3d& bias, const Eigen::Vector3d& mea
 }  // namespace
 
 std::vector<Eigen::Vector3d> first_bias(std::span<const double> t,
-                                        std::span<const Eigen::Vector3d> force, double nearness,
-                                        double max_drift) {
-  const Means means(t, force);
+                                        std::span<const Eigen::Vector3d> force, const PathView& tip,
+                                        double nearness, double max_drift,
+                                        double max_cable_stiffness) {
+  const Means means(t, force, tip);
   if (means.force.empty()) return {t.size(), Eigen::Vector3d::Zero()};
   const std::size_t start = means.smallest();
-  const double reach = max_drift * kWindow;
+  const auto reach = [&](std::size_t i) {
+    return max_drift * kWindow + max_cable_stiffness * means.net_displacement(i);
+  };
   std::vector<Eigen::Vector3d> levels(means.force.size());
   levels[start] = means.level_near(start, nearness);
   for (std::size_t i = start + 1; i < levels.size(); ++i) {
-    levels[i] = followed(levels[i - 1], means.force[i], nearness, reach);
+    levels[i] = followed(levels[i - 1], means.force[i], nearness, reach(i));
   }
   for (std::size_t i = start; i-- > 0;) {
-    levels[i] = followed(levels[i + 1], means.force[i], nearness, reach);
+    levels[i] = followed(levels[i + 1], means.force[i], nearness, reach(i));
   }
   std::vector<Eigen::Vector3d> bias(t.size());
   for (std::size_t i = 0; i < t.size(); ++i) {

@@ -184,6 +184,11 @@ constexpr auto kSegmentationFields = std::to_array<OptionField<SegmentationOptio
     {"max_drift", &SegmentationOptions::max_drift, 0.05, 0.0, 10.0, "N/s",
      "fastest drift of the force's bias that is not a contact: sensors that warm up have a tenth",
      "lower: a drifting bias counts as contact; higher: very slow presses count as drift"},
+    // A cable or hose that is moved by half a metre pulls by a newton; tissue has hundreds of N/m.
+    {"max_cable_stiffness", &SegmentationOptions::max_cable_stiffness, 3.0, 0.0, 100.0, "N/m",
+     "change of the force's bias with the tip's place that is not a contact: cables pull on "
+     "sensors",
+     "lower: a cable's pull counts as contact; higher: very soft contacts count as a cable's"},
     {"max_impact", &SegmentationOptions::max_impact, 0.100, 0.0, 0.5, "s",
      "contacts up to this duration are impacts, if the tool's motion changes with them",
      "lower: soft impacts count as pushes; higher: fast presses count as impacts"},

@@ -326,12 +326,13 @@ Segmentation segment_contacts(std::span<const double> t_force,
   const double smooth_noise =
       std::sqrt(3.0) * result.noise / std::sqrt(correlated_samples(half_width, interval));
   const double enter = std::max(options.enter_threshold * smooth_noise, options.min_force);
-  result.bias_base = first_bias(t_force, clean, enter, options.max_drift);
+  const PathView tip(t_tool, p_base_tip);
+  result.bias_base =
+      first_bias(t_force, clean, tip, enter, options.max_drift, options.max_cable_stiffness);
 
   std::vector<Range> contacts;
   std::vector<RangedImpact> impacts;
   std::vector<double> size;
-  const PathView tip(t_tool, p_base_tip);
   // Two passes: the drift is estimated anew between the contacts of the first.
   for (int pass = 0; pass < 2; ++pass) {
     result.force_base = clean;

@@ -86,6 +86,25 @@ std::vector<double> tip_std_of(const IdentificationInput& input, const ContactEp
   return stds;
 }
 
+/// segment_contacts finds none in fewer.
+constexpr std::size_t kMinContactSamples = 20;
+
+/// A stream in which no contact can be found.
+std::optional<Error> too_few(std::size_t samples, const std::string& what, const std::string& file,
+                             const std::string& columns) {
+  if (samples >= kMinContactSamples) return std::nullopt;
+  const std::string needed = "identification needs the tool's " + what;
+  if (samples == 0) {
+    return Error{.message = needed + ", but the recording has none",
+                 .file = file,
+                 .hint = "record it with the header t," + columns};
+  }
+  return Error{.message = needed + " in " + std::to_string(kMinContactSamples) +
+                          " samples, but the recording has " + std::to_string(samples),
+               .file = file,
+               .hint = "record for longer, with free motion before and after the contact"};
+}
+
 /// Contacts that are left out are noted one by one up to this number; all are counted by reason.
 constexpr std::size_t kMaxContactNotes = 10;
 
@@ -115,16 +134,10 @@ void note_contacts(Identification& result, const IdentificationInput& input) {
 }  // namespace
 
 std::optional<Error> missing_streams(const IdentificationInput& input) {
-  if (input.t_force.size() < 100) {
-    return Error{.message = "identification needs the tool's force, but the recording has none",
-                 .file = "wrench.csv",
-                 .hint = "record it with the header t,fx,fy,fz,tx,ty,tz"};
-  }
-  if (input.t_tool.size() < 20) {
-    return Error{.message = "identification needs the tool's motion, but the recording has none",
-                 .file = "tool.csv",
-                 .hint = "record it with the header t,x,y,z,qx,qy,qz,qw"};
-  }
+  if (const auto error = too_few(input.t_force.size(), "force", "wrench.csv", "fx,fy,fz,tx,ty,tz"))
+    return error;
+  if (const auto error = too_few(input.t_tool.size(), "motion", "tool.csv", "x,y,z,qx,qy,qz,qw"))
+    return error;
   const auto span = [](const char* name, const std::vector<double>& t) {
     return StreamSpan{name, Stamp::from_seconds(t.front()), Stamp::from_seconds(t.back())};
   };

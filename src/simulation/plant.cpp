@@ -225,7 +225,52 @@ StepFraction locate(const PlantRun& run, double t) {
   return {before, index_at_t - static_cast<double>(before)};
 }
 
+/// Steps [begin, end) in which a body slides.
+struct StepRange {
+  std::size_t begin, end;
+};
+
+std::vector<StepRange> slides_of(const PlantRun& run, std::size_t body) {
+  const auto step_of = [](double t) {
+    return static_cast<std::size_t>(std::lround(t / PlantRun::kStep));
+  };
+  std::vector<StepRange> slides;
+  bool is_sliding = false;
+  for (const PlantPhaseChange& change : run.phases) {
+    if (change.body != body) continue;
+    if (is_sliding) slides.back().end = step_of(change.t);
+    is_sliding = change.phase == PlantPhase::sliding;
+    if (is_sliding) slides.push_back({step_of(change.t), run.bodies[body].size()});
+  }
+  return slides;
+}
+
+/// The step of the maximum friction from which it falls to that at `slide`.
+std::size_t breakaway_before(const std::vector<PlantBodyState>& states, std::size_t slide) {
+  const auto force = [&](std::size_t step) { return states[step].friction.head<2>().norm(); };
+  while (slide > 0 && force(slide - 1) > force(slide)) --slide;
+  return slide;
+}
+
 }  // namespace
+
+PlantParameters parameters_met(const PlantRun& run, const PlantBody& body, std::size_t index) {
+  const std::vector<PlantBodyState>& states = run.bodies[index];
+  double of_slides = 0.0, of_breakaways = 0.0, steps = 0.0;
+  const std::vector<StepRange> slides = slides_of(run, index);
+  for (const StepRange& slide : slides) {
+    of_breakaways += states[breakaway_before(states, slide.begin)].load_factor;
+    for (std::size_t step = slide.begin; step < slide.end; ++step) {
+      of_slides += states[step].load_factor;
+      ++steps;
+    }
+  }
+  PlantParameters met = body.parameters;
+  if (!(steps > 0.0)) return met;
+  met.sliding_friction_coefficient *= of_slides / steps;
+  met.limiting_static_friction *= of_breakaways / static_cast<double>(slides.size());
+  return met;
+}
 
 Pose T_base_object_at(const PlantRun& run, const PlantBody& body, std::size_t index, double t) {
   const auto [before, fraction] = locate(run, t);

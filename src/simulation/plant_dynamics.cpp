@@ -132,15 +132,20 @@ Pose BodyDynamics::pose() const {
 }
 
 PlantBodyState BodyDynamics::state() const {
-  return {.p_base = motion().p_base.head<2>(), .yaw = yaw_, .twist = twist_, .friction = friction_};
+  return {.p_base = motion().p_base.head<2>(),
+          .yaw = yaw_,
+          .twist = twist_,
+          .friction = friction_,
+          .load_factor = support_.load_factor()};
 }
 
 PhaseInputs BodyDynamics::phase_inputs() const {
   const double radius = support_.radius();
   const double force = std::hypot(friction_.head<2>().norm(), friction_.z() / radius);
-  return {.speed = speed(),
-          .is_touched = touches_,
-          .friction_ratio = normal_ > 0.0 ? force / (limit_ * normal_) : 1.0};
+  return {
+      .speed = speed(),
+      .is_touched = touches_,
+      .friction_ratio = normal_ > 0.0 ? force / (limit_ * support_.load_factor() * normal_) : 1.0};
 }
 
 double BodyDynamics::speed() const {

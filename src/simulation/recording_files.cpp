@@ -65,10 +65,11 @@ std::string format_impacts(const PlantCase& plant, const PlantRun& run) {
   return text;
 }
 
-ParameterTable parameter_table(const std::vector<PlantBody>& bodies) {
+ParameterTable parameter_table(const std::vector<PlantBody>& bodies, const PlantRun& run) {
   ParameterTable table;
-  for (const PlantBody& body : bodies) {
-    const PlantParameters& p = body.parameters;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const PlantBody& body = bodies[i];
+    const PlantParameters p = parameters_met(run, body, i);
     const auto known = [](double value) { return ParameterValue{.value = value}; };
     table[body.name] = {.mass = known(p.mass),
                         .limiting_static_friction = known(p.limiting_static_friction),
@@ -197,7 +198,8 @@ Expected<void> write_plant_truth(const fs::path& folder, const PlantCase& plant,
     written = write_file(folder / "impacts.csv", format_impacts(plant, run));
   }
   if (!written) return written;
-  return write_file(folder / "parameters.yaml", format_parameters(parameter_table(plant.bodies)));
+  return write_file(folder / "parameters.yaml",
+                    format_parameters(parameter_table(plant.bodies, run)));
 }
 
 }  // namespace pcavr

@@ -86,14 +86,19 @@ Eigen::Vector3d Support::advance(const Eigen::Vector3d& twist, double yaw, const
   distribute(load.extra_normal_force, R_base_body.inverse() * load.tipping_moment);
   const Eigen::Matrix2d R = R_base_body.toRotationMatrix();
   Eigen::Vector3d wrench = Eigen::Vector3d::Zero();
+  double carried = 0.0, resisting = 0.0;
   for (Patch& patch : patches_) {
     const Eigen::Vector2d r = R * patch.r_body;
     const Eigen::Vector2d velocity(twist.x() - twist.z() * r.y(), twist.y() + twist.z() * r.x());
     const Eigen::Vector2d friction = advance_bristles<2>(law_, velocity, dt, patch.deflection);
+    const double factor = friction_factor(patch);
     const Eigen::Vector2d force =
-        -friction_factor(patch) * patch.pressure * friction - viscous_ * patch.share * velocity;
+        -factor * patch.pressure * friction - viscous_ * patch.share * velocity;
     wrench += Eigen::Vector3d(force.x(), force.y(), r.x() * force.y() - r.y() * force.x());
+    carried += patch.pressure;
+    resisting += factor * patch.pressure;
   }
+  load_factor_ = carried > 0.0 ? resisting / carried : 1.0;
   return wrench;
 }
 

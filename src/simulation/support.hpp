@@ -28,6 +28,8 @@ class Support {
 
   [[nodiscard]] const Eigen::Vector2d& centre_body() const { return centre_; }
   [[nodiscard]] double radius() const { return radius_; }  ///< see friction_radius [m]
+  /// See PlantBodyState::load_factor; of the latest step.
+  [[nodiscard]] double load_factor() const { return load_factor_; }
 
   /// Advances the bristles by dt [s]; `twist` of the centre of mass [m/s, m/s, rad/s]. Returns
   /// the wrench on the body, base axes [N, N, N m about the centre of mass].
@@ -52,6 +54,7 @@ class Support {
   double viscous_ = 0.0;  ///< [N s/m]
   double load_exponent_ = 0.0;
   double radius_ = 0.0;
+  double load_factor_ = 1.0;
   double half_side_ = 0.0;  ///< half the smaller side of the patches' rectangle [m]
   Eigen::Vector2d centre_;
   std::vector<Patch> patches_;

@@ -160,6 +160,32 @@ TEST(SegmentContacts, TakesNoSlowPressForDrift) {
   for (const ContactEpisode& contact : found.contacts) EXPECT_NEAR(contact.peak_force, 3.0, 0.3);
 }
 
+TEST(SegmentContacts, TakesNoCablesPullForAContact) {
+  // Between pushes at two places the tip travels 0.6 m at 0.25 m/s, and a cable of 2 N/m pulls on
+  // the sensor: 1.2 N, at ten times the rate of a sensor that warms up.
+  WholeRecording all;
+  Random random(5171);
+  for (double t = 0.0; t < 20.0; t += 0.002) {
+    const double x = 0.6 * std::clamp((t - 9.0) * 0.25 / 0.6, 0.0, 1.0);
+    const double in_half = std::fmod(t, 10.0) - 4.0;
+    const double share = std::clamp(std::min(in_half, 2.0 - in_half) / 0.5, 0.0, 1.0);
+    Eigen::Vector3d force(-2.0 * x, 6.0 * share, 0.0);
+    force += 0.1 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+    all.t_force.push_back(t);
+    all.force_base.push_back(force);
+    all.t_tool.push_back(t);
+    all.p_base_tip.push_back({x, 1e-3 * share, 0.0});
+  }
+  const Segmentation found =
+      segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
+  ASSERT_EQ(found.contacts.size(), 2U);
+  for (const ContactEpisode& contact : found.contacts) {
+    EXPECT_NEAR(contact.end - contact.begin, 2.0, 0.15);
+    EXPECT_NEAR(contact.peak_force, 6.0, 0.2);
+    EXPECT_NEAR(contact.direction_base.y(), 1.0, 1e-3);
+  }
+}
+
 /// A modulated press that was never let go of for long, whose log has few samples for a second.
 TEST(SegmentContacts, TakesGapsInAContactForNoBias) {
   std::vector<double> t;

@@ -43,6 +43,44 @@ TEST(InputFaults, AreReported) {
   }
 }
 
+/// The first press of `whole` with 0.3 s of free motion on either side, in `count` samples.
+IdentificationInput one_press(const IdentificationInput& whole, std::size_t count) {
+  // In many successive samples: single ones are spikes.
+  const auto is_pressed = [](const Eigen::Vector3d& force, bool expected) {
+    return (force.norm() > 3.0) == expected;
+  };
+  const auto at = [&](auto it) { return whole.t_force[it - whole.force_base.begin()]; };
+  const auto last = whole.force_base.end();
+  const auto begin = std::search_n(whole.force_base.begin(), last, 20, true, is_pressed);
+  const auto end = std::search_n(begin, last, 20, false, is_pressed);
+  const double from = at(begin) - 0.3, to = at(end) + 0.3;
+  IdentificationInput press = whole;
+  press.q_base_tool.clear();
+  for (auto* const all : {&press.t_force, &press.t_tool}) all->clear();
+  for (auto* const all : {&press.force_base, &press.p_base_tip}) all->clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(count - 1);
+    const double t = from + share * (to - from);
+    const auto nearest = [t](const std::vector<double>& stamps) {
+      return std::lower_bound(stamps.begin(), stamps.end(), t) - stamps.begin();
+    };
+    press.t_force.push_back(whole.t_force[nearest(whole.t_force)]);
+    press.force_base.push_back(whole.force_base[nearest(whole.t_force)]);
+    press.t_tool.push_back(whole.t_tool[nearest(whole.t_tool)]);
+    press.p_base_tip.push_back(whole.p_base_tip[nearest(whole.t_tool)]);
+  }
+  return press;
+}
+
+TEST(InputFaults, ShortRecordsAreNotCalledEmpty) {
+  const IdentificationInput whole = identified_case(ToolTask::probe, 2, kHalfProbe).input;
+  EXPECT_EQ(
+      failure_of(one_press(whole, 19)),
+      "wrench.csv: identification needs the tool's force in 20 samples, but the recording has "
+      "19; record for longer, with free motion before and after the contact");
+  EXPECT_EQ(failure_of(one_press(whole, 20)), "");
+}
+
 /// An untracked object's pose is uncertain after its first push: fewer faults are found, none
 /// wrong.
 TEST(InputFaults, AreNotConfusedWithOthersWithoutTracking) {

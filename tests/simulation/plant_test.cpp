@@ -182,6 +182,48 @@ TEST(Plant, AWornSpotTurnsABoxThatIsPushedThroughItsCentre) {
   EXPECT_GT(max_force(worn), 0.93 * max_force(even));
 }
 
+TEST(Plant, StatesTheFrictionThatItsSlidesMet) {
+  PlantBody worn = a_box();
+  worn.parameters.load_exponent = -0.2;
+  double mean = 0.0;
+  for (PlantPatch& patch : worn.patches) {  // where the push at half its height puts the load
+    patch.wear = patch.p_body.y() > 0.03 ? 0.5 : 1.0;
+    mean += patch.share * patch.wear;
+  }
+  for (PlantPatch& patch : worn.patches) patch.wear /= mean;
+  for (const PlantBody& body : {a_box(), worn}) {
+    PlantTool tool = a_tool_at_minus_y();
+    tool.p_base_start.z() = 0.05;
+    const PlantRun run = run_plant({body}, tool, {along_y(0.05, 0.05)});
+    const PlantParameters met = parameters_met(run, body, 0);
+    double force = 0.0, speed = 0.0, steps = 0.0;
+    for (const PlantBodyState& now : run.bodies[0]) {
+      if (now.twist.y() < 0.045) continue;
+      force -= now.friction.y();
+      speed += now.twist.y();
+      ++steps;
+    }
+    ASSERT_GT(steps, 300.0);
+    const double weight = met.mass * kStandardGravity;
+    const double coulomb = force / steps - met.viscous_friction * speed / steps;
+    EXPECT_NEAR(met.sliding_friction_coefficient, coulomb / weight, 0.005 * coulomb / weight);
+    const PlantRun slow = run_plant({body}, tool, {along_y(0.004, 0.001)});
+    double limit = 0.0;
+    for (const PlantBodyState& now : slow.bodies[0]) {
+      if (now.p_base.y() > 1e-4) break;
+      limit = std::max(limit, -now.friction.y());
+    }
+    EXPECT_NEAR(parameters_met(slow, body, 0).limiting_static_friction, limit, 0.015 * limit);
+  }
+  // By the weight alone it is another, so that the comparison above can fail.
+  const PlantRun run = run_plant({worn}, a_tool_at_minus_y(), {along_y(0.05, 0.05)});
+  EXPECT_LT(parameters_met(run, worn, 0).sliding_friction_coefficient,
+            0.98 * worn.parameters.sliding_friction_coefficient);
+  const PlantRun plain = run_plant({a_box()}, a_tool_at_minus_y(), {along_y(0.05, 0.05)});
+  EXPECT_EQ(parameters_met(plain, a_box(), 0).sliding_friction_coefficient,
+            a_box().parameters.sliding_friction_coefficient);
+}
+
 /// A box with one coefficient of friction and no viscous part, as in quasi-static theory.
 PlantBody a_dry_box() {
   PlantBody body = a_box();

@@ -65,15 +65,17 @@ struct ContactEpisode {
 
 struct SegmentationOptions {
   SegmentationOptions();
-  double half_width;        ///< [s] of the force's smoothing
-  double enter_threshold;   ///< smoothed force: contact begins above this many stds, ...
-  double min_force;         ///< [N] ... and above this (drift not yet estimated)
-  double leave_share;       ///< of that threshold: contact ends below (hysteresis)
-  double min_duration;      ///< [s] shorter touches are disturbances; shorter gaps are closed
-  double margin;            ///< [s] of free time kept around a contact
-  double free_time;         ///< [s] next to a contact that the fit of its begin and end uses
-  double bias_half_width;   ///< [s] of the moving mean of the free force, which is its drift
-  double max_drift;         ///< [N/s] of the sensor's bias, where its contacts are not yet known
+  double half_width;       ///< [s] of the force's smoothing
+  double enter_threshold;  ///< smoothed force: contact begins above this many stds, ...
+  double min_force;        ///< [N] ... and above this (drift not yet estimated)
+  double leave_share;      ///< of that threshold: contact ends below (hysteresis)
+  double min_duration;     ///< [s] shorter touches are disturbances; shorter gaps are closed
+  double margin;           ///< [s] of free time kept around a contact
+  double free_time;        ///< [s] next to a contact that the fit of its begin and end uses
+  double bias_half_width;  ///< [s] of the moving mean of the free force, which is its drift
+  double max_drift;        ///< [N/s] of the sensor's bias, where its contacts are not yet known
+  /// [N/m] and what the bias changes by with the tip's place, as a cable pulls on the sensor.
+  double max_cable_stiffness;
   double max_impact;        ///< [s] longer contacts are no impacts
   double impact_flight;     ///< [s] before and after an impact, in which the tool flies freely
   double slide_half_width;  ///< [s] of the smoothing of the object's speed

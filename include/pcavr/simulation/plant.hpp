@@ -142,6 +142,9 @@ struct PlantBodyState {
   Eigen::Vector3d twist = Eigen::Vector3d::Zero();   ///< of its centre of mass [m/s, m/s, rad/s]
   /// Friction wrench of the support on the body [N, N, N m about the centre of mass].
   Eigen::Vector3d friction = Eigen::Vector3d::Zero();
+  /// Friction coefficient of the support in translation, under the loads of this instant, over that
+  /// under the body's weight alone: 1 without wear and load dependence.
+  double load_factor = 1.0;
 };
 
 /// The simulated time series, in steps of kStep from t = 0.
@@ -168,6 +171,12 @@ struct PlantOptions {
 [[nodiscard]] PlantRun run_plant(const std::vector<PlantBody>& bodies, const PlantTool& tool,
                                  const std::vector<ToolMove>& moves,
                                  const PlantOptions& options = {});
+
+/// The body's parameters with the friction that its slides met: the coefficient times the mean
+/// load factor of all steps in which it slid, the limiting friction times that of its breakaways.
+/// Those under its weight alone if it did not slide.
+[[nodiscard]] PlantParameters parameters_met(const PlantRun& run, const PlantBody& body,
+                                             std::size_t index);
 
 /// The body's pose at `t` [s], interpolated; constant beyond both ends.
 [[nodiscard]] Pose T_base_object_at(const PlantRun& run, const PlantBody& body, std::size_t index,
