@@ -16,10 +16,6 @@ namespace {
 constexpr int kScatterGrid = 25;
 constexpr double kScatterReach = 3.0;  // in stds of the scatter's prior
 
-// What a turning object's peak lacks, over its excess over Coulomb friction (rms).
-constexpr double kLateShare = 0.9;
-constexpr double kLateLever = 0.1;  // from which on it does, over the friction radius
-
 }  // namespace
 
 LimitOfPushes combine_limits(std::span<const IdentifiedParameter> limits, double scatter_share,
@@ -79,11 +75,11 @@ IdentifiedParameter limit_above_sliding(const IdentifiedParameter& limit,
   return {limit.value + gain * shift, std::sqrt(limit.std * limit.std - narrowing), true};
 }
 
-double turning_limit_std(double excess, double lever_share) {
+double turning_limit_std(double excess, double lever_share, const BreakawayPriors& priors) {
   if (!(excess > 0.0)) return 0.0;
   // Steep: where all places slip within the presliding displacement, none is late.
-  const double onset = std::pow(std::min(1.0, std::abs(lever_share) / kLateLever), 4);
-  return kLateShare * onset * excess;
+  const double onset = std::pow(std::min(1.0, std::abs(lever_share) / priors.turning_lever), 4);
+  return priors.turning_share * onset * excess;
 }
 
 }  // namespace pcavr

@@ -15,6 +15,7 @@
 #include "identification/derivative_noise.hpp"
 #include "identification/first_bias.hpp"
 #include "identification/impact_motion.hpp"
+#include "identification/rests.hpp"
 #include "identification/touch.hpp"
 
 namespace pcavr {
@@ -29,11 +30,6 @@ constexpr double kRiseHalfWidths = 5.0;
 constexpr double kSpeedStds = 4.0;
 // Of the speed at which sliding begins: below it, it has ended (hysteresis).
 constexpr double kSlideEndShare = 0.5;
-
-struct Range {
-  std::size_t begin = 0;
-  std::size_t end = 0;  ///< one past the last
-};
 
 /// Removes spikes, axis by axis.
 Vectors despike(std::span<const Eigen::Vector3d> force, const SpikeOptions& options,
@@ -64,12 +60,12 @@ std::vector<double> smooth_size(std::span<const double> t, const Vectors& force,
 }
 
 /// Intervals above the threshold with hysteresis; short gaps closed, short intervals dropped.
-std::vector<Range> find_contacts(std::span<const double> t, const std::vector<double>& size,
-                                 double enter, double leave, double min_duration) {
-  std::vector<Range> found;
+std::vector<SampleRange> find_contacts(std::span<const double> t, const std::vector<double>& size,
+                                       double enter, double leave, double min_duration) {
+  std::vector<SampleRange> found;
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (size[i] <= enter) continue;
-    Range range{i, i};
+    SampleRange range{i, i};
     while (range.begin > 0 && size[range.begin - 1] > leave) --range.begin;
     while (range.end < t.size() && size[range.end] > leave) ++range.end;
     i = range.end;
@@ -79,7 +75,8 @@ std::vector<Range> find_contacts(std::span<const double> t, const std::vector<do
       found.push_back(range);
     }
   }
-  std::erase_if(found, [&](const Range& r) { return t[r.end - 1] - t[r.begin] < min_duration; });
+  std::erase_if(found,
+                [&](const SampleRange& r) { return t[r.end - 1] - t[r.begin] < min_duration; });
   return found;
 }
 
@@ -221,8 +218,8 @@ void refine_limits(const Cleaned& all, double free_from, double free_to, Contact
   episode.end = std::max(episode.end, separation_instant(signals, peak, last, count - 1));
 }
 
-ContactEpisode describe(const Cleaned& all, const Range& range, double free_from, double free_to,
-                        const SegmentationOptions& options) {
+ContactEpisode describe(const Cleaned& all, const SampleRange& range, double free_from,
+                        double free_to, const SegmentationOptions& options) {
   ContactEpisode episode;
   episode.begin = all.t[range.begin];
   episode.end = all.t[range.end - 1];
@@ -256,7 +253,7 @@ Vectors without_bias(std::span<const Eigen::Vector3d> force, const Vectors& bias
 
 /// An impact at samples `range`, and its motion.
 struct RangedImpact {
-  Range range;
+  SampleRange range;
   FoundImpact found;
 };
 
@@ -264,7 +261,7 @@ struct RangedImpact {
 /// from there; pulses within other contacts are not examined.
 std::vector<RangedImpact> find_impacts(std::span<const double> t, const Vectors& raw, double noise,
                                        const PathView& tip, const SegmentationOptions& options,
-                                       std::vector<Range>& contacts) {
+                                       std::vector<SampleRange>& contacts) {
   std::vector<RangedImpact> impacts;
   for (const ForcePulse& pulse : find_pulses(t, raw, noise, options)) {
     // The next contacts on either side bound the free flight.
@@ -330,7 +327,7 @@ Segmentation segment_contacts(std::span<const double> t_force,
   result.bias_base =
       first_bias(t_force, clean, tip, enter, options.max_drift, options.max_cable_stiffness);
 
-  std::vector<Range> contacts;
+  std::vector<SampleRange> contacts;
   std::vector<RangedImpact> impacts;
   std::vector<double> size;
   // Two passes: the drift is estimated anew between the contacts of the first.
@@ -351,7 +348,7 @@ Segmentation segment_contacts(std::span<const double> t_force,
     }
     if (pass == 1) break;
     // In gaps a contact may go on.
-    const auto exclude = [&](const Range& range) {
+    const auto exclude = [&](const SampleRange& range) {
       // The smoothing and the slow rise of a contact extend beyond its threshold.
       const double from = t_force[range.begin] - kRiseHalfWidths * half_width;
       const double to = t_force[range.end - 1] + kRiseHalfWidths * half_width;
@@ -359,17 +356,18 @@ Segmentation segment_contacts(std::span<const double> t_force,
         if (t_force[i] >= from && t_force[i] <= to) is_free[i] = false;
       }
     };
-    for (const Range& range : contacts) exclude(range);
+    for (const SampleRange& range : contacts) exclude(range);
+    exclude_rests(t_force, result.force_base, contacts, result.noise, options.max_drift, is_free);
     for (const RangedImpact& impact : impacts) exclude(impact.range);
     result.bias_base = track_bias(t_force, clean, is_free, options.bias_half_width);
   }
   const Cleaned all{t_force, result.force_base, size, tip, half_width, enter, options.free_time};
   // Where the neighbours end and begin: an impact bounds a contact's free time, too.
-  std::vector<Range> occupied = contacts;
+  std::vector<SampleRange> occupied = contacts;
   for (const RangedImpact& impact : impacts) occupied.push_back(impact.range);
-  for (const Range& contact : contacts) {
+  for (const SampleRange& contact : contacts) {
     double free_from = t_force.front(), free_to = t_force.back();
-    for (const Range& other : occupied) {
+    for (const SampleRange& other : occupied) {
       if (other.end <= contact.begin) free_from = std::max(free_from, t_force[other.end]);
       if (other.begin >= contact.end) free_to = std::min(free_to, t_force[other.begin]);
     }

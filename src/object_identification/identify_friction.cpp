@@ -242,9 +242,10 @@ LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject
 
 /// Of a push whose force is beside the centre as it breaks away [N].
 double turning_std_of(const IdentifiedContact& push, double radius,
-                      const IdentifiedParameter& coulomb, double limit) {
+                      const IdentifiedParameter& coulomb, double limit,
+                      const BreakawayPriors& priors) {
   if (!(radius > 0.0) || !coulomb.is_excited) return 0.0;
-  return turning_limit_std(limit - coulomb.value, push.breakaway_lever / radius);
+  return turning_limit_std(limit - coulomb.value, push.breakaway_lever / radius, priors);
 }
 
 /// F_M of each push, and of all that count: with the scatter between pushes.
@@ -263,8 +264,8 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
       LimitOfMotion limit =
           limit_of(push->episode, object, compliance.law, result.parameters.mass, options);
       limit.shared_std =
-          std::hypot(limit.shared_std,
-                     turning_std_of(*push, radius, result.friction.coulomb, limit.limit.value));
+          std::hypot(limit.shared_std, turning_std_of(*push, radius, result.friction.coulomb,
+                                                      limit.limit.value, options.breakaway_priors));
       push->limit = limit.limit;
       push->limit_shared_std = limit.shared_std;
       shared.push_back(limit.shared_std);

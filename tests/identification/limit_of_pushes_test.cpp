@@ -89,5 +89,13 @@ TEST(TurningLimit, IsAsUncertainAsItsExcessUnderALargeLever) {
   EXPECT_GT(turning_limit_std(2.0, 0.09), turning_limit_std(2.0, 0.07));
 }
 
+TEST(TurningLimit, ItsShareAndLeverAreOptions) {
+  BreakawayPriors priors;
+  priors.turning_share = 0.5;
+  priors.turning_lever = 0.2;
+  EXPECT_DOUBLE_EQ(turning_limit_std(2.0, 0.2, priors), 1.0);
+  EXPECT_LT(turning_limit_std(2.0, 0.1, priors), 0.1);
+}
+
 }  // namespace
 }  // namespace pcavr

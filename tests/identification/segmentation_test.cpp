@@ -186,6 +186,29 @@ TEST(SegmentContacts, TakesNoCablesPullForAContact) {
   }
 }
 
+/// After a push the tip rests on the object for a while, under a force below the threshold of
+/// contact, as a light object that has stopped holds it: 15 % of the push that would go into the
+/// bias.
+TEST(SegmentContacts, TakesNoRestAfterAPushForBias) {
+  for (std::uint64_t seed = 5171; seed <= 5180; ++seed) {
+    Random random(seed);
+    WholeRecording all;
+    for (double t = 0.0; t < 12.0; t += 0.002) {
+      const double in_push = std::fmod(t, 4.0) - 2.0;
+      const double push = in_push < 0.0 ? 0.0 : in_push < 1.0 ? 2.0 : in_push < 1.3 ? 0.45 : 0.0;
+      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+      all.t_force.push_back(t);
+      all.force_base.push_back(0.2 * noise + push * Eigen::Vector3d::UnitY());
+      all.t_tool.push_back(t);
+      all.p_base_tip.push_back({0.0, 0.01 * std::clamp(in_push, 0.0, 1.3), 0.0});
+    }
+    const Segmentation found =
+        segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
+    ASSERT_EQ(found.contacts.size(), 3U) << seed;
+    for (const Eigen::Vector3d& bias : found.bias_base) ASSERT_LT(bias.y(), 0.15) << seed;
+  }
+}
+
 /// A modulated press that was never let go of for long, whose log has few samples for a second.
 TEST(SegmentContacts, TakesGapsInAContactForNoBias) {
   std::vector<double> t;

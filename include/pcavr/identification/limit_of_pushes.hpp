@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "pcavr/identification/breakaway_motion.hpp"
 #include "pcavr/identification/parameter.hpp"
 
 namespace pcavr {
@@ -32,9 +33,10 @@ inline constexpr double kLimitContradiction = 3.0;
 /// [N] Std of F_M, shared by all pushes of a body, where a force beside the centre turns the object
 /// as it breaks away. The places of the support then slip one after the other, and the first have
 /// fallen to sliding friction before the last ones hold their most: the peak is below F_M by up to
-/// what it exceeds Coulomb friction by, `excess` [N]. On simulated LuGre plants by nothing up to an
-/// arm of a twentieth of the friction radius, by 0.3 to 1.5 of the excess beyond a tenth: too
-/// different from body to body to be added. `lever_share`: arm over friction radius.
-[[nodiscard]] double turning_limit_std(double excess, double lever_share);
+/// what it exceeds Coulomb friction by, `excess` [N]: on simulated LuGre plants by nothing up to a
+/// twentieth of the friction radius, by 0.3 to 1.5 of the excess beyond a tenth, too different from
+/// body to body to be added. `lever_share`: arm over friction radius.
+[[nodiscard]] double turning_limit_std(double excess, double lever_share,
+                                       const BreakawayPriors& priors = {});
 
 }  // namespace pcavr
