@@ -138,6 +138,11 @@ CompletedPhysics complete_physics(const ObjectParameters& known, const CadModel&
   if (known.contact_surface_offset) {
     physics.surface_offset = T_base_object.rotation() * *known.contact_surface_offset;
   }
+  // Whether a steady push sticks and slips is decided by how fast friction falls, the contact's
+  // stiffness and its damping: with an assumed one slow pushes would, as few real ones do.
+  const bool is_identified = known.limiting_static_friction && known.sliding_friction_coefficient &&
+                             known.contact_stiffness && known.contact_damping;
+  physics.stribeck_speed = is_identified ? defaults.stribeck_speed : 0.0;
   physics.tool_friction = value_of(known.tool_friction_coefficient, defaults.tool_friction,
                                    "tool_friction_coefficient");
   const detail::SupportPatch patch =

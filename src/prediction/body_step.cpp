@@ -343,6 +343,10 @@ class BodyStepper {
     PlanarState guess = first_guess();
     PlanarFriction friction = friction_;
     friction.static_to_kinetic_ratio = 1.0;  // it has broken loose
+    // By the speed at the begin: over a step that brakes a body to its Stribeck speed, friction's
+    // fall is steeper than the body's inertia over the step, so that no implicit step is unique.
+    const double sliding_force =
+        friction_.sliding.force * body_.stribeck_factor(state_.planar.twist);
     const double force_tolerance = kForceTolerance * static_friction_limit(parameters);
     PlanarState best;
     Load at_best;
@@ -354,7 +358,7 @@ class BodyStepper {
     double rough_tolerance = 0.0;  // of the residual, where a rough solution suffices
     for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
       const Load load = load_at(guess, contacts_at(guess, tip_.to), end_share_);
-      friction.sliding.force = friction_.sliding.force * body_.weight_share(load.down());
+      friction.sliding.force = sliding_force * body_.weight_share(load.down());
       const PlanarStep step = body_.step(friction, state_.planar, load.wrench, dt_);
       const Eigen::Vector3d residual = scaled(guess) - scaled(step.state);
       const Eigen::Matrix3d slope = Eigen::Matrix3d::Identity() + compliance * load.stiffness;

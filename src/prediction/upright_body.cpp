@@ -100,7 +100,8 @@ bool is_physical(const BodyPhysics& p) noexcept {
                                                 is_at_least(p.limit_surface->length, tiny));
   return pcavr::is_physical(p.friction) && is_at_least(p.contact.stiffness, tiny) &&
          is_at_least(p.contact.damping, 0.0) && is_at_least(p.contact.exponent, 1.0) &&
-         is_at_least(p.tool_friction, 0.0) && is_at_least(p.friction_radius, tiny) && has_surface;
+         is_at_least(p.stribeck_speed, 0.0) && is_at_least(p.tool_friction, 0.0) &&
+         is_at_least(p.friction_radius, tiny) && has_surface;
 }
 
 UprightBody::UprightBody(const WorldBody& body, double gravity, double max_contact_force)
@@ -162,6 +163,13 @@ PlanarFriction UprightBody::friction_under(const Eigen::Vector3d& force, const E
   if (shift > max_shift) centre *= max_shift / shift;
   friction.sliding = shifted(friction.sliding, Eigen::Rotation2Dd(-yaw - heading_) * centre);
   return friction;
+}
+
+double UprightBody::stribeck_factor(const Eigen::Vector3d& twist) const noexcept {
+  if (!(physics_.stribeck_speed > 0.0)) return 1.0;
+  const double speed = std::hypot(twist.x(), twist.y(), physics_.friction_radius * twist.z());
+  const double ratio = speed / physics_.stribeck_speed;
+  return 1.0 + (friction_.static_to_kinetic_ratio - 1.0) * std::exp(-ratio * ratio);
 }
 
 PlanarStep UprightBody::step(const PlanarFriction& friction, const PlanarState& state,

@@ -57,6 +57,8 @@ class UprightBody {
   /// Penetration of the tip, at rest, under the Coulomb force and the static friction limit [m].
   [[nodiscard]] double sliding_depth() const { return sliding_depth_; }
   [[nodiscard]] double static_limit_depth() const { return static_limit_depth_; }
+  /// Sliding friction without its viscous part, over the Coulomb force, at a twist.
+  [[nodiscard]] double stribeck_factor(const Eigen::Vector3d& twist) const noexcept;
   /// Share of the static friction limit above which the phase is critical.
   [[nodiscard]] double critical_share() const { return critical_share_; }
 

@@ -47,7 +47,8 @@ Expected<OperatorSite> OperatorSite::create(const TeleopInput& input,
                        object.T_base_object,
                        std::move(known),
                        {},
-                       object.parameters.contact_mass.value_or(ParameterValue{}).value});
+                       object.parameters.contact_mass.value_or(ParameterValue{}).value,
+                       physics[i].stribeck_speed});
   }
   Expected<PredictedWorld> world = PredictedWorld::create(std::move(model));
   if (!world) return world.error();
@@ -111,6 +112,7 @@ bool OperatorSite::apply(const CorrectionMessage& message) {
     correction.physics = complete_physics(object.parameters, object.model, object.T_base_start,
                                           gravity_, unknown_objects_)
                              .physics;
+    correction.physics->stribeck_speed = object.stribeck_speed;
   }
   const PlanarPose before = planar_pose_of(predictor_.world().T_base_object(message.object));
   const std::optional<BodyState> past = predictor_.state_at(message.object, message.t);

@@ -78,6 +78,7 @@ class OperatorSite {
     ObjectParameters parameters;
     std::optional<std::uint8_t> received = {};  ///< sequence of its newest correction
     double contact_mass = 0.0;                  ///< [kg] of the law mass_damper_spring
+    double stribeck_speed = 0.0;                ///< [m/s] see RobotObject::unknown_objects_
   };
   OperatorSite(Predictor predictor, std::vector<Known> objects, double epoch, double history,
                const TeleopOptions& options)

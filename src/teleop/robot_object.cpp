@@ -61,6 +61,7 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       measured_surface_(options.pose.max_surface_offset,
                         object.T_base_object.rotation().inverse() * Eigen::Vector3d::UnitZ()) {
   acknowledged.contact_surface_offset = object.parameters.contact_surface_offset;
+  unknown_objects_.stribeck_speed = assumed.stribeck_speed;
   learner.set_assumed_law(assumed_law_);
 }
 

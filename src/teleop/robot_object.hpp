@@ -177,6 +177,8 @@ class RobotObject {
   PoseFusionOptions options_;
   LearningOptions learning_;
   double gravity_;  ///< [m/s^2]
+  /// Its Stribeck speed is that of the given parameters: what both sites know later are complete
+  /// sets of values, assumed ones among them.
   PhysicsDefaults unknown_objects_;
   BodySurface surface_;
   /// As completed at the start: its shape stays constant, and is expensive to compute.

@@ -59,6 +59,16 @@ TEST(CompletePhysics, KeepsKnownParameters) {
   EXPECT_EQ(physics.friction_radius, 0.05);
 }
 
+TEST(CompletePhysics, AssumesTheStribeckSpeedOfIdentifiedObjectsOnly) {
+  ObjectParameters known;
+  known.limiting_static_friction = {9.57, {}};
+  known.sliding_friction_coefficient = {0.29, {}};
+  known.contact_stiffness = {8000.0, {}};
+  EXPECT_EQ(complete(known).physics.stribeck_speed, 0.0);
+  known.contact_damping = {30.0, {}};
+  EXPECT_EQ(complete(known).physics.stribeck_speed, PhysicsDefaults().stribeck_speed);
+}
+
 TEST(CompletePhysics, DerivesOneFrictionFromTheOther) {
   ObjectParameters known;
   known.mass = {3.0, {}};

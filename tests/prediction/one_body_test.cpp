@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -183,6 +184,50 @@ TEST(OneBody, CoastsToAStopByFriction) {
   // v^2 M / (2 mu M g)
   EXPECT_NEAR(world.state()[0].planar.position.norm(), 0.25 * 3.0 / (2.0 * 8.5), 1e-5);
   EXPECT_EQ(world.state()[0].phase, MotionPhase::free);
+}
+
+TEST(OneBody, CoastsLessFarWhereFrictionRisesAtLowSpeed) {
+  BodyPhysics physics = foam_physics();
+  physics.friction.limiting_force = 17.0;
+  physics.stribeck_speed = 0.05;
+  PredictedWorld world = world_of(one_box(physics));
+  std::vector<BodyState> state = world.state();
+  state[0].planar.twist = {0.06, 0.08, 0.0};
+  world.set_state(state);
+  const Eigen::Vector3d far(5.0, 5.0, 1.0);
+  test::run(
+      world, [&](double) { return far; }, 0.1, 2e-4);
+  // The integral of M v / F(v).
+  double expected = 0.0;
+  constexpr double kStep = 1e-5;  // [m/s]
+  for (double v = 0.5 * kStep; v < 0.1; v += kStep) {
+    expected += kStep * 3.0 * v / (8.5 + (17.0 - 8.5) * std::exp(-v * v / (0.05 * 0.05)));
+  }
+  EXPECT_NEAR(world.state()[0].planar.position.norm(), expected, 0.005 * expected);
+  EXPECT_LT(expected, 0.9 * 0.01 * 3.0 / (2.0 * 8.5));
+}
+
+/// Forces [N] under a tip at 4 mm/s, from a second after the breakaway on.
+std::pair<double, double> range_of_slow_push(double stribeck_speed) {
+  BodyPhysics physics = foam_physics();
+  physics.contact.damping = 100.0;
+  physics.stribeck_speed = stribeck_speed;
+  PredictedWorld world = world_of(one_box(physics));
+  std::pair<double, double> range(1e3, 0.0);
+  test::run(world, push(0.004), 2.5, 0.001, [&](double t) {
+    if (t < 1.3) return;
+    range.first = std::min(range.first, world.state()[0].tool_force_base.x());
+    range.second = std::max(range.second, world.state()[0].tool_force_base.x());
+  });
+  return range;
+}
+
+TEST(OneBody, SticksAndSlipsUnderASlowTipWhereFrictionFallsWithSpeed) {
+  const auto [coulomb_min, coulomb_max] = range_of_slow_push(0.0);
+  EXPECT_GT(coulomb_min, 8.4);
+  const auto [min, max] = range_of_slow_push(0.005);
+  EXPECT_GT(max, 9.57);  // it is static again and again
+  EXPECT_LT(min, 8.3);
 }
 
 TEST(OneBody, HasMoreFrictionWhenPressedFromAbove) {

@@ -76,5 +76,31 @@ TEST(RobotObject, TakesTheNewestFrameWhenASlowSlideIsNoticed) {
   FAIL() << "no slide";
 }
 
+TEST(RobotObject, KeepsTheStribeckSpeedOfTheGivenParameters) {
+  TeleopObject box{"box",
+                   box_model("box", {kSlowHalf, kSlowHalf, 0.03}),
+                   Pose::from_translation({0.0, 0.0, 0.03}),
+                   {},
+                   {}};
+  const TeleopOptions options;
+  const auto speed_with = [&](const ObjectParameters& learned) {
+    const BodyPhysics physics = complete_physics(box.parameters, box.model, box.T_base_object,
+                                                 options.gravity(), options.unknown_objects)
+                                    .physics;
+    const SensorProperties sensors{.interval = kSlowInterval, .correlated = 2.0};
+    return RobotObject(box, physics, options, sensors, kTipRadius, 0.0)
+        .physics_with(learned)
+        .stribeck_speed;
+  };
+  ObjectParameters known;
+  known.limiting_static_friction = {9.57, {}};
+  known.sliding_friction_coefficient = {0.29, {}};
+  known.contact_stiffness = {8000.0, {}};
+  known.contact_damping = {30.0, {}};
+  EXPECT_EQ(speed_with(known), 0.0);
+  box.parameters = known;
+  EXPECT_EQ(speed_with(known), options.unknown_objects.stribeck_speed);
+}
+
 }  // namespace
 }  // namespace pcavr

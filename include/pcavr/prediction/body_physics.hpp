@@ -27,6 +27,9 @@ struct BodyPhysics {
   double contact_mass = 0.0;
   /// [m] of the touched surface beyond the CAD body's, in base axes at the body's first pose.
   Eigen::Vector3d surface_offset = Eigen::Vector3d::Zero();
+  /// [m/s] v_s: sliding friction is F_C + (F_M - F_C) exp(-(v / v_s)^2) + B v, which rises to F_M
+  /// again as the body stops [Stribeck 1902; Canudas de Wit et al. 1995]; 0: F_C + B v.
+  double stribeck_speed = 0.0;
   double tool_friction = 0.3;    ///< coefficient between tip and body, >= 0
   double friction_radius = 0.0;  ///< maximum friction moment over maximum friction force [m], > 0
   /// In the body's planar axes (see heading_of); only its shape is used, its force is scaled to the
@@ -41,11 +44,12 @@ struct PhysicsDefaults {
   double density;                  ///< [kg/m^3] of the CAD body's volume
   double sliding_coefficient;      ///< mu on the support
   double static_to_kinetic_ratio;  ///< F_M over the Coulomb force, >= 1
-  double tool_friction;            ///< coefficient between tip and body
-  double penetration;              ///< [m] of the tip when the body breaks loose
-  double contact_exponent;         ///< n of the contact law
-  double damping_ratio;            ///< of the body on the contact's spring
-  double patch_height;             ///< [m] vertices so close to the lowest one touch the support
+  double stribeck_speed;    ///< [m/s] over which friction falls from F_M to the Coulomb force
+  double tool_friction;     ///< coefficient between tip and body
+  double penetration;       ///< [m] of the tip when the body breaks loose
+  double contact_exponent;  ///< n of the contact law
+  double damping_ratio;     ///< of the body on the contact's spring
+  double patch_height;      ///< [m] vertices so close to the lowest one touch the support
 };
 [[nodiscard]] OptionSection section_of(PhysicsDefaults& options);
 
