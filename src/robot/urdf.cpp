@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/robot/urdf.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,14 @@ namespace {
 
 /// Descriptions have some 100 kB; meshes are in files of their own.
 constexpr std::uintmax_t kMaxSize = 16'000'000;
+
+/// Of a link with a part that it does not understand, urdfdom leaves out the further ones, too. Its
+/// other errors cost nothing that is read here, as a material that is not defined.
+bool lost_shapes(const robot::UrdfdomResult& result) {
+  return std::ranges::any_of(result.errors, [](const std::string& message) {
+    return message.find("Could not parse") != std::string::npos;
+  });
+}
 
 /// urdfdom names links and joints in its messages, but no lines; the detail comes before the name.
 Error error_of(const robot::UrdfdomResult& result, const robot::UrdfStructure& structure,
@@ -78,8 +87,7 @@ Expected<RobotModel> parse_urdf(const std::string& text, const std::filesystem::
   const Expected<robot::UrdfStructure> structure = robot::parse_urdf_structure(text, file);
   if (!structure) return structure.error();
   const robot::UrdfdomResult parsed = robot::parse_by_urdfdom(text);
-  // Of a link with a part that it did not understand, urdfdom leaves out the further shapes, too.
-  if (!parsed.model || !parsed.errors.empty()) return error_of(parsed, *structure, file);
+  if (!parsed.model || lost_shapes(parsed)) return error_of(parsed, *structure, file);
   Expected<RobotModel> model = robot::build_robot(*parsed.model, *structure, file, options);
   if (!model) return model;
   if (const Expected<void> added = add_rotors(text, file, *model); !added) return added.error();

@@ -210,6 +210,15 @@ TEST(Urdf, ShapesThatAreNotUnderstoodAreErrorsAndTheOthersDoNotGetLost) {
   }
 }
 
+TEST(Urdf, MaterialsThatAreNotDefinedDoNotMatter) {
+  const std::string visual =
+      "<visual><geometry><sphere radius='0.1'/></geometry><material name='silver'/></visual>";
+  const Expected<RobotModel> arm =
+      parse_urdf("<robot name='r'>\n" + link("a", visual) + "</robot>", "the.urdf", {});
+  ASSERT_TRUE(arm) << arm.error().to_string();
+  EXPECT_EQ(arm->links.front().visuals.size(), 1U);
+}
+
 TEST(Urdf, UnlikelyInertiasAreErrorsOnlyWhereWanted) {
   const auto arm = [](const std::string& mass, const std::string& moments) {
     return link("a") +
