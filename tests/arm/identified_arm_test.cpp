@@ -23,7 +23,8 @@ std::string two_joints() {
 /// Joints j1 and j2.
 RobotModel two_joint_arm() {
   const std::string inertial =
-      "<inertial><mass value=\"2\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial>";
+      "<inertial><mass value=\"2\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" "
+      "izz=\"1\"/></inertial>";
   const std::string limit = "<limit lower=\"-2\" upper=\"2\" velocity=\"1\" effort=\"10\"/>";
   return parse_urdf("<robot name=\"two\"><link name=\"base\"/><link name=\"a\">" + inertial +
                         "</link><link name=\"b\">" + inertial +
