@@ -76,8 +76,7 @@ constexpr auto kPhysicsFields = std::to_array<OptionField<PhysicsDefaults>>({
      "assumed limiting static friction over Coulomb friction",
      "lower: bodies move before they do in reality; higher: they jerk when they break loose"},
     // Of metal on metal [Canudas de Wit et al. 1995, table 1]. Used for objects whose F_M,
-    // coefficient
-    // and contact law with damping are known.
+    // coefficient and contact law with damping are known.
     {"stribeck_speed", &PhysicsDefaults::stribeck_speed, 0.001, 0.0, 1.0, "m/s",
      "assumed speed over which sliding friction falls from F_M to the Coulomb force; 0: at once",
      "lower: bodies stop late, under less force than they bear; higher: slow ones stop early"},
