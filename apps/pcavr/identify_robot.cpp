@@ -46,7 +46,8 @@ std::string joint_line(const JointFit& joint) {
   std::string line = fmt::format("    {:<24} {:>7.3g} % {:>8.3g} N m  ", joint.name,
                                  joint.held_out.relative * 100.0, joint.held_out.rms);
   for (const FittedTerm& term : joint.equivalent) {
-    line += fmt::format(" {} {:.3g} +- {:.2g}", name_of(term.term), term.value, term.std);
+    const UncertainText text = uncertain(term.value, term.std);
+    line += fmt::format(" {} {} +- {}", name_of(term.term), text.value, text.std);
   }
   return line + '\n';
 }

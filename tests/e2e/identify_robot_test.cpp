@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,6 +47,23 @@ TEST(IdentifyRobot, RecoversThePa10FromItsLog) {
     EXPECT_LT(joint["replay_after_1s"].get<double>(), 0.5 * 3.14159 / 180.0) << j;
   }
   EXPECT_TRUE(std::filesystem::exists(report + "/report.json"));
+}
+
+TEST(IdentifyRobot, PrintsAsManyDecimalsOfAValueAsOfItsStd) {
+  const TemporaryFolder folder;
+  const CommandOutcome outcome =
+      run_pcavr({"identify", "robot", write_log(folder, simulated_log(pa10(), {.duration = 12.0})),
+                 "--robot", pa10_file(), "-o", (folder.path() / "report").string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.standard_error;
+  const std::string& text = outcome.standard_output;
+  const std::regex pattern(R"((\d+)(\.\d+)? \+- (\d+)(\.\d+)?)");
+  int values = 0;
+  for (std::sregex_iterator found(text.begin(), text.end(), pattern), last; found != last;
+       ++found) {
+    EXPECT_EQ((*found)[2].length(), (*found)[4].length()) << found->str();
+    ++values;
+  }
+  EXPECT_EQ(values, 3 * 7);  // offset, viscous and Coulomb friction
 }
 
 TEST(IdentifyRobot, RejectsSwappedJointsWithoutWritingAnything) {
