@@ -55,7 +55,8 @@ TEST(RasteriseTriangle, LeavesNoPixelOutBetweenTrianglesThatShareAnEdge) {
     std::vector<std::array<Eigen::Vector2f, 3>> fan;
     for (std::size_t i = 0; i < corners.size(); ++i)
       fan.push_back({centre, corners[i], corners[(i + 1) % corners.size()]});
-    for (const int count : counted(fan).pixels()) ASSERT_GE(count, 1) << "trial " << trial;
+    const Image<int> count = counted(fan);
+    for (const int pixel : count.pixels()) ASSERT_GE(pixel, 1) << "trial " << trial;
   }
 }
 
@@ -71,7 +72,8 @@ TEST(RasteriseTriangle, StaysInsideTheWindow) {
 
 TEST(RasteriseTriangle, ATriangleWithoutAreaHasNoPixels) {
   const Eigen::Vector2f a(3.0F, 2.0F), b(13.0F, 2.0F), c(23.0F, 2.0F);
-  for (const int count : counted({{a, b, c}, {a, a, a}}).pixels()) EXPECT_EQ(count, 0);
+  const Image<int> count = counted({{a, b, c}, {a, a, a}});
+  for (const int pixel : count.pixels()) EXPECT_EQ(pixel, 0);
 }
 
 }  // namespace
