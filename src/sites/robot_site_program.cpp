@@ -137,16 +137,16 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   }
 
   void on_message(const LinkPacket& packet, const LinkMessage& message, double now) {
-    if (std::holds_alternative<LinkPing>(message.content)) {
-      if (sessions_.has_sent(packet, message.header)) note_received(message.header);
-      return send(packet.peer, message.header.session, LinkPong{message.header.clock, now});
-    }
     if (const auto* hello = std::get_if<LinkHello>(&message.content)) {
       return on_hello(packet, message.header, *hello, now);
     }
-    if (!sessions_.has_sent(packet, message.header)) return;  // of a session that has ended
+    // Of a session that has ended, perhaps over another connection: an answer, also to a ping, would
+    // keep the operator's site from seeing that nothing it commands is executed.
+    if (!sessions_.has_sent(packet, message.header)) return;
     note_received(message.header);
-    if (const auto* command = std::get_if<LinkCommand>(&message.content)) {
+    if (std::holds_alternative<LinkPing>(message.content)) {
+      send(packet.peer, message.header.session, LinkPong{message.header.clock, now});
+    } else if (const auto* command = std::get_if<LinkCommand>(&message.content)) {
       on_command(*command, now);
     } else if (const auto* stop = std::get_if<LinkStop>(&message.content)) {
       on_stop(message.header.sequence, *stop, now);

@@ -22,6 +22,7 @@ namespace pcavr {
 struct Wire {
   std::deque<std::vector<std::uint8_t>> to_robot;
   std::deque<std::vector<std::uint8_t>> to_operator;
+  std::string peer = "operator";  ///< another one for each connection
 };
 
 inline std::optional<std::vector<std::uint8_t>> take_first(
@@ -39,7 +40,7 @@ class WireServer final : public RobotTransport {
   [[nodiscard]] std::optional<LinkPacket> receive() override {
     std::optional<std::vector<std::uint8_t>> bytes = take_first(wire_.to_robot);
     if (!bytes) return std::nullopt;
-    return LinkPacket{"operator", "", std::move(*bytes)};
+    return LinkPacket{wire_.peer, "", std::move(*bytes)};
   }
   bool send(const std::string&, std::span<const std::uint8_t> bytes) override {
     wire_.to_operator.emplace_back(bytes.begin(), bytes.end());

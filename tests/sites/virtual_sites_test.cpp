@@ -140,7 +140,11 @@ struct Session {
   RobotSiteReport robot;
 };
 
-Session run_session(const LinkConditions::Options& link, double retraction = 0.0) {
+constexpr double kNever = 1e9;  // [s]
+
+/// `reconnected`: when the operator's messages come over another connection [s].
+Session run_session(const LinkConditions::Options& link, double retraction = 0.0,
+                    double reconnected = kNever) {
   Session session;
   TeleopInput world;
   for (const PlantBody& body : session.plant.bodies) {
@@ -170,13 +174,16 @@ Session run_session(const LinkConditions::Options& link, double retraction = 0.0
   double t = 0.0;
   WireServer server(wire);
   WireClient client(wire, t);
-  const SiteRuntime runtime{
-      .clock = [&t] { return t; }, .new_session = [] { return 1U; }, .prepares_at_once = true};
+  std::uint32_t sessions = 0;
+  const SiteRuntime runtime{.clock = [&t] { return t; },
+                            .new_session = [&sessions] { return ++sessions; },
+                            .prepares_at_once = true};
   SiteProcess<RobotSiteReport> robot_site{
       make_robot_site_steps(server, robot, site, scene, robot_options, observer, runtime)};
   SiteProcess<OperatorSiteReport> operator_site{make_operator_site_steps(
       client, person, world, teleop, scene, operator_options, network, observer, runtime)};
   run_in_virtual_time(robot_site, operator_site, wire, t, [&] {
+    if (t > reconnected) wire.peer = "operator again";
     return person.is_done() || operator_site.steps->is_finished() || t > 60.0;
   });
   EXPECT_TRUE(person.is_done());
@@ -222,6 +229,17 @@ TEST(VirtualSites, MoveTheRobotAsTheOperatorsToolIsRetracted) {
   EXPECT_NEAR(session.offset.z(), 0.004, 1e-4);
   const Eigen::Vector3d expected = session.p_base_command + session.offset;
   EXPECT_LT((session.setpoints.back() - expected).norm(), 1e-5);
+}
+
+// TCP connects again before a site notices any silence: to the robot's site this is another peer.
+// The operator's site must see that its commands are not executed, and begin a session.
+TEST(VirtualSites, BeginASessionAfterTheConnectionWasMadeAgain) {
+  LinkConditions::Options link;
+  link.delay = 0.05;
+  const Session session = run_session(link, 0.0, 3.0);
+  EXPECT_EQ(session.robot.sessions, 2U);
+  EXPECT_EQ(session.robot.holds, 1U);
+  EXPECT_LT((session.setpoints.back() - session.p_base_command).norm(), 1e-5);
 }
 
 // Lost commands do not slow the tool down: its setpoint goes on towards the next that has arrived.
