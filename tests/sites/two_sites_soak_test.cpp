@@ -171,6 +171,24 @@ TEST_F(SoakCheckerTest, NoticesThatTheToolPressesOn) {
   EXPECT_TRUE(has("presses on by 0.10 mm with 61.0 N"));
 }
 
+// A tool that leaves what it presses moves along an outlier of the force until it has stopped.
+TEST_F(SoakCheckerTest, GivesTimeToStopToAForceThatTurns) {
+  const MotionLimits limits;
+  const Eigen::Vector3d force(limits.max_force + 1.0, 0.0, 0.0);
+  checker_.on_force(1.1, force);
+  const auto leave = [this](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
+      checker_.on_setpoint(1.1 + 1e-3 * i, {-1e-3 * 0.01 * i, 0.0, 0.0});
+    }
+  };
+  leave(0, 150);
+  checker_.on_force(1.25, -force);
+  leave(150, 200);
+  EXPECT_TRUE(checker_.violations().empty()) << lines(checker_.violations());
+  leave(200, 270);
+  EXPECT_TRUE(has("presses on by"));
+}
+
 TEST_F(SoakCheckerTest, NoticesASpeedThatTheStepForbids) {
   SoakChecker::Options options;
   options.limits.max_step = 0.005;  // 0.22 m/s

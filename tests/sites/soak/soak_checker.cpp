@@ -186,8 +186,11 @@ double SoakChecker::max_speed() const {
 void SoakChecker::on_force(double t, const Eigen::Vector3d& force_base) {
   force_base_ = force_base;
   if (force_base.norm() <= options_.limits.max_force) return pressed_since_.reset();
-  if (pressed_since_) return;
+  if (pressed_since_ && force_base.dot(pressed_force_base_) > 0.0) return;
+  // Also one that turns against what it was, as an outlier of the sensor does while the tool leaves
+  // what it pressed: the tool has to stop from then on.
   pressed_since_ = t;
+  pressed_force_base_ = force_base;
   pressed_on_ = 0.0;
   ++pressed_count_;
 }

@@ -109,6 +109,7 @@ class SoakChecker {
   std::deque<Setpoint> setpoints_;  ///< of the last tenth of a second
   Eigen::Vector3d force_base_ = Eigen::Vector3d::Zero();
   std::optional<double> pressed_since_;  ///< [s] the force is above its limit
+  Eigen::Vector3d pressed_force_base_ = Eigen::Vector3d::Zero();  ///< [N] then
   double pressed_on_ = 0.0;              ///< [m] along the force since the tool had time to stop
   std::size_t pressed_count_ = 0;
   std::size_t executed_count_ = 0;
