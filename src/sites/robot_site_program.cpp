@@ -140,8 +140,8 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     if (const auto* hello = std::get_if<LinkHello>(&message.content)) {
       return on_hello(packet, message.header, *hello, now);
     }
-    // Of a session that has ended, perhaps over another connection: an answer, also to a ping, would
-    // keep the operator's site from seeing that nothing it commands is executed.
+    // Of a session that has ended, perhaps over another connection: an answer, also to a ping,
+    // would keep the operator's site from seeing that nothing it commands is executed.
     if (!sessions_.has_sent(packet, message.header)) return;
     note_received(message.header);
     if (std::holds_alternative<LinkPing>(message.content)) {
