@@ -11,11 +11,15 @@ export class Messages {
   private readonly toasts = byId('toasts', HTMLDivElement);
   private readonly announcer = byId('announcer', HTMLDivElement);
 
-  /// `isPersistent`: does not time out, for errors that stop the page.
+  /// One that is already shown is shown anew, not twice. `isPersistent`: does not time out, for
+  /// errors that stop the page.
   show(notice: Notice, isPersistent = false): void {
     const toast = create('div', { className: notice.level, textContent: notice.text });
     if (notice.level === 'error') toast.setAttribute('role', 'alert');
     else this.announce(notice.text);
+    for (const shown of [...this.toasts.children]) {
+      if (shown.className === toast.className && shown.textContent === notice.text) shown.remove();
+    }
     this.toasts.append(toast);
     while (this.toasts.children.length > maxShown) this.toasts.firstElementChild!.remove();
     if (!isPersistent)
