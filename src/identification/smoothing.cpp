@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
@@ -72,16 +73,19 @@ bool is_covered(std::span<const double> t, double at, double half_width) {
   return at + half_width - before <= 0.5 * half_width;
 }
 
-/// The line under the kernel (1 - u^2)^2, at `at`.
-double fit_value(std::span<const double> t, std::span<const double> values, double at,
-                 double half_width) {
-  const double middle = values[values.size() / 2];  // avoids cancellation where the value is large
+/// The line under the kernel (1 - u^2)^2, at `at`: of values or points.
+template <typename Value>
+Value fit_value(std::span<const double> t, std::span<const Value> values, double at,
+                double half_width) {
+  const Value middle = values[values.size() / 2];  // avoids cancellation where the value is large
+  Value wv = middle - middle, wuv = middle - middle;
   const double per_width = 1.0 / half_width;
-  double w = 0.0, wu = 0.0, wuu = 0.0, wv = 0.0, wuv = 0.0;
+  double w = 0.0, wu = 0.0, wuu = 0.0;
   for (std::size_t i = 0; i < t.size(); ++i) {
     const double u = (t[i] - at) * per_width;
     const double root = 1.0 - u * u;
-    const double weight = root * root, weighted_u = weight * u, value = values[i] - middle;
+    const double weight = root * root, weighted_u = weight * u;
+    const Value value = values[i] - middle;
     w += weight;
     wu += weighted_u;
     wuu += weighted_u * u;
@@ -136,6 +140,18 @@ SmoothedSample fit_at(std::span<const double> t, std::span<const double> values,
                     values.subspan(window.begin, window.size()), at, half_width);
 }
 
+/// Empty where the window is not full.
+template <typename Value>
+std::optional<Value> value_at(std::span<const double> t, std::span<const Value> values, double at,
+                              double half_width) {
+  PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
+  PCAVR_REQUIRE(half_width > 0.0, half_width);
+  const Window window = window_at(t, at, half_width);
+  const std::span<const double> stamps = t.subspan(window.begin, window.size());
+  if (stamps.size() < kMinSamples || !is_covered(stamps, at, half_width)) return std::nullopt;
+  return fit_value(stamps, values.subspan(window.begin, window.size()), at, half_width);
+}
+
 }  // namespace
 
 SmoothedSample smooth_at(std::span<const double> t, std::span<const double> values, double at,
@@ -155,15 +171,14 @@ std::vector<SmoothedSample> smooth(std::span<const double> t, std::span<const do
 
 SmoothedSample smooth_value_at(std::span<const double> t, std::span<const double> values, double at,
                                double half_width) {
-  PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
-  PCAVR_REQUIRE(half_width > 0.0, half_width);
-  const Window window = window_at(t, at, half_width);
-  const std::span<const double> stamps = t.subspan(window.begin, window.size());
-  if (stamps.size() < kMinSamples || !is_covered(stamps, at, half_width)) return {};
-  SmoothedSample sample;
-  sample.value = fit_value(stamps, values.subspan(window.begin, window.size()), at, half_width);
-  sample.is_valid = true;
-  return sample;
+  const std::optional<double> value = value_at(t, values, at, half_width);
+  return {.value = value.value_or(0.0), .is_valid = value.has_value()};
+}
+
+std::optional<Eigen::Vector3d> smooth_point_at(std::span<const double> t,
+                                               std::span<const Eigen::Vector3d> points, double at,
+                                               double half_width) {
+  return value_at(t, points, at, half_width);
 }
 
 std::vector<SmoothedSample> smooth_values(std::span<const double> t, std::span<const double> values,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/identification/smoothed_values.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -21,25 +23,6 @@ constexpr double kTypicalForceInterval = 0.002;
 constexpr double kUncoveredTimeout = 0.050;
 /// Samples are discarded in blocks: the remaining ones must be moved.
 constexpr std::size_t kMinForceBlock = 4096;
-
-/// Empty where the window is not full.
-std::optional<Eigen::Vector3d> smooth_point(std::span<const double> t,
-                                            std::span<const Eigen::Vector3d> points, double at,
-                                            double half_width) {
-  // One more on either side shows that the window is complete.
-  const auto first = std::lower_bound(t.begin(), t.end(), at - half_width);
-  const auto last = std::upper_bound(first, t.end(), at + half_width);
-  const auto begin = static_cast<std::size_t>(std::max<std::ptrdiff_t>(first - t.begin() - 1, 0));
-  const std::size_t end = std::min(static_cast<std::size_t>(last - t.begin()) + 1, t.size());
-  Eigen::Vector3d result;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> values = axis_of(points.subspan(begin, end - begin), axis);
-    const SmoothedSample sample = smooth_at(t.subspan(begin, end - begin), values, at, half_width);
-    if (!sample.is_valid) return std::nullopt;
-    result[axis] = sample.value;
-  }
-  return result;
-}
 
 }  // namespace
 
@@ -91,8 +74,8 @@ ForceStream::Sample ForceStream::smoothed(std::size_t index, const TipStream& ti
   const double t = t_[index];
   const std::span<const double> t_clean = std::span(t_).first(clean_base_.size());
   return {t, clean_base_[index],
-          smooth_point(t_clean, clean_base_, t, half_width()).value_or(clean_base_[index]),
-          smooth_point(tip.t(), tip.p_base(), t, half_width()).value_or(tip.at(t))};
+          smooth_point_at(t_clean, clean_base_, t, half_width()).value_or(clean_base_[index]),
+          smooth_point_at(tip.t(), tip.p_base(), t, half_width()).value_or(tip.at(t))};
 }
 
 ForceStream::Record ForceStream::between(double from, double to) const {

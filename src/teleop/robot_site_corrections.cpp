@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pcavr/identification/path_view.hpp"
+#include "pcavr/identification/smoothed_values.hpp"
 
 #include "teleop/robot_site.hpp"
 #include "teleop/sent_parameters.hpp"
@@ -24,6 +25,8 @@ constexpr double kTipSpeedTime = 0.05;
 // [s] Half width over which the tip's noise is averaged in a trial: the operator's command has
 // none, and on a stiff face its force would count as an error of the stiffness.
 constexpr double kTipSmoothing = 0.01;
+// Of a slow tip's samples, on either side: as many as a local line needs.
+constexpr double kMinSmoothedIntervals = 3.0;
 // [stds] of the estimate: a smaller difference of two poses at rest is noise.
 constexpr double kRestStds = 2.0;
 // [m] Between an object and a tool that is kept off it: more than both sites' poses differ by then.
@@ -49,21 +52,9 @@ class TriedPath {
     if (t <= t_.back()) return PathView(t_, p_base_).at(t);
     return p_base_.back() + (t - t_.back()) * velocity_base_;
   }
-  /// Without the noise of its measurement.
-  [[nodiscard]] Eigen::Vector3d smooth_at(double t) const {
-    const auto first = std::lower_bound(t_.begin(), t_.end(), t - kTipSmoothing);
-    const auto last = std::upper_bound(first, t_.end(), t + kTipSmoothing);
-    if (last - first < 3) return at(t);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double sum_t = 0.0;
-    for (auto now = first; now != last; ++now) {
-      sum += p_base_[static_cast<std::size_t>(now - t_.begin())];
-      sum_t += *now - t;
-    }
-    const auto begin = static_cast<std::size_t>(first - t_.begin());
-    const auto end = static_cast<std::size_t>(last - t_.begin()) - 1;
-    const Eigen::Vector3d velocity_base = (p_base_[end] - p_base_[begin]) / (t_[end] - t_[begin]);
-    return (sum - sum_t * velocity_base) / static_cast<double>(last - first);
+  /// Without the noise of its measurement, where there are samples around.
+  [[nodiscard]] Eigen::Vector3d smooth_at(double t, double half_width) const {
+    return smooth_point_at(t_, p_base_, t, half_width).value_or(at(t));
   }
 
  private:
@@ -252,6 +243,7 @@ std::vector<CorrectionProposal::Contact> RobotSite::tried_contacts(
   const BodyPhysics before = object.physics_with(object.acknowledged);
   BodyPhysics after = object.physics_with(next);
   const Eigen::Vector3d offset = after.surface_offset;
+  const double smoothing = std::max(kTipSmoothing, kMinSmoothedIntervals * tip_.interval());
   for (const RobotObject::SeenContact& seen : object.seen_contacts()) {
     const double end = std::min(seen.begin + RobotObject::kMaxSeenTime, processed_);
     if (seen.begin < tip_.t().front() || seen.poses.empty()) continue;
@@ -267,8 +259,8 @@ std::vector<CorrectionProposal::Contact> RobotSite::tried_contacts(
                   {force.clean_base.begin(), force.clean_base.end()}},
         .bias_base = bias_base_,
         .force_resolution = sensors_.enter_force,
-        .p_base_tip = [path = TriedPath(tip_, seen.begin - kTipSmoothing, end + kTipSmoothing)](
-                          double t) { return path.smooth_at(t); }};
+        .p_base_tip = [smoothing, path = TriedPath(tip_, seen.begin - smoothing, end + smoothing)](
+                          double t) { return path.smooth_at(t, smoothing); }};
     // The surface is measured on the face that is touched now: another one's need not change.
     const bool is_newest = &seen == &object.seen_contacts().back();
     after.surface_offset = is_newest ? offset : before.surface_offset;

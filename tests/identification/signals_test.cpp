@@ -3,6 +3,7 @@
 #include "pcavr/identification/signals.hpp"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -107,6 +108,25 @@ TEST(Smooth, IsInvalidWhereTheWindowIsNotFull) {
   std::vector<double> holed = t;
   std::erase_if(holed, [](double at) { return at > 0.04 && at < 0.06; });
   EXPECT_FALSE(smooth_at(holed, std::vector<double>(holed.size(), 1.0), 0.05, 0.02).is_valid);
+}
+
+TEST(Smooth, OfPointsIsThatOfEachAxis) {
+  std::vector<double> t = grid(500.0, 0.2);
+  Random random(6);
+  for (double& at : t) at += 3e-4 * random.uniform(-1.0, 1.0);
+  std::vector<Eigen::Vector3d> points;
+  for (const double at : t)
+    points.emplace_back(0.6 + 0.3 * at, 4.0 * at * at + 1e-3 * random.normal(), -2.0);
+  for (double at = -0.01; at < 0.21; at += 0.0017) {
+    const std::optional<Eigen::Vector3d> smoothed = smooth_point_at(t, points, at, 0.02);
+    for (int axis = 0; axis < 3; ++axis) {
+      const SmoothedSample alone = smooth_at(t, axis_of(points, axis), at, 0.02);
+      ASSERT_EQ(smoothed.has_value(), alone.is_valid) << at;
+      if (smoothed.has_value()) {
+        EXPECT_NEAR((*smoothed)[axis], alone.value, 1e-12) << at;
+      }
+    }
+  }
 }
 
 TEST(CausalFilter, EqualsTheCentredOneAfterItsDelay) {

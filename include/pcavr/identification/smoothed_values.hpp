@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "pcavr/identification/signals.hpp"
 
@@ -18,5 +21,9 @@ namespace pcavr {
                                                         std::span<const double> values,
                                                         std::span<const double> at,
                                                         double half_width);
+/// As smooth_value_at() of each axis; empty where the window is not full.
+[[nodiscard]] std::optional<Eigen::Vector3d> smooth_point_at(
+    std::span<const double> t, std::span<const Eigen::Vector3d> points, double at,
+    double half_width);
 
 }  // namespace pcavr
