@@ -24,6 +24,7 @@ constexpr int kGuessedViscousSteps = 10;  // while samples are weighed
 constexpr int kScatterSteps = 9;
 constexpr double kMaxScatterStds = 3.2;  // of the prior's logarithm: tenths of a per cent to 20 %
 constexpr int kDriftSteps = 3;           // of the share of the scatter that is a drift
+constexpr double kNegligibleLogWeight = -30.0;  // of the highest: all together, 1e-9 of the weight
 constexpr double kMaxResidual = 2.5;  // in stds; beyond it a sample's std grows with its residual
 constexpr int kFrictionReweightings = 3;
 constexpr double kMaxPosteriorMassStd = 0.1;  // as a share of the mass
@@ -42,14 +43,19 @@ using PushSums = detail::PushSums<kColumns>;
 using NormalEquations = detail::NormalEquations<kColumns>;
 using PlaceFilter = detail::PlaceFilter<kColumns>;
 
-/// The posterior at one grid point: Gaussian in the unknowns, with its log evidence.
-struct Conditional {
+/// Of the unknowns on a grid, with the log evidence there.
+struct GridPoint {
   double viscous = 0.0;
   double between = 0.0;  ///< scatter from push to push, as a share
   double within = 0.0;   ///< from place to place
+  double drift = 0.0;    ///< share of the variance from push to push that is a drift
+  double log_weight = 0.0;
+};
+
+/// The posterior at one grid point: Gaussian in the other unknowns.
+struct Conditional : GridPoint {
   Unknowns mean = Unknowns::Zero();
   Information covariance = Information::Zero();
-  double log_weight = 0.0;
 };
 
 /// Mean and variance of a linear function of the unknowns and B over the posterior.
@@ -246,27 +252,33 @@ class Inference {
     return totals;
   }
 
-  [[nodiscard]] Conditional condition(const Totals& totals, double viscous, double between,
-                                      double within, double drift) const {
+  [[nodiscard]] NormalEquations equations_of(const Totals& totals, const GridPoint& point) const {
     NormalEquations equations = totals.equations;
-    detail::marginalise_pushes(totals.pushes, scatter_of(between, drift), equations);
+    detail::marginalise_pushes(totals.pushes, scatter_of(point.between, point.drift), equations);
+    return equations;
+  }
+
+  [[nodiscard]] double log_weight_of(const NormalEquations& equations,
+                                     const GridPoint& point) const {
     const Eigen::LLT<Information> measured(equations.information);
-    const Information inverse = measured.solve(Information::Identity());
-    const Information lower = measured.matrixL();
-    const double log_information = 2.0 * lower.diagonal().array().log().sum();
+    const double log_information = 2.0 * measured.matrixLLT().diagonal().array().log().sum();
     const double prior_misfit =
-        std::pow(scatter_in_stds(between), 2) + std::pow(scatter_in_stds(within), 2);
-    const double explained = equations.weighted.dot(inverse * equations.weighted);
-    const double log_weight = -0.5 * (equations.misfit - explained + equations.log_determinant +
-                                      log_information + prior_misfit);
+        std::pow(scatter_in_stds(point.between), 2) + std::pow(scatter_in_stds(point.within), 2);
+    const double explained = measured.matrixL().solve(equations.weighted).squaredNorm();
+    return -0.5 * (equations.misfit - explained + equations.log_determinant + log_information +
+                   prior_misfit);
+  }
+
+  [[nodiscard]] Conditional solve_at(const Totals& totals, const GridPoint& at) const {
+    Conditional point{at, {}, {}};
+    NormalEquations equations = equations_of(totals, at);
+    const Information inverse =
+        Eigen::LLT<Information>(equations.information).solve(Information::Identity());
     remove_noise(totals, 1.0 / inverse(kMass, kMass), equations);
     const Eigen::LLT<Information> factor(equations.information);
-    return {viscous,
-            between,
-            within,
-            factor.solve(equations.weighted),
-            factor.solve(Information::Identity()),
-            log_weight};
+    point.mean = factor.solve(equations.weighted);
+    point.covariance = factor.solve(Information::Identity());
+    return point;
   }
 
   /// The noise of the accelerations adds to their squares, and where the force has a share in it,
@@ -290,21 +302,38 @@ class Inference {
     return {std::hypot(priors_.bias_std, own), all * std::sqrt(drift), priors_.push_correlation};
   }
 
+  /// Without the points that have next to no weight: they are most of them.
   [[nodiscard]] std::vector<Conditional> evaluate_grid(const ViscousRange& range,
                                                        int viscous_steps) const {
-    std::vector<Conditional> grid;
+    std::vector<Totals> totals;
+    std::vector<GridPoint> grid;
     for (int w = 0; w < kScatterSteps; ++w) {
       for (int b = 0; b < viscous_steps; ++b) {
         const double viscous = range.low + (range.high - range.low) * (b + 0.5) / viscous_steps;
-        const Totals totals = totals_at(viscous, scatter_at(w));
+        totals.push_back(totals_at(viscous, scatter_at(w)));
         for (int s = 0; s < kScatterSteps * kDriftSteps; ++s) {
-          const double drift = static_cast<double>(s % kDriftSteps) / (kDriftSteps - 1);
-          grid.push_back(
-              condition(totals, viscous, scatter_at(s / kDriftSteps), scatter_at(w), drift));
+          GridPoint point{viscous, scatter_at(s / kDriftSteps), scatter_at(w)};
+          point.drift = static_cast<double>(s % kDriftSteps) / (kDriftSteps - 1);
+          point.log_weight = log_weight_of(equations_of(totals.back(), point), point);
+          grid.push_back(point);
         }
       }
     }
-    return grid;
+    return with_weight(totals, grid);
+  }
+
+  /// Solved; `totals`: of as many successive points of the grid each.
+  [[nodiscard]] std::vector<Conditional> with_weight(const std::vector<Totals>& totals,
+                                                     const std::vector<GridPoint>& grid) const {
+    double highest = grid.front().log_weight;
+    for (const GridPoint& point : grid) highest = std::max(highest, point.log_weight);
+    const std::size_t per_totals = grid.size() / totals.size();
+    std::vector<Conditional> kept;
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      if (grid[i].log_weight < highest + kNegligibleLogWeight) continue;
+      kept.push_back(solve_at(totals[i / per_totals], grid[i]));
+    }
+    return kept;
   }
 
   [[nodiscard]] double scatter_at(int step) const {
