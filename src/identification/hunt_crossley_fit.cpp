@@ -111,11 +111,20 @@ class Problem {
     return squares > 0.0 ? std::max(1.0, 1.0 + sum / squares) : 1.0;
   }
 
+  /// Of the parameters, where the errors' variance is `variance` times the noise's. The prior is
+  /// not part of them: a bad fit widens what the samples say, not what was known before.
+  [[nodiscard]] Eigen::MatrixXd covariance_of(Eigen::MatrixXd normal, double variance) const {
+    if (!exponent_) normal(2, 2) += (variance - 1.0) * prior_information();
+    const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(normal.rows(), normal.cols());
+    Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
+    if (exponent_) covariance(2, 2) = 0.0;
+    return covariance;
+  }
+
   /// A given exponent is counted, too: one degree of freedom of thousands.
   [[nodiscard]] std::size_t unknowns() const {
     return 3 + (is_surface_shared_ ? 1 : presses_.size());
   }
-  [[nodiscard]] bool is_exponent_given() const { return exponent_.has_value(); }
   [[nodiscard]] Eigen::Index surface_column(std::size_t press) const {
     return 3 + (is_surface_shared_ ? 0 : static_cast<Eigen::Index>(press));
   }
@@ -124,9 +133,13 @@ class Problem {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
+  [[nodiscard]] double prior_information() const {
+    return 1.0 / (prior_exponent_std_ * prior_exponent_std_);
+  }
+
   /// It decides only where noise hides the exponent.
   double add_exponent_prior(double exponent, Eigen::MatrixXd& normal, Eigen::VectorXd& rhs) const {
-    const double weight = 1.0 / (prior_exponent_std_ * prior_exponent_std_);
+    const double weight = prior_information();
     const double off = prior_exponent_ - exponent;
     normal(2, 2) += weight;
     rhs[2] += weight * off;
@@ -314,9 +327,7 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
   // Reduced chi squared: above 1 where the law does not fit the surface exactly.
   const double variance =
       sum / static_cast<double>(problem.count() - unknowns) * problem.correlation_factor(theta);
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(theta.size(), theta.size());
-  Eigen::MatrixXd covariance = variance * normal.ldlt().solve(identity);
-  if (problem.is_exponent_given()) covariance(2, 2) = 0.0;
+  Eigen::MatrixXd covariance = problem.covariance_of(normal, variance);
   set_parameters(theta, covariance, problem.depth(), fit);
   fit.penetration_std = penetration_std(theta, covariance);
   // A small damping is as well known as a large one: it is excited where its error hardly changes

@@ -22,6 +22,7 @@ void append_newest(const std::vector<Value>& added, std::vector<Value>& stored) 
 
 void merge(const Approach& added, Approach& stored) {
   if (added.gap < stored.gap) stored.gap = added.gap, stored.t = added.t;
+  stored.max_gap = std::max(stored.max_gap, added.max_gap);
   stored.moved = std::max(stored.moved, added.moved);
   stored.max_force = std::max(stored.max_force, added.max_force);
 }

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "pcavr/identification/signals.hpp"
+
 #include "inputs/clock_offsets.hpp"
 
 namespace pcavr {
@@ -116,6 +118,12 @@ double slide_speed(const ContactEpisode& episode) {
   return displacement_at(episode, episode.slides.back().end) / std::max(duration, 1e-6);
 }
 
+/// [s] Std of a slide's ends where samples are so few that the smoothing, which needs three
+/// intervals, is wider than `half_width`: they lie anywhere in that excess.
+double slide_end_std(const AttributedContact& push, double half_width) {
+  return std::max(0.0, 3.0 * mean_interval(push.episode.t) - half_width) / std::sqrt(3.0);
+}
+
 /// Whether the object moves with the tip: pushed through its centre, or on a flat face.
 bool is_usable(const AttributedContact& contact, const PathView& tip, const InputSeries& series,
                const std::vector<BodySurface>& surfaces) {
@@ -171,11 +179,15 @@ Eigen::Vector3d mean_position(std::span<const TrackedPose> tracked, const Eigen:
 }  // namespace
 
 TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurface>& surfaces,
-                         const PathView& tip, std::span<const AttributedContact> contacts) {
+                         const PathView& tip, std::span<const AttributedContact> contacts,
+                         double slide_half_width) {
   std::vector<const AttributedContact*> pushes;
+  double end_std = 0.0;
   for (const AttributedContact& contact : contacts) {
     const bool is_tracked = contact.object && !series.bodies[*contact.object].tracked.empty();
-    if (is_tracked && is_usable(contact, tip, series, surfaces)) pushes.push_back(&contact);
+    if (!is_tracked || !is_usable(contact, tip, series, surfaces)) continue;
+    pushes.push_back(&contact);
+    end_std = std::max(end_std, slide_end_std(contact, slide_half_width));
   }
   TimeOffset result;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -187,7 +199,7 @@ TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurfac
     result.offset +=
         std::clamp(sums.gradient / sums.speed_squares, -kMaxOffsetStep, kMaxOffsetStep);
     result.std = std::sqrt(sums.residual_squares / sums.count / sums.speed_squares);
-    result.std = std::hypot(result.std, kMotionBias);
+    result.std = std::hypot(result.std, kMotionBias, end_std);
     result.is_known = std::abs(result.offset) < kMaxOffset && result.std < 0.1 * kMaxOffset;
   }
   return result;

@@ -36,11 +36,12 @@ namespace pcavr {
 
 /// Delay of the tracked poses against the tool, from slides: there the pushed face moves with the
 /// tip, along its normal. Off the centre of mass, only faces that are flat as far as the tip slides
-/// count.
+/// count. `slide_half_width` [s]: see SegmentationOptions.
 [[nodiscard]] TimeOffset camera_offset(const InputSeries& series,
                                        const std::vector<BodySurface>& surfaces,
                                        const PathView& tip,
-                                       std::span<const AttributedContact> contacts);
+                                       std::span<const AttributedContact> contacts,
+                                       double slide_half_width);
 
 /// The same offset without a force, by cross-correlation of a body's longest motion with the tip's.
 [[nodiscard]] TimeOffset motion_offset(const InputBody& body, const PathView& tip,

@@ -55,10 +55,11 @@ struct FrictionRatios {
 [[nodiscard]] std::string doubtful_friction(const std::string& name,
                                             const FrictionRatios& friction);
 
-/// The closest approach of the tip to one body, and the body's motion near the tip.
+/// The closest approach of the tip to one body, the farthest, and the body's motion near the tip.
 struct Approach {
-  double gap = std::numeric_limits<double>::infinity();  ///< [m] minimum
-  double t = 0.0;                                        ///< [s] of the minimum
+  double gap = std::numeric_limits<double>::infinity();       ///< [m] minimum
+  double t = 0.0;                                             ///< [s] of the minimum
+  double max_gap = -std::numeric_limits<double>::infinity();  ///< [m]
   double moved = 0.0;      ///< [m] by tracking, while the tip was near
   double max_force = 0.0;  ///< [N] horizontal, at that time
 };

@@ -87,6 +87,7 @@ Approach approach_of(const InputSeries& series, const PathView& tip, const BodyP
   for (double t = series.t_tool.front(); t < series.t_tool.back(); t += kSampleInterval) {
     const Touch touch = poses.touch(object, t, tip.at(t), series.tool_radius);
     if (touch.gap < result.gap) result.gap = touch.gap, result.t = t;
+    result.max_gap = std::max(result.max_gap, touch.gap);
     if (!(touch.gap <= kPushRange) || !poses.is_tracked(object)) {
       before.reset();
       continue;
@@ -178,6 +179,13 @@ NoContact explain_no_contact(const std::vector<InputBody>& bodies,
         "force or the mass is in another unit, or the sensor was off",
         1e3 * approach.moved, approach.max_force, ratio);
     return {unit_fault(body.name + text, suggest_units_by_ratio(ratio)).error, true};
+  }
+  if (closest.gap <= 0.0 && closest.max_gap < kCertainPenetration) {
+    return {force_error("no contact: the tip is at " + bodies[which].name +
+                            " from the first sample to the last, so that the force's zero is "
+                            "unknown",
+                        "record free motion before the contact and after it"),
+            false};
   }
   if (closest.gap < -kCertainPenetration) {
     text = fmt::format(

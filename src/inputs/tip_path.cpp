@@ -26,8 +26,8 @@ double noise_of(std::span<const Eigen::Vector3d> points) {
   return noise;
 }
 
-/// Marks single samples far from their neighbours.
-void mark_spikes(std::span<const Eigen::Vector3d> points, double noise,
+/// Marks single samples far from their neighbours. `interval` [s]: the mean one.
+void mark_spikes(std::span<const Eigen::Vector3d> points, double noise, double interval,
                  std::vector<bool>& is_outlier) {
   const SpikeOptions options = tip_spike_options(noise);
   const auto overlap = static_cast<std::size_t>(options.half_window);
@@ -36,10 +36,13 @@ void mark_spikes(std::span<const Eigen::Vector3d> points, double noise,
     const std::size_t first = begin - std::min(begin, overlap);
     const std::size_t count = std::min(end + overlap, points.size()) - first;
     for (int axis = 0; axis < 3; ++axis) {
-      const DespikedSignal signal =
-          remove_spikes(axis_of(points.subspan(first, count), axis), options);
-      for (const std::size_t i : signal.spikes) {
-        if (first + i >= begin && first + i < end) is_outlier[first + i] = true;
+      const std::vector<double> values = axis_of(points.subspan(first, count), axis);
+      for (const std::size_t i : remove_spikes(values, options).spikes) {
+        if (first + i < begin || first + i >= end) continue;
+        const std::size_t from = i - std::min(i, overlap);
+        const std::span<const double> around =
+            std::span(values).subspan(from, std::min(i + overlap + 1, count) - from);
+        if (!is_drivable(around, noise, interval)) is_outlier[first + i] = true;
       }
     }
   }
@@ -112,7 +115,7 @@ TipPath clean_tip_path(std::span<const double> t, std::span<const Eigen::Vector3
   const auto calibrated = std::upper_bound(t.begin(), t.end(), t.front() + options.window);
   path.noise = noise_of(p_base.first(static_cast<std::size_t>(calibrated - t.begin())));
   std::vector<bool> is_outlier(t.size(), false);
-  mark_spikes(p_base, path.noise, is_outlier);
+  mark_spikes(p_base, path.noise, mean_interval(t), is_outlier);
   mark_dropouts(t, p_base, options, is_outlier);
   if (std::find(is_outlier.begin(), is_outlier.end(), true) != is_outlier.end()) {
     keep(t, p_base, is_outlier, path);

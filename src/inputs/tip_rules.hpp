@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 
@@ -30,6 +31,20 @@ inline constexpr char kJumpReason[] = "the tool's pose jumps";
   options.threshold = kSpikeThreshold;
   options.noise = std::max(noise, kMinNoise);
   return options;
+}
+
+/// Whether an arm can drive along these successive samples of one axis [m]: then none of them is a
+/// spike, however still the tip is around it. At 10 Hz a press is one sample. `interval` [s]: the
+/// mean one.
+[[nodiscard]] inline bool is_drivable(std::span<const double> values, double noise,
+                                      double interval) {
+  constexpr double kMaxArmAcceleration = 20.0;  // [m/s^2] of fast arms
+  constexpr double kNoiseStds = 12.0;           // as of a spike
+  const double max_difference = kMaxArmAcceleration * interval * interval + kNoiseStds * noise;
+  for (std::size_t i = 2; i < values.size(); ++i) {
+    if (std::abs(values[i] - 2.0 * values[i - 1] + values[i - 2]) > max_difference) return false;
+  }
+  return true;
 }
 
 /// Whether no arm goes from `last` to `point` in `duration` [s]. A tool that stays there for longer

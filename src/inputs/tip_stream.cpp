@@ -49,7 +49,8 @@ bool TipStream::is_spike(std::size_t index) const {
     for (std::size_t i = begin; i < end; ++i) values[i - begin] = raw_[i].p_base[axis];
     const DespikedSignal signal = remove_spikes(values, options);
     const auto& found = signal.spikes;
-    if (std::find(found.begin(), found.end(), index - begin) != found.end()) return true;
+    const bool is_far = std::find(found.begin(), found.end(), index - begin) != found.end();
+    if (is_far && !is_drivable(values, noise(), interval())) return true;
   }
   return false;
 }

@@ -91,12 +91,14 @@ void attribute(const Prepared& prepared, const InputOptions& options, BodyPoses&
 }
 
 TimeOffset find_camera_offset(const Prepared& prepared, const std::vector<BodySurface>& surfaces,
-                              const WindowFindings& result) {
+                              const InputOptions& options, const WindowFindings& result) {
   // Contacts whose force points elsewhere belong to another body, or have a fault.
   std::vector<AttributedContact> sound = result.contacts;
   leave_out_misdirected(result.evidence, sound);
-  TimeOffset offset = camera_offset(prepared.series, surfaces, prepared.path(), sound);
-  if (offset.is_known) return offset;
+  TimeOffset offset = camera_offset(prepared.series, surfaces, prepared.path(), sound,
+                                    options.segmentation.slide_half_width);
+  // Slides that do not determine it are not known any better without their force.
+  if (offset.is_known || offset.std > 0.0) return offset;
   for (const InputBody& body : prepared.series.bodies) {
     offset = more_certain(offset, motion_offset(body, prepared.path(), prepared.tip.p_base));
   }
@@ -167,8 +169,9 @@ WindowFindings analyse_window(const InputSeries& measured, const std::vector<Bod
   // Before the tracking's offset, which is wrong where the force's clock is.
   result.clock_fault = find_clock_fault(measured, prepared, *poses);
   result.tool_to_camera = more_certain(
-      prior.tool_to_camera,
-      prepared.tip.t.empty() ? TimeOffset{} : find_camera_offset(prepared, surfaces, result));
+      prior.tool_to_camera, prepared.tip.t.empty()
+                                ? TimeOffset{}
+                                : find_camera_offset(prepared, surfaces, options, result));
   result.is_camera_offset_applied =
       is_significant(result.tool_to_camera, options.min_camera_offset, options);
   if (result.is_camera_offset_applied) {

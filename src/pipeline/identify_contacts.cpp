@@ -187,6 +187,11 @@ bool is_within_travel(const ContactFit& fit, const std::vector<ForceMotion>& pus
   return depth <= kMaxDepthShare * travel;
 }
 
+/// Whether the law states the force at the depths of its contacts, as well as a value needs.
+bool is_determined(const ContactFit& fit) {
+  return fit.penetration_std * fit.exponent.value < 1.0 / kMinStds;
+}
+
 /// Relative std of the stiffness from push to push, which the joint fit does not include.
 double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFitOptions& options) {
   std::vector<double> logs;
@@ -232,12 +237,21 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     const double share = std::hypot(kCreep, stiffness_scatter(series[i], options));
     fit.stiffness.std = std::hypot(fit.stiffness.std, fit.stiffness.value * share);
     fit.penetration_std = std::hypot(fit.penetration_std, share / fit.exponent.value);
-    faces[i].is_usable = fit.penetration_std * fit.exponent.value < 1.0 / kMinStds &&
-                         is_within_travel(fit, series[i]);
+    faces[i].is_usable = is_determined(fit) && is_within_travel(fit, series[i]);
     fit.stiffness.is_excited =
         faces[i].is_usable && fit.stiffness.value > kMinStds * fit.stiffness.std;
   }
   return faces;
+}
+
+/// Presses that begin or end within the record show no depth, and any law fits them.
+void withhold_undetermined(ContactIdentification& found) {
+  if (!found.best().is_valid || is_determined(found.best())) return;
+  found.mass_damper_spring.is_valid = false;
+  found.hunt_crossley.is_valid = false;
+  found.proposal =
+      "press again, with free motion before and after the press: the depth of the contact is not "
+      "determined, and so no stiffness was identified";
 }
 
 /// The contact law of presses on what stays, or moves under them while the tip travels.
@@ -256,6 +270,7 @@ ContactIdentification identify_presses(const std::vector<IdentifiedContact*>& pr
   }
   ContactIdentification found = identify_contact(series, options, local);
   add_tip_uncertainty(series, local, {presses.begin(), presses.end()}, options, found);
+  withhold_undetermined(found);
   return found;
 }
 

@@ -8,13 +8,14 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/link/correction_channel.hpp"
 #include "pcavr/sites/black_box.hpp"
 #include "pcavr/sites/link_sites.hpp"
 #include "pcavr/sites/site_clock.hpp"
 
 #include "command_schedule.hpp"
+#include "connection_attempt.hpp"
 #include "connection_faults.hpp"
+#include "correction_intake.hpp"
 #include "link_leads.hpp"
 #include "next_world.hpp"
 #include "operator_connection.hpp"
@@ -28,8 +29,6 @@
 namespace pcavr {
 namespace {
 
-// [s] Far below the robot site's timeout: a burst of losses must not end a session that begins.
-constexpr double kHelloInterval = 0.02;
 constexpr double kFirstPingInterval = 0.01;  // [s] until the first command
 constexpr double kPingInterval = 0.1;        // [s]
 constexpr double kLinkInterval = 1.0;        // [s] between two statistics in the log
@@ -37,7 +36,6 @@ constexpr std::size_t kMinRoundTrips = 10;
 constexpr double kIdleWait = 0.002;  // [s] while there is no cycle to wait for
 // Cycles behind, of more this site did not run: it begins anew from the robot's state.
 constexpr double kMaxOperatorBacklog = 200.0;
-constexpr std::size_t kMaxReportedTimes = 10'000;
 constexpr std::uint32_t kCyclesPerSlice = 100;  // its newest second is not read
 
 class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
@@ -59,7 +57,9 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
         clock_(runtime.clock),
         cpu_before_(thread_cpu()),
         next_event_(clock_.now() + kIdleWait),
-        link_(client, network, log_, clock_, runtime.new_session) {
+        link_(client, network, log_, clock_, runtime.new_session),
+        attempt_(options.connection_timeout),
+        corrections_(log_) {
     log_.on_start(clock_.now());
   }
 
@@ -131,7 +131,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     } else if (auto* welcome = std::get_if<LinkWelcome>(&message.content)) {
       on_welcome(std::move(*welcome), now);
     } else if (auto* correction = std::get_if<LinkCorrection>(&message.content)) {
-      if (!corrections_.accept(std::move(*correction))) ++report_.repeated_corrections;
+      corrections_.add(std::move(*correction));
     } else if (auto* state = std::get_if<LinkState>(&message.content)) {
       on_state(message.header, std::move(*state), now);
     } else if (const auto* picture = std::get_if<LinkPicture>(&message.content)) {
@@ -177,7 +177,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       return;
     }
     if (rejected.reason == LinkRejection::busy) {
-      is_busy_ = true;  // perhaps with this operator's last session, which ends soon
+      attempt_.on_busy();
       return;
     }
     fault_ = rejected_by_robot(rejected);
@@ -198,22 +198,14 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
   /// Hello until there is a welcome, then round trips until the clock is known.
   void connect(double now) {
-    if (!welcome_ && now >= next_hello_) {
-      next_hello_ = now + kHelloInterval;
-      link_.send(LinkHello{scene_.version, "operator-site"});
+    if (!welcome_) {
+      if (attempt_.is_hello_due(now)) link_.send(LinkHello{scene_.version, "operator-site"});
+      fault_ = attempt_.find_fault(client_.state(), now);
+      return;
     }
-    if (!welcome_) return check_connection(now);
     link_.ping(now, kFirstPingInterval);
     if (link_.round_trips() < kMinRoundTrips || now - welcomed_ < options_.min_clock_time) return;
     begin(now);
-  }
-
-  void check_connection(double now) {
-    if (has_connected_) return;  // an interruption: waits for the robot's site
-    const OperatorTransport::State state = client_.state();
-    if (state == OperatorTransport::State::rejected) fault_ = key_not_accepted();
-    if (now < options_.connection_timeout) return;
-    fault_ = not_connected(state, is_busy_);
   }
 
   /// The world as the scene describes it; the robot's site then sends what differs.
@@ -226,14 +218,14 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
       fault_ = site.error();
       return;
     }
-    has_connected_ = true;
+    attempt_.on_connected();
     // It took longer than expected: another one, with time for that.
     if (is_too_late(now)) return;
     site_.emplace(std::move(*site));
     next_link_ = now;
     if (welcome_->follows_commands) place_objects();
     person_.begin(*site_);
-    corrections_ = {};
+    corrections_.begin();
     if (lost_at_) {
       report_.interruptions.back().duration = now - *lost_at_;
       reporter_.note(now, fmt::format("connected again after {:.2f} s", now - *lost_at_));
@@ -342,17 +334,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
   void apply_corrections(double now, double t_next) {
     const bool was_retracting = site_->retracts_from().has_value();
-    for (const LinkCorrection& correction : corrections_.take(t_next)) {
-      const double t = correction.t - welcome_->start;
-      const bool is_valid = site_->apply(t, correction.bytes);
-      log_.on_applied(now, link_.session(), correction, is_valid);
-      if (!is_valid) {
-        ++report_.invalid_messages;
-        continue;
-      }
-      ++report_.corrections;
-      if (report_.t_corrected.size() < kMaxReportedTimes) report_.t_corrected.push_back(t);
-    }
+    corrections_.apply(*site_, link_.session(), now, welcome_->start, t_next);
     if (was_retracting || !site_->retracts_from()) return;
     reporter_.note(now, fmt::format("the tool moves out of {}, which the robot touched first",
                                     scene_.objects[*site_->retracts_from()]));
@@ -375,12 +357,13 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     robot_.begin();
     requests_.drop_releases();
     link_.restart();
-    next_hello_ = now;
+    attempt_.begin(now);
   }
 
   OperatorSiteReport describe() {
     if (site_) report_.late_corrections += site_->late();
     link_.add_to(report_);
+    corrections_.add_to(report_);
     report_.pictures = pictures_.count();
     report_.picture_age = pictures_.mean_age();
     report_.cycle_times = cycles_.times_of_all();
@@ -401,17 +384,15 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   double cpu_before_;  ///< [s]
   double next_event_;  ///< [s]
   OperatorConnection link_;
+  ConnectionAttempt attempt_;
+  CorrectionIntake corrections_;
   std::optional<LinkWelcome> welcome_;
   double welcomed_ = 0.0;
-  bool has_connected_ = false;
-  bool is_busy_ = false;  ///< another operator's site was connected
   std::optional<LiveOperatorSite> site_;
-  CorrectionReceiver corrections_;
   PictureView pictures_;
   RobotView robot_;
   CycleHistogram cycles_{kCyclesPerSlice};
   SafetyRequests requests_;
-  double next_hello_ = 0.0;
   double next_link_ = 0.0;
   std::optional<double> lost_at_;
   std::optional<Error> fault_;

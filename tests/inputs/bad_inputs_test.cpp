@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -243,6 +245,31 @@ TEST(TrackingOffset, IsThatOfTheClocksWhereTheTipSlidesAlongATurningObject) {
   const TimeOffset late = identified(input).inputs.tool_to_camera;
   EXPECT_NEAR(late.offset, 0.1, 2.0 * late.std);
   EXPECT_LT(late.std, 0.010);
+}
+
+/// Every `step`th sample of tool and force.
+void thin_out(std::size_t step, IdentificationInput& input) {
+  const auto thin = [step](auto& values) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < values.size(); i += step) values[kept++] = values[i];
+    values.resize(kept);
+  };
+  thin(input.t_tool);
+  thin(input.p_base_tip);
+  thin(input.q_base_tool);
+  thin(input.t_force);
+  thin(input.force_base);
+}
+
+TEST(TrackingOffset, IsNotFoundWhereSamplesAreTooFewForTheEndsOfSlides) {
+  for (const std::uint64_t seed : {2U, 3U, 4U}) {
+    for (const std::size_t step : {20U, 33U}) {
+      IdentificationInput input = identified_case(ToolTask::push, seed, 14.0).input;
+      thin_out(step, input);
+      EXPECT_EQ(identified(input).inputs.camera_shift(), 0.0)
+          << "seed " << seed << ", " << 500 / step << " Hz";
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, BadInputs, testing::Range<std::size_t>(0, bad_inputs().size()),

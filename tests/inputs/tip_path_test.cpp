@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/inputs/tip_path.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -66,6 +67,20 @@ TEST(TipPath, RejectsSpikesAndBridgesThem) {
   EXPECT_TRUE(path.jumps.empty());
   EXPECT_TRUE(path.bad.empty()) << "contacts remain usable";
   EXPECT_LT((path.at(motion.t[300]) - Eigen::Vector3d(0.012, 0.0, 0.0)).norm(), 1e-9);
+}
+
+TEST(TipPath, KeepsAShortPressOfASlowlySampledTool) {
+  // At 10 Hz: rest, 15 mm down and up again within one sample, and a start at 0.25 m/s.
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> p;
+  for (int i = 0; i < 60; ++i) {
+    t.push_back(0.1 * i);
+    const double noise = i % 2 == 0 ? 1e-5 : -1e-5;
+    p.emplace_back(-0.025 * std::max(0, 2 - i), noise, i == 30 ? -0.015 : 0.0);
+  }
+  const TipPath path = clean_tip_path(t, p, InputOptions{});
+  EXPECT_EQ(path.outliers, 0U);
+  EXPECT_EQ(path.p_base[30].z(), -0.015);
 }
 
 TEST(TipPath, RejectsDropoutsAndReportsTheirTime) {

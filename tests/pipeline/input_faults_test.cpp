@@ -81,6 +81,37 @@ TEST(InputFaults, ShortRecordsAreNotCalledEmpty) {
   EXPECT_EQ(failure_of(one_press(whole, 20)), "");
 }
 
+/// `input` between two times, at `interval`.
+IdentificationInput between(const IdentificationInput& whole, double from, double to,
+                            double interval) {
+  IdentificationInput part = whole;
+  part.q_base_tool.clear();
+  const auto take = [&](const auto& t, const auto& values, auto& part_t, auto& part_values) {
+    part_t.clear();
+    part_values.clear();
+    for (double at = from; at < to; at += interval) {
+      const auto i = std::lower_bound(t.begin(), t.end(), at) - t.begin();
+      part_t.push_back(t[i]);
+      part_values.push_back(values[i]);
+    }
+  };
+  take(whole.t_force, whole.force_base, part.t_force, part.force_base);
+  take(whole.t_tool, whole.p_base_tip, part.t_tool, part.p_base_tip);
+  return part;
+}
+
+TEST(InputFaults, DoNotBlameTheForceOfARecordInsideAPress) {
+  const IdentificationInput whole = identified_case(ToolTask::press, 2, 9.0).input;
+  EXPECT_NE(failure_of(between(whole, 7.72, 7.98, 0.010))
+                .find("the tip is at box_1 from the first sample to the last"),
+            std::string::npos);
+  // Its beginning alone is cut off: any law fits, and none is stated.
+  const auto cut_off = identify(between(whole, 2.15, 2.72, 0.027), IdentificationGoal::contact);
+  ASSERT_TRUE(cut_off.has_value()) << cut_off.error().to_string();
+  EXPECT_FALSE(cut_off->objects[0].presses.best().is_valid);
+  EXPECT_FALSE(cut_off->objects[0].parameters.contact_stiffness.has_value());
+}
+
 /// An untracked object's pose is uncertain after its first push: fewer faults are found, none
 /// wrong.
 TEST(InputFaults, AreNotConfusedWithOthersWithoutTracking) {
