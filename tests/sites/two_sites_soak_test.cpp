@@ -254,6 +254,21 @@ TEST_F(SoakCheckerTest, NoticesAnAcceleration) {
   EXPECT_TRUE(has("acceleration is 6.000"));
 }
 
+TEST_F(SoakCheckerTest, NoticesThatNothingIsExecutedOfWhatArrives) {
+  checker_.on_executed(1.03, 7, "key", command_);
+  for (double t = 1.1; t < 12.0; t += 0.1) checker_.on_delivered(t, t - 0.02);
+  EXPECT_TRUE(has("although messages arrive"));
+}
+
+TEST_F(SoakCheckerTest, ExpectsNoCommandOfARevokedKeyNorInSilence) {
+  checker_.on_executed(1.03, 7, "key", command_);
+  for (double t = 1.1; t < 8.0; t += 0.1) checker_.on_delivered(t, t - 0.02);
+  for (double t = 9.0; t < 16.0; t += 0.1) checker_.on_delivered(t, t - 0.02);
+  checker_.revoke(16.0, "key");
+  for (double t = 16.0; t < 30.0; t += 0.1) checker_.on_delivered(t, t - 0.02);
+  EXPECT_TRUE(checker_.violations().empty()) << lines(checker_.violations());
+}
+
 TEST_F(SoakCheckerTest, NoticesThatNothingIsExecuted) {
   checker_.check_recovered(2.0);
   EXPECT_TRUE(has("no command was executed"));

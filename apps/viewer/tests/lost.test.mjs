@@ -141,7 +141,7 @@ test('an idle tool goes to the page that uses it', limit, async () => {
   await until(() => world.state, 'the first state');
   world.command(4);
   await until(() => world.state.hasTool, 'the tool taken');
-  assert.equal(await page.locator('#tool-owner').textContent(), 'Another page uses the tool.');
+  await page.locator('#tool-owner', { hasText: 'Another page uses the tool.' }).waitFor();
   await page.locator('#tool-owner', { hasText: 'The tool is free' }).waitFor({ timeout: 15_000 });
   assert.equal(world.state.hasTool, true, 'until another page requests it');
   await page.click('#take');

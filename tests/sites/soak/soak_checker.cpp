@@ -72,6 +72,7 @@ void SoakChecker::on_executed(double t, std::uint32_t session, const std::string
   mix(t);
   mix(command.t);
   ++executed_count_;
+  last_command_ = t;
   check_key(t, key, "a command");
   if (session != session_) violate(t, "a command of another session was executed");
   if (newest_due_ && command.t <= *newest_due_) violate(t, "a command was executed out of order");
@@ -123,11 +124,18 @@ void SoakChecker::on_applied(double t, std::uint32_t session, const LinkCorrecti
 void SoakChecker::on_delivered(double t, double sent) {
   if (sent <= newest_delivered_sent_) return;  // a repetition, or overtaken
   newest_delivered_sent_ = sent;
+  const bool is_new = t > last_fresh_delivery_ + options_.commands.timeout;
+  if (is_new || authorized_.empty()) connected_since_ = t;
   last_fresh_delivery_ = t;
+  const double idle = t - std::max(connected_since_, last_command_);
+  if (idle < options_.recovery) return;
+  violate(t, fmt::format("no command was executed for {:.2f} s, although messages arrive", idle));
+  connected_since_ = t;
 }
 
 void SoakChecker::on_robot_start(double t) {
   setpoints_.clear();
+  connected_since_ = t;
   on_force(t, Eigen::Vector3d::Zero());
   last_fresh_delivery_ = std::max(last_fresh_delivery_, t - 1e-3);
   session_.reset();

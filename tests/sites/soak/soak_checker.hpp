@@ -29,6 +29,7 @@ class SoakChecker {
     double cycle = 0.001;          ///< [s] of the robot's site
     double max_network = 0.5;      ///< [s] longest time a message is under way without a fault
     double revocation = 0.5;       ///< [s] within which a revoked key ends a session
+    double recovery = 8.0;         ///< [s] within which commands are executed, once messages arrive
     double correction_time = 3.0;  ///< [s] within which a correction is applied without a fault
   };
   explicit SoakChecker(const Options& options) : options_(options) {}
@@ -103,14 +104,16 @@ class SoakChecker {
   std::map<std::string, double> revoked_;
   std::optional<std::uint32_t> session_;  ///< of the robot's site
   std::optional<double> newest_due_;      ///< of the session's executed commands
-  double last_executed_ = -1e9;
+  double last_executed_ = -1e9;           ///< [s] with the clutch closed
+  double last_command_ = -1e9;            ///< [s] any was executed
+  double connected_since_ = -1e9;         ///< [s] messages arrive without longer gaps
   double newest_delivered_sent_ = -1e9;
   double last_fresh_delivery_ = -1e9;
   std::deque<Setpoint> setpoints_;  ///< of the last tenth of a second
   Eigen::Vector3d force_base_ = Eigen::Vector3d::Zero();
   std::optional<double> pressed_since_;  ///< [s] the force is above its limit
   Eigen::Vector3d pressed_force_base_ = Eigen::Vector3d::Zero();  ///< [N] then
-  double pressed_on_ = 0.0;              ///< [m] along the force since the tool had time to stop
+  double pressed_on_ = 0.0;  ///< [m] along the force since the tool had time to stop
   std::size_t pressed_count_ = 0;
   std::size_t executed_count_ = 0;
   std::size_t applied_count_ = 0;
