@@ -70,10 +70,19 @@ std::string invoked(const CLI::App& app) {
   return name;
 }
 
+/// A word in place of a command, which CLI11 reports as a missing one; else empty.
+std::string unknown_command(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<std::string> words = app.remaining();
+  const bool is_missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  if (!is_missing || !app.get_subcommands().empty() || words.empty()) return {};
+  return "unknown command '" + words.front() + "'";
+}
+
 /// Help and version are printed, too; returns the exit code.
 int report_usage(const CLI::App& app, const CLI::ParseError& error, bool as_json) {
   if (error.get_exit_code() == kExitDone) return app.exit(error);
-  std::string message = error.what();
+  std::string message = unknown_command(app, error);
+  if (message.empty()) message = error.what();
   std::replace(message.begin(), message.end(), '\n', ' ');
   return report_error({.message = message, .hint = "see " + invoked(app) + " --help"}, as_json,
                       kExitUsage);

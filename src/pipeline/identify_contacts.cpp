@@ -187,11 +187,6 @@ bool is_within_travel(const ContactFit& fit, const std::vector<ForceMotion>& pus
   return depth <= kMaxDepthShare * travel;
 }
 
-/// Whether the law states the force at the depths of its contacts, as well as a value needs.
-bool is_determined(const ContactFit& fit) {
-  return fit.penetration_std * fit.exponent.value < 1.0 / kMinStds;
-}
-
 /// Relative std of the stiffness from push to push, which the joint fit does not include.
 double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFitOptions& options) {
   std::vector<double> logs;
@@ -237,16 +232,18 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     const double share = std::hypot(kCreep, stiffness_scatter(series[i], options));
     fit.stiffness.std = std::hypot(fit.stiffness.std, fit.stiffness.value * share);
     fit.penetration_std = std::hypot(fit.penetration_std, share / fit.exponent.value);
-    faces[i].is_usable = is_determined(fit) && is_within_travel(fit, series[i]);
+    faces[i].is_usable = fit.penetration_std * fit.exponent.value < 1.0 / kMinStds &&
+                         is_within_travel(fit, series[i]);
     fit.stiffness.is_excited =
         faces[i].is_usable && fit.stiffness.value > kMinStds * fit.stiffness.std;
   }
   return faces;
 }
 
-/// Presses that begin or end within the record show no depth, and any law fits them.
+/// Presses that begin or end within the record show no depth, and any law fits them: then a std of
+/// the depth is larger than the depth.
 void withhold_undetermined(ContactIdentification& found) {
-  if (!found.best().is_valid || is_determined(found.best())) return;
+  if (!found.best().is_valid || found.best().penetration_std < 1.0) return;
   found.mass_damper_spring.is_valid = false;
   found.hunt_crossley.is_valid = false;
   found.proposal =

@@ -32,6 +32,12 @@ TEST(WrongUsage, IsOneLineThatNamesTheCommandsHelp) {
       << unknown.standard_error;
 }
 
+TEST(WrongUsage, NamesAnUnknownCommand) {
+  const CommandOutcome unknown = run_pcavr({"biuld", "recording"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_EQ(unknown.standard_error, "pcavr: unknown command 'biuld'; see pcavr --help\n");
+}
+
 TEST(Simulate, RejectsOptionsThatDoNotApplyToItsCaseInOneLine) {
   const TemporaryFolder folder;
   const std::string output = (folder.path() / "recording").string();
