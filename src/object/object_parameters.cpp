@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "pcavr/core/check.hpp"
 
@@ -11,6 +12,17 @@ namespace pcavr {
 namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The coefficient, where one is stated.
+std::optional<double> correlation_of(const std::string& a, const std::string& b,
+                                     const ParameterSources& sources) {
+  const std::vector<std::string>& names = sources.correlated;
+  const auto row = std::find(names.begin(), names.end(), a);
+  const auto column = std::find(names.begin(), names.end(), b);
+  if (row == names.end() || column == names.end()) return std::nullopt;
+  const auto index = (row - names.begin()) * std::ssize(names) + (column - names.begin());
+  return sources.correlation[static_cast<std::size_t>(index)];
+}
 
 }  // namespace
 
@@ -60,6 +72,23 @@ std::optional<HuntCrossley> contact_law_of(const ObjectParameters& known) {
   if (known.contact_damping) contact_law.damping = known.contact_damping->value;
   if (known.contact_exponent) contact_law.exponent = known.contact_exponent->value;
   return contact_law;
+}
+
+std::optional<double> penetration_std(const ObjectParameters& known, double force) {
+  PCAVR_REQUIRE(force > 0.0, force);
+  if (!known.contact_stiffness || !known.contact_stiffness->std) return std::nullopt;
+  const ParameterValue exponent = known.contact_exponent.value_or(ParameterValue{1.0, {}});
+  const double stiffness = known.contact_stiffness->value;
+  // d ln d = -(d ln k + ln d dn) / n.
+  const double by_stiffness = *known.contact_stiffness->std / stiffness;
+  const std::optional<double> correlation =
+      correlation_of("contact.stiffness", "contact.exponent", known.sources);
+  if (!correlation || !exponent.std) return by_stiffness / exponent.value;
+  const double log_penetration = std::log(force / stiffness) / exponent.value;
+  const double by_exponent = log_penetration * *exponent.std;
+  const double variance = by_stiffness * by_stiffness + by_exponent * by_exponent +
+                          2.0 * *correlation * by_stiffness * by_exponent;
+  return std::sqrt(std::max(variance, 0.0)) / exponent.value;
 }
 
 }  // namespace pcavr

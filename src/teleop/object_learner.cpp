@@ -275,6 +275,9 @@ void ObjectLearner::learn_contact() {
   }
   known_.contact_stiffness = value_of(fit.stiffness);
   known_.contact_exponent = value_of(fit.exponent);
+  // A single contact's posterior is too narrow for the penetration: with it the positions of the
+  // simulated pushes without given parameters are 1 to 2 % worse.
+  remove_correlation({"contact.stiffness", "contact.exponent", "contact.damping"}, known_.sources);
   known_.contact_damping.reset();
   if (fit.damping.is_excited && fit.damping.value > 0.0) {
     known_.contact_damping = value_of(fit.damping);

@@ -322,8 +322,7 @@ std::optional<RobotObject::ContactOffset> RobotObject::offset_by_contact(
   const double stiffness = law.contact_stiffness->value;
   const double exponent = law.contact_exponent ? law.contact_exponent->value : 1.0;
   const double relative_std =
-      law.contact_stiffness->std.value_or(options_.default_penetration_std * exponent * stiffness) /
-      (stiffness * exponent);
+      penetration_std(law, force).value_or(options_.default_penetration_std);
   const double penetration =
       static_penetration({.stiffness = stiffness, .exponent = exponent}, force);
   const double touch_std =

@@ -3,6 +3,8 @@
 #include "teleop/object_learner.hpp"
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -119,6 +121,28 @@ TEST(ObjectLearner, LearnsALawWhoseErrorsCompensateEachOther) {
     const double expected = std::pow(40.0 / kHard, 1.0 / kCurved);
     EXPECT_NEAR(penetration_of(learner.known()) / expected, 1.0, 0.1) << seed;
   }
+}
+
+TEST(ObjectLearner, KeepsNoCorrelationOfTheLawThatItReplaces) {
+  constexpr double kHard = 6.4e6, kCurved = 1.53, kSpeed = 0.002;
+  Random random(1);
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force, tip;
+  for (double at = -0.3; at < 0.4; at += 0.002) {
+    const double depth = kSpeed * std::min(std::max(0.0, at), 0.27);
+    t.push_back(at);
+    force.emplace_back(0.0, 0.0, -kHard * std::pow(depth, kCurved) + 0.2 * random.normal());
+    tip.emplace_back(0.0, 0.0, -kSpeed * std::min(at, 0.27));
+  }
+  ObjectParameters given;  // ten times too soft
+  given.contact_stiffness = ParameterValue{0.1 * kHard, 0.01 * kHard};
+  given.contact_exponent = ParameterValue{kCurved, 0.05};
+  given.sources.correlated = {"contact.stiffness", "contact.exponent", "mass"};
+  given.sources.correlation = {1.0, 0.9, 0.0, 0.9, 1.0, 0.0, 0.0, 0.0, 1.0};
+  ObjectLearner learner(given, {});
+  learner.learn({t, force, t, tip}, 0.0, {});
+  ASSERT_NE(learner.known().contact_stiffness->value, given.contact_stiffness->value);
+  EXPECT_EQ(learner.known().sources.correlated, std::vector<std::string>{"mass"});
 }
 
 /// A slow push under which the object gives way by 2 mm at 2.3 N, as on a loose sheet, before

@@ -76,6 +76,57 @@ TEST(RobotObject, TakesTheNewestFrameWhenASlowSlideIsNoticed) {
   FAIL() << "no slide";
 }
 
+/// x [m] at which a box at the origin is estimated while a tip rests against it with 8 N; its
+/// tracked pose is 0.3 mm off. `correlation`: of the law's stiffness and exponent.
+double estimated_x_under_a_resting_tip(double correlation) {
+  constexpr double kFoamStiffness = 20600.0, kFoamExponent = 1.5;
+  constexpr double kFoamStiffnessStd = 3090.0, kFoamExponentStd = 0.045;
+  constexpr double kRestingForce = 8.0, kTrackedOffset = 3e-4;
+  TeleopObject box{"box",
+                   box_model("box", {kSlowHalf, kSlowHalf, 0.03}),
+                   Pose::from_translation({0.0, 0.0, 0.03}),
+                   {},
+                   {}};
+  box.parameters.mass = ParameterValue{3.0};
+  box.parameters.limiting_static_friction = ParameterValue{20.0};
+  box.parameters.contact_stiffness = {kFoamStiffness, kFoamStiffnessStd};
+  box.parameters.contact_exponent = {kFoamExponent, kFoamExponentStd};
+  const double mixed = correlation * kFoamStiffnessStd * kFoamExponentStd;
+  Eigen::Matrix2d covariance;
+  covariance << kFoamStiffnessStd * kFoamStiffnessStd, mixed, mixed,
+      kFoamExponentStd * kFoamExponentStd;
+  set_correlation({"contact.stiffness", "contact.exponent"}, covariance, box.parameters.sources);
+  const TeleopOptions options;
+  const BodyPhysics physics = complete_physics(box.parameters, box.model, box.T_base_object,
+                                               options.gravity(), options.unknown_objects)
+                                  .physics;
+  const SensorProperties sensors{.interval = kSlowInterval, .correlated = 2.0, .enter_force = 0.4};
+  RobotObject object(box, physics, options, sensors, kTipRadius, 0.0);
+  const double max_depth = std::pow(kRestingForce / kFoamStiffness, 1.0 / kFoamExponent);
+  double depth = -0.002, next_frame = 0.0, x = 0.0;
+  for (double t = 0.0; t < 4.0; t += kSlowInterval) {
+    depth = std::min(depth + kTipSpeed * kSlowInterval, max_depth);
+    if (t >= next_frame) {
+      object.add_tracked({t, Pose::from_translation({kTrackedOffset, 0.0, 0.03}), 0.002, 0.010});
+      next_frame += kSlowFrameInterval;
+    }
+    object.update_tracking(t, 0.0);
+    const Eigen::Vector3d p_base_tip(depth - kSlowHalf - kTipRadius, 0.0, 0.03);
+    const Eigen::Vector3d force_base(kFoamStiffness * std::pow(std::max(depth, 0.0), kFoamExponent),
+                                     0.0, 0.0);
+    object.monitor.step({t, p_base_tip, force_base, Eigen::Vector3d::UnitX(), true}, std::nullopt,
+                        0.0);
+    x = object.estimate_pose({t, p_base_tip, force_base}, {}).T_base_object.translation().x();
+  }
+  return x;
+}
+
+TEST(RobotObject, IsWhereTheTipMeetsItWhereTheLawsPenetrationIsKnown) {
+  EXPECT_LT(std::abs(estimated_x_under_a_resting_tip(0.999)), 1.5e-4);
+  // Stiffness and exponent that are known one by one only say little of the penetration.
+  EXPECT_GT(estimated_x_under_a_resting_tip(0.0), 2e-4);
+}
+
 TEST(RobotObject, KeepsTheStribeckSpeedOfTheGivenParameters) {
   TeleopObject box{"box",
                    box_model("box", {kSlowHalf, kSlowHalf, 0.03}),

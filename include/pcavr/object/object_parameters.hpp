@@ -79,6 +79,11 @@ void set_correlation(const std::vector<std::string>& keys, const Eigen::MatrixXd
 /// The contact law, if known. A stiffness without its exponent is in N/m.
 [[nodiscard]] std::optional<HuntCrossley> contact_law_of(const ObjectParameters& known);
 
+/// Relative std of the penetration (F / k)^(1/n) under the force F [N] > 0, to first order. Errors
+/// of k and n compensate each other where presses showed both, so that their correlation is needed:
+/// where none is stated, n counts as exact. Empty: k has no std.
+[[nodiscard]] std::optional<double> penetration_std(const ObjectParameters& known, double force);
+
 /// By the object's name.
 using ParameterTable = std::map<std::string, ObjectParameters>;
 
