@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 
@@ -261,12 +262,22 @@ class Inference {
                                       log_information + prior_misfit);
     remove_noise(totals, 1.0 / inverse(kMass, kMass), equations);
     const Eigen::LLT<Information> factor(equations.information);
-    return {viscous,
-            between,
-            within,
-            factor.solve(equations.weighted),
-            factor.solve(Information::Identity()),
-            log_weight};
+    Conditional point{viscous,
+                      between,
+                      within,
+                      factor.solve(equations.weighted),
+                      factor.solve(Information::Identity()),
+                      log_weight};
+    point.log_weight += log_share_above_zero(point.mean[kCoulomb] /
+                                             std::sqrt(point.covariance(kCoulomb, kCoulomb)));
+    return point;
+  }
+
+  /// Coulomb friction is not negative: of a Gaussian that is `in_stds` above zero, the part that is
+  /// possible. Fast pushes of little friction would leave it below zero at most viscous frictions.
+  [[nodiscard]] static double log_share_above_zero(double in_stds) {
+    constexpr double kLeast = 1e-300;  // of a double: where no viscous friction is possible
+    return std::log(std::max(0.5 * std::erfc(-in_stds / std::numbers::sqrt2), kLeast));
   }
 
   /// The noise of the accelerations adds to their squares, and where the force has a share in it,
