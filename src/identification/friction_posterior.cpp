@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Cholesky>
 
@@ -264,9 +265,12 @@ class Inference {
     const double log_information = 2.0 * measured.matrixLLT().diagonal().array().log().sum();
     const double prior_misfit =
         std::pow(scatter_in_stds(point.between), 2) + std::pow(scatter_in_stds(point.within), 2);
-    const double explained = measured.matrixL().solve(equations.weighted).squaredNorm();
-    return -0.5 * (equations.misfit - explained + equations.log_determinant + log_information +
-                   prior_misfit);
+    const Unknowns mean = measured.solve(equations.weighted);
+    const double explained = mean.dot(equations.weighted);
+    const double coulomb_variance = measured.solve(Unknowns::Unit(kCoulomb))[kCoulomb];
+    return log_share_above_zero(mean[kCoulomb] / std::sqrt(coulomb_variance)) -
+           0.5 * (equations.misfit - explained + equations.log_determinant + log_information +
+                  prior_misfit);
   }
 
   [[nodiscard]] Conditional solve_at(const Totals& totals, const GridPoint& at) const {
@@ -279,6 +283,13 @@ class Inference {
     point.mean = factor.solve(equations.weighted);
     point.covariance = factor.solve(Information::Identity());
     return point;
+  }
+
+  /// Coulomb friction is not negative: of a Gaussian that is `in_stds` above zero, the part that is
+  /// possible. Fast pushes of little friction would leave it below zero at most viscous frictions.
+  [[nodiscard]] static double log_share_above_zero(double in_stds) {
+    constexpr double kLeast = 1e-300;  // of a double: where no viscous friction is possible
+    return std::log(std::max(0.5 * std::erfc(-in_stds / std::numbers::sqrt2), kLeast));
   }
 
   /// The noise of the accelerations adds to their squares, and where the force has a share in it,

@@ -160,8 +160,9 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
                !found.is_mass_given ? "with the identified mass"
                : object.mass        ? "with the given mass"
                                     : "with the mass known before",
-               sliding.is_valid ? "the friction is known, the mass is not: weigh the object"
-                                : std::string("slide the object for a second or more at 40 mm/s"));
+               !sliding.is_valid ? "slide the object for a second or more at 40 mm/s"
+               : p.mass          ? std::string("not excited: ") + kBetterSlide
+                                 : "the friction is known, the mass is not: weigh the object");
   ParameterFinding& viscous =
       findings.add("viscous_friction", "N s/m", p.viscous_friction, sliding.viscous.is_excited,
                    "speeds during sliding", kBetterSlide);

@@ -194,14 +194,15 @@ bool is_mostly_turning(const std::vector<FrictionSample>& samples) {
   return 2 * turning > static_cast<std::ptrdiff_t>(samples.size());
 }
 
-/// Nothing where the mass or the sliding friction is not known. Without a contact law, that of each
+/// Nothing where the mass or the sliding friction is not known, or where forces contradict any
+/// friction, as where the sensor's bias changes under a push. Without a contact law, that of each
 /// push's own loading is to be set.
 std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
                                           const FrictionPriors& priors,
                                           const ObjectIdentification& known) {
   const FrictionPosterior& friction = known.friction;
   const std::optional<ParameterValue>& mass = known.parameters.mass;
-  if (!mass || !friction.is_valid) return std::nullopt;
+  if (!mass || !friction.is_valid || !(friction.coulomb.value > 0.0)) return std::nullopt;
   PushedObject object{.contact_law = compliance.law.value_or(HuntCrossley{}),
                       .compliance_std = compliance.std,
                       .damping_std = compliance.damping_std,

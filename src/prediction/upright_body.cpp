@@ -24,6 +24,9 @@ constexpr double kMinShare = 1e-3;
 /// Maximum shift of the centre of pressure, over the friction radius: at the edge of the patch the
 /// body would tip, which is not modelled.
 constexpr double kMaxPressureShift = 1.0;
+/// Mean square of the radius over the square of its mean, on a disc: (1/2) / (2/3)^2. A square has
+/// 1.14, a rectangle of sides 2 and 1 1.19.
+constexpr double kMeanSquareOfDisc = 1.125;
 /// Minimum critical band below F_M, as a share of it: phases.csv's 0.9.
 constexpr double kCriticalShare = 0.1;
 
@@ -68,6 +71,18 @@ double mean_force(const LimitSurface& surface) {
   return sum / kDirections;
 }
 
+/// Of the pressure about the centre of mass [m^2].
+double mean_square_radius(const BodyPhysics& physics) {
+  return kMeanSquareOfDisc * physics.friction_radius * physics.friction_radius;
+}
+
+/// The friction radius about the `centre` [m] of a moved pressure, over that about the middle. A
+/// pressure that grows linearly towards the centre has that much less of a second moment about it;
+/// where it lifts off, that across the shift remains.
+double moved_radius_share(const BodyPhysics& physics, const Eigen::Vector2d& centre) {
+  return std::sqrt(std::max(0.5, 1.0 - centre.squaredNorm() / mean_square_radius(physics)));
+}
+
 PlanarFriction friction_of(const BodyPhysics& physics, double gyration_radius) {
   const FrictionParameters& f = physics.friction;
   const double static_limit = std::max(static_friction_limit(f), kMinFriction);
@@ -85,7 +100,7 @@ PlanarFriction friction_of(const BodyPhysics& physics, double gyration_radius) {
   friction.static_to_kinetic_std =
       std::max(f.limiting_force_std, kCriticalShare * static_limit) / coulomb;
   friction.viscous = f.viscous;
-  friction.viscous_turning = f.viscous * physics.friction_radius * physics.friction_radius;
+  friction.viscous_turning = f.viscous * mean_square_radius(physics);
   return friction;
 }
 
@@ -161,6 +176,7 @@ PlanarFriction UprightBody::friction_under(const Eigen::Vector3d& force, const E
   const double max_shift = kMaxPressureShift * physics_.friction_radius;
   const double shift = centre.norm();
   if (shift > max_shift) centre *= max_shift / shift;
+  friction.sliding.length *= moved_radius_share(physics_, centre);
   friction.sliding = shifted(friction.sliding, Eigen::Rotation2Dd(-yaw - heading_) * centre);
   return friction;
 }

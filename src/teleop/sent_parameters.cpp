@@ -11,7 +11,7 @@
 namespace pcavr {
 namespace {
 
-// Within a group that is sent, parameters with a smaller relative change are omitted.
+// Of friction that is sent, parameters with a smaller relative change are omitted.
 constexpr double kSame = 1e-3;
 
 using Field = std::optional<ParameterValue> ObjectParameters::*;
@@ -34,13 +34,18 @@ bool differs(const ObjectParameters& now, const ObjectParameters& acknowledged, 
   return std::abs((now.*field)->value - (acknowledged.*field)->value) > tolerance * scale;
 }
 
-/// The parameters that differ.
+/// The parameters that differ, also from those in flight, which may arrive in the meantime.
 ObjectParameters changed_parameters(const ObjectParameters& now,
                                     const ObjectParameters& acknowledged,
+                                    const ObjectParameters* in_flight,
                                     std::initializer_list<Field> fields) {
   ObjectParameters result;
   for (const Field field : fields) {
-    if (differs(now, acknowledged, field, kSame)) result.*field = now.*field;
+    const bool is_in_flight = in_flight && in_flight->*field;
+    if (differs(now, acknowledged, field, kSame) ||
+        (is_in_flight && differs(now, *in_flight, field, kSame))) {
+      result.*field = now.*field;
+    }
   }
   return result;
 }
@@ -116,14 +121,19 @@ ParameterDifference difference(const ObjectParameters& now, const ObjectParamete
       has_other_surface_than(acknowledged) ||
       (in_flight && in_flight->contact_surface_offset && has_other_surface_than(*in_flight));
   result.has_contact = has_other_surface || has_different_force(now, acknowledged, options);
-  if (result.has_contact) result.contact = changed_parameters(now, acknowledged, kContactFields);
+  if (result.has_contact) {
+    // Whole: the exponent that another law has brought there is none of this stiffness.
+    for (const Field field : kContactFields) result.contact.*field = now.*field;
+  }
   // Zero where an earlier one no longer holds.
   if (has_other_surface) result.contact.contact_surface_offset = surface_offset(now);
   for (const Field field : kFrictionFields) {
     result.has_friction =
         result.has_friction || differs(now, acknowledged, field, options.min_parameter_change);
   }
-  if (result.has_friction) result.friction = changed_parameters(now, acknowledged, kFrictionFields);
+  if (result.has_friction) {
+    result.friction = changed_parameters(now, acknowledged, in_flight, kFrictionFields);
+  }
   if (has_different_surface(now, acknowledged, options.min_parameter_change)) {
     result.friction.limit_surface = now.limit_surface;
     result.has_friction = true;

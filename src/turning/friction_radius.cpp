@@ -38,16 +38,6 @@ double angle_by(const LimitSurface& surface, const PushSample& sample, double le
   return twist_angle(sliding_direction(surface, sample.wrench), sample.twist, length);
 }
 
-/// The radius about the centre of a pressure that a push has moved, over that about the middle.
-double moved_radius_share(const Support& support, const Eigen::Vector2d& centre) {
-  const std::vector<double> shares = support.pressure(centre);
-  double radius = 0.0;
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    radius += shares[i] * (support.points()[i] - centre).norm();
-  }
-  return radius / support.radius();
-}
-
 /// The CAD body's support; its size is free.
 std::optional<Turned> turned_by_support(const Support& support, const LimitSurface& shape,
                                         const std::vector<PushSample>& samples) {
@@ -141,6 +131,15 @@ std::optional<ParameterValue> friction_radius_of(const SamplesOfPushes& pushes,
             std::hypot(jackknife_std(left_out->radii), kPressureShare * turned->radius)};
   }
   return best;
+}
+
+double moved_radius_share(const Support& support, const Eigen::Vector2d& centre) {
+  const std::vector<double> shares = support.pressure(centre);
+  double radius = 0.0;
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    radius += shares[i] * (support.points()[i] - centre).norm();
+  }
+  return radius / support.radius();
 }
 
 }  // namespace pcavr

@@ -19,4 +19,8 @@ namespace pcavr {
     const SamplesOfPushes& pushes, const Support& support, const LimitSurface& shape,
     const LimitSurfaceFitOptions& options);
 
+/// The radius about the `centre` [m] of a pressure that a push has moved, over that about the
+/// middle.
+[[nodiscard]] double moved_radius_share(const Support& support, const Eigen::Vector2d& centre);
+
 }  // namespace pcavr

@@ -195,6 +195,15 @@ bool is_narrower_than_prior(const ParameterValue& radius, const Support& support
 
 }  // namespace
 
+std::vector<PushSample> of_even_pressure(std::vector<PushSample> samples, const Support& support) {
+  for (PushSample& sample : samples) {
+    const double share = moved_radius_share(support, sample.centre_of_pressure);
+    sample.wrench.z() /= share;
+    sample.twist.z() *= share;
+  }
+  return samples;
+}
+
 TurningFriction identify_turning(const SamplesOfPushes& pushes, const BodyMotion& body,
                                  const LimitSurfaceFitOptions& options) {
   const std::vector<PushSample> samples = joined(pushes);
@@ -210,7 +219,8 @@ TurningFriction identify_turning(const SamplesOfPushes& pushes, const BodyMotion
   // Its shape: fifteen coefficients also follow the errors of the contact point and of few pushes,
   // which the support's shape does not have.
   result.surface = fit_limit_surface(
-      samples, options, surface_of_support(body.model, T_base_first, result.radius->value));
+      of_even_pressure(samples, support.scaled(result.radius->value / support.radius())), options,
+      surface_of_support(body.model, T_base_first, result.radius->value));
   return result;
 }
 

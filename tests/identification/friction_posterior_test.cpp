@@ -308,6 +308,21 @@ TEST(FrictionPosterior, WidensTheCoulombFrictionByAViscousFrictionThatIsNotExcit
   EXPECT_FALSE(found.mass.is_excited);  // given, not identified
 }
 
+TEST(FrictionPosterior, HasNoNegativeCoulombFriction) {
+  // At one speed, at which half of the possible viscous frictions exceed the whole force.
+  Random random(74);
+  const Body body{.mass = 0.5, .coulomb = 0.6, .viscous = 5.0};
+  FrictionPriors priors;
+  priors.mass = body.mass;
+  const FrictionPosterior found =
+      infer_friction(pushes_of(body, {0.06, 0.06, 0.06}, 0.0, random), priors);
+  EXPECT_GT(found.coulomb.value, 0.0);
+  EXPECT_LT(std::abs(found.coulomb.value - body.coulomb), 2.0 * found.coulomb.std);
+  EXPECT_LT(found.viscous.value, 0.9 / 0.06);
+  ASSERT_EQ(found.sliding_force.size(), 1U);
+  EXPECT_NEAR(found.sliding_force[0].force, 0.9, 3.0 * found.sliding_force[0].std);
+}
+
 TEST(FrictionPosterior, TakesNoViscousFrictionFromTheNoiseOfASteadySpeed) {
   // Each speed scatters by its noise alone, which would draw the viscous friction to zero.
   Random random(77);

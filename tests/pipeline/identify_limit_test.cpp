@@ -36,6 +36,18 @@ IdentifiedContact fast_push(const Plant& plant, std::uint64_t seed) {
   return push;
 }
 
+ObjectIdentification identify(std::vector<IdentifiedContact>& contacts, double mass) {
+  const ContactEpisode& episode = contacts[0].episode;
+  std::vector<Eigen::Vector3d> p_base_tip;
+  for (const double x : episode.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
+  const PathView tip(episode.t, p_base_tip);
+  const CadModel cad;
+  ObjectIdentification found;
+  found.parameters.mass = ParameterValue{mass, {}};
+  identify_friction_of(contacts, 0, mass, {cad, {}}, tip, 0.005, {}, found);
+  return found;
+}
+
 // Its peak is the limiting friction and the inertia of the object, whose contact law nothing gave.
 TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLaw) {
   const Plant plant{.mass = 0.98,
@@ -49,18 +61,29 @@ TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLaw) {
     std::vector<IdentifiedContact> contacts{fast_push(plant, seed)};
     ASSERT_TRUE(contacts[0].episode.breakaway.is_found) << seed;
     ASSERT_GT(contacts[0].episode.breakaway.force, 1.3 * plant.breakaway) << seed;
-    std::vector<Eigen::Vector3d> p_base_tip;
-    for (const double x : contacts[0].episode.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
-    const PathView tip(contacts[0].episode.t, p_base_tip);
-    const CadModel cad;
-    ObjectIdentification found;
-    found.parameters.mass = ParameterValue{plant.mass, {}};
-    identify_friction_of(contacts, 0, plant.mass, {cad, {}}, tip, 0.005, {}, found);
+    const ObjectIdentification found = identify(contacts, plant.mass);
     EXPECT_FALSE(found.parameters.contact_stiffness);
     ASSERT_TRUE(found.parameters.limiting_static_friction) << seed;
     const ParameterValue& limit = *found.parameters.limiting_static_friction;
     EXPECT_NEAR(limit.value, plant.breakaway, 3.0 * *limit.std) << seed;
   }
+}
+
+TEST(IdentifyLimit, GivesThatOfAFastPushOfAnObjectWithLittleFriction) {
+  const Plant plant{.mass = 0.98,
+                    .coulomb = 0.6,
+                    .breakaway = 0.9,
+                    .viscous = 5.0,
+                    .bristle = 6e5,
+                    .stiffness = 1e5,
+                    .damping = 3.5e5};
+  std::vector<IdentifiedContact> contacts{fast_push(plant, 1)};
+  ASSERT_TRUE(contacts[0].episode.breakaway.is_found);
+  const ObjectIdentification found = identify(contacts, plant.mass);
+  EXPECT_GT(found.friction.coulomb.value, 0.0);
+  ASSERT_TRUE(found.parameters.limiting_static_friction);
+  const ParameterValue& limit = *found.parameters.limiting_static_friction;
+  EXPECT_NEAR(limit.value, plant.breakaway, 3.0 * *limit.std);
 }
 
 }  // namespace

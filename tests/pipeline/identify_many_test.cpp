@@ -13,6 +13,7 @@
 #include "pcavr/friction/limit_surface_fit.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/turning/turning.hpp"
 
 #include "pipeline/identified_case.hpp"
 #include "pipeline/input_faults.hpp"
@@ -123,9 +124,12 @@ TEST(IdentifyMany, FitsTheLimitSurfaceAboutThatOfTheSupport) {
   ASSERT_TRUE(usual && free);
   for (std::size_t i = 0; i < 2; ++i) {
     const ObjectIdentification& box = usual->objects[i];
-    const LimitSurface support =
-        surface_of_support(made.input.objects[i], box.friction_radius->value);
-    const LimitSurfaceFit expected = fit_limit_surface(box.turning, {}, support);
+    const IdentifiableObject& object = made.input.objects[i];
+    const double radius = box.friction_radius->value;
+    const Support even(object.model, object.tracked.front().T_base_object);
+    const LimitSurfaceFit expected =
+        fit_limit_surface(of_even_pressure(box.turning, even.scaled(radius / even.radius())), {},
+                          surface_of_support(object, radius));
     EXPECT_EQ(box.surface.surface.coefficients, expected.surface.coefficients);
     EXPECT_EQ(box.parameters.limit_surface->coefficients, expected.surface.coefficients);
     EXPECT_NE(box.surface.surface.coefficients, free->objects[i].surface.surface.coefficients);

@@ -108,6 +108,25 @@ TEST(Turning, FindsTheRadiusUnderAPressureThatThePushesMoveAhead) {
   }
 }
 
+TEST(Turning, KnowsHowEvenPressureWouldHaveTurnedTheObject) {
+  const CadModel model = block();
+  const Support support = support_of(model);
+  const LimitSurface even = surface_of_support(model, Pose(), support.radius());
+  const auto mean_angle = [&](const std::vector<PushSample>& samples) {
+    double sum = 0.0;
+    for (const PushSample& sample : samples) {
+      const Eigen::Vector3d twist = sliding_direction(even, sample.wrench);
+      sum += twist_angle(twist, sample.twist, support.radius());
+    }
+    return sum / static_cast<double>(samples.size());
+  };
+  const std::vector<PushSample> pushes =
+      joined(pushes_of(support, 0.4 * kHalf, {0.0, 0.4 * kHalf}));
+  EXPECT_LT(mean_angle(of_even_pressure(pushes, support)), 0.6 * mean_angle(pushes));
+  const std::vector<PushSample> low = joined(pushes_of(support, 0.0, {0.0, 0.0}));
+  EXPECT_NEAR(mean_angle(of_even_pressure(low, support)), mean_angle(low), 1e-9);
+}
+
 TEST(Turning, WithholdsARadiusThatPushesDisagreeOn) {
   // Two pushes as of a support of a third of the size, and one as of the whole.
   const CadModel model = block();

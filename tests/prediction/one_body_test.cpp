@@ -275,6 +275,44 @@ TEST(OneBody, RotatesUnderAnOffCentrePushAsInTheQuasiStaticModel) {
   }
 }
 
+/// The mean distance of a square's pressure from its centre, over that of even pressure: the
+/// pressure grows linearly, so that its centre lies at `ahead` of half a side.
+double radius_share_of_square(double ahead) {
+  constexpr int kCells = 200;
+  double moved = 0.0, even = 0.0;
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      const double x = (2.0 * i + 1.0) / kCells - 1.0, y = (2.0 * j + 1.0) / kCells - 1.0;
+      moved += (1.0 + 3.0 * ahead * x) * std::hypot(x - ahead, y);
+      even += std::hypot(x, y);
+    }
+  }
+  return moved / even;
+}
+
+TEST(OneBody, TurnsMoreUnderAPushThatMovesItsPressureAhead) {
+  BodyPhysics physics = foam_physics();
+  physics.friction.limiting_force = physics.friction.coulomb_force;
+  physics.contact = {1e5, 2000.0, 1.0};
+  physics.tool_friction = 0.0;
+  double even = 0.0;
+  for (const double height : {0.001, 0.06, 0.09}) {
+    PredictedWorld world = world_of(one_box(physics));
+    const auto path = [&](double t) -> Eigen::Vector3d {
+      return touching_tip(0.025, height) + Eigen::Vector3d(0.01 * t, 0.0, 0.0);
+    };
+    test::run(world, path, 0.3, 0.001);
+    const BodyState& state = world.state()[0];
+    const double turned = state.planar.twist.z() / state.planar.twist.x();
+    if (even == 0.0) even = turned;
+    // An ellipsoid turns by the force's arm over the square of its radius.
+    const double ahead = height * state.tool_force_base.x() / (physics.friction.mass * 9.80665);
+    const double share = radius_share_of_square(ahead / 0.0875);
+    EXPECT_NEAR(turned / even, 1.0 / (share * share), 0.05) << height;  // as if it were round
+  }
+  EXPECT_LT(radius_share_of_square(0.27), 0.94);
+}
+
 TEST(OneBody, StaysFiniteForAnyMotionOfTheTip) {
   Random random(3);
   for (int trial = 0; trial < 60; ++trial) {

@@ -96,6 +96,30 @@ TEST(SurfaceOffset, IsSentWithTheContactParametersAndWithdrawnBeforeItIsAcknowle
   EXPECT_EQ(*withdrawn.contact.contact_surface_offset, Eigen::Vector3d::Zero());
 }
 
+// The law of a first press is linear: the next one, of the exponent that was assumed before, may be
+// sent before that one is acknowledged.
+TEST(SentParameters, StateAContactLawWhole) {
+  const ObjectParameters acknowledged = complete_parameters();
+  ObjectParameters now = acknowledged;
+  now.contact_stiffness->value *= 0.5;
+  const ParameterDifference changed = difference(now, acknowledged, nullptr);
+  ASSERT_TRUE(changed.has_contact);
+  ASSERT_TRUE(changed.contact.contact_damping && changed.contact.contact_exponent);
+  EXPECT_EQ(changed.contact.contact_exponent->value, acknowledged.contact_exponent->value);
+}
+
+TEST(SentParameters, RepeatFrictionThatAMessageInFlightChanges) {
+  const ObjectParameters acknowledged = complete_parameters();
+  ObjectParameters in_flight = acknowledged, now = acknowledged;
+  in_flight.limiting_static_friction->value *= 2.0;
+  now.sliding_friction_coefficient->value *= 1.5;
+  const ParameterDifference changed = difference(now, acknowledged, &in_flight);
+  ASSERT_TRUE(changed.friction.limiting_static_friction);
+  EXPECT_EQ(changed.friction.limiting_static_friction->value,
+            acknowledged.limiting_static_friction->value);
+  EXPECT_FALSE(changed.friction.mass);
+}
+
 /// A slow slide at a constant force: by force and tip alone it looks like a soft contact.
 TEST(ObjectLearner, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
   std::vector<double> t;

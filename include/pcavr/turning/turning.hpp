@@ -10,6 +10,7 @@
 #include "pcavr/inputs/input_series.hpp"
 #include "pcavr/object/object_parameters.hpp"
 #include "pcavr/turning/body_motion.hpp"
+#include "pcavr/turning/support.hpp"
 
 namespace pcavr {
 
@@ -25,6 +26,11 @@ namespace pcavr {
 /// The samples of some pushes, by the push that they are from.
 using SamplesOfPushes = std::vector<std::vector<PushSample>>;
 [[nodiscard]] std::vector<PushSample> joined(const SamplesOfPushes& pushes);
+
+/// As of pressure that no push has moved, which limit surfaces and radii are of: where the radius
+/// of the `support` has shrunk, moments are so much smaller, and it turns so much more.
+[[nodiscard]] std::vector<PushSample> of_even_pressure(std::vector<PushSample> samples,
+                                                       const Support& support);
 
 /// Friction of an object that turns.
 struct TurningFriction {
