@@ -152,7 +152,8 @@ void widen_smoothing(ContactEpisode& episode, BreakawayOptions options) {
 /// rate says little about the inertia.
 Breakaway with_final_rate(const ContactEpisode& episode) {
   Breakaway breakaway = episode.breakaway;
-  const SmoothedSample tool = smooth_at(episode.t, episode.tool, breakaway.t, kRateHalfWidth);
+  const double half_width = std::max(kRateHalfWidth, 3.0 * mean_interval(episode.t));
+  const SmoothedSample tool = smooth_at(episode.t, episode.tool, breakaway.t, half_width);
   const double rate = tool.is_valid ? breakaway.stiffness * tool.rate : 0.0;
   if (rate > kMinRateFactor * breakaway.loading_rate) breakaway.loading_rate = rate;
   return breakaway;
@@ -231,9 +232,9 @@ LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
-  if (contact_law && mass) {
-    found.limit =
-        limit_of_push(episode.series(), breakaway, *contact_law, mass->value, options.onset);
+  if (mass && (contact_law || breakaway.stiffness > 0.0)) {
+    const HuntCrossley law = contact_law.value_or(HuntCrossley{breakaway.stiffness, 0.0, 1.0});
+    found.limit = limit_of_push(episode.series(), breakaway, law, mass->value, options.onset);
   }
   if (breakaway.loading_rate > 0.0) {
     const double loading_time = found.limit.value / breakaway.loading_rate;
