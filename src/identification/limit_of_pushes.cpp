@@ -15,6 +15,8 @@ namespace {
 
 constexpr int kScatterGrid = 25;
 constexpr double kScatterReach = 3.0;  // in stds of the scatter's prior
+constexpr int kExcessGrid = 100;
+constexpr double kExcessReach = 4.0;  // in stds of the excess's prior
 
 }  // namespace
 
@@ -75,11 +77,29 @@ IdentifiedParameter limit_above_sliding(const IdentifiedParameter& limit,
   return {limit.value + gain * shift, std::sqrt(limit.std * limit.std - narrowing), true};
 }
 
-double turning_limit_std(double excess, double lever_share, const BreakawayPriors& priors) {
-  if (!(excess > 0.0)) return 0.0;
-  // Steep: where all places slip within the presliding displacement, none is late.
-  const double onset = std::pow(std::min(1.0, std::abs(lever_share) / priors.turning_lever), 4);
-  return priors.turning_share * onset * excess;
+IdentifiedParameter hidden_by_turning(double excess, double coulomb, double turning,
+                                      const BreakawayPriors& priors) {
+  PCAVR_REQUIRE(turning >= 0.0 && priors.turning_onset > 0.0, turning, priors.turning_onset);
+  const double hidden = std::min(1.0, turning / priors.turning_onset);
+  if (!(excess > 0.0) || !(coulomb > 0.0) || !(hidden > 0.0)) return {};
+  const double width = std::log(priors.excess_factor);
+  // ln(e / excess), to where s or the prior ends.
+  const double median = std::log(priors.excess * coulomb / excess);
+  const double last = std::max(0.0, median) + kExcessReach * width;
+  const double end = hidden < 1.0 ? std::min(last, -std::log1p(-hidden)) : last;
+  double total = 0.0, sum = 0.0, squares = 0.0;
+  for (int g = 0; g < kExcessGrid; ++g) {
+    const double log_ratio = end * (g + 0.5) / kExcessGrid;
+    // The density of `excess` for this e and uniform s is constant over e, which is 1 / e.
+    const double in_stds = (log_ratio - median) / width;
+    const double weight = std::exp(-0.5 * in_stds * in_stds - log_ratio);
+    total += weight;
+    sum += weight * std::expm1(log_ratio);
+    squares += weight * std::pow(std::expm1(log_ratio), 2);
+  }
+  if (!(total > 0.0)) return {};
+  const double mean = sum / total;
+  return {excess * mean, excess * std::sqrt(std::max(0.0, squares / total - mean * mean)), true};
 }
 
 }  // namespace pcavr

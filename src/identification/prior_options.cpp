@@ -91,17 +91,14 @@ constexpr auto kBreakawayPriorFields = std::to_array<OptionField<BreakawayPriors
     {"rate_duration", &BreakawayPriors::rate_duration, 0.10, 1e-3, 100.0, "s",
      "duration of loading that halves that std",
      "lower: too confident in fast pushes; higher: slow pushes count for little"},
-    // 0.3 to 1.5 on simulated LuGre supports, with worn and with even pressure; 1 is a peak at
-    // sliding friction.
-    {"turning_share", &BreakawayPriors::turning_share, 0.9, 0.0, 10.0, "",
-     "std of the limiting static friction of an object that turns as it breaks away, as a share of "
-     "its excess over Coulomb friction: the places of the support slip one after the other",
-     "lower: too confident where pushes turn the object; higher: such pushes count for nothing"},
-    // Turning by the arm over the friction radius moves the rim of a support of 6 cm by some
-    // micrometres against its centre before all of it slips: the presliding displacement.
-    {"turning_lever", &BreakawayPriors::turning_lever, 0.1, 1e-3, 10.0, "",
-     "arm of the force about the centre of mass, over the friction radius, from which on it does",
-     "lower: pushes through the centre count for little; higher: too confident beside it"},
+    // On simulated supports, worn and even, peaks lack nothing below 0.02 and a half of the excess,
+    // 0 to 0.9, beyond 0.08.
+    {"turning_onset", &BreakawayPriors::turning_onset, 0.08, 1e-3, 10.0, "",
+     "travel of the support's rim by turning, over that of its centre, from which on a breakaway's "
+     "peak may hide all that the limiting static friction exceeds Coulomb friction by: the places "
+     "of the support slip one after the other",
+     "lower: pushes that hardly turn the object count for little; higher: too confident in pushes "
+     "that turn it"},
 });
 static_assert(are_valid_fields(kBreakawayPriorFields));
 

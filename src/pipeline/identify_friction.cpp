@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 
 #include "pcavr/core/median.hpp"
 #include "pcavr/identification/breakaway_motion.hpp"
+#include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/turning/support.hpp"
 
 #include "identify_parts.hpp"
@@ -150,7 +152,8 @@ void widen_smoothing(ContactEpisode& episode, BreakawayOptions options) {
 /// rate says little about the inertia.
 Breakaway with_final_rate(const ContactEpisode& episode) {
   Breakaway breakaway = episode.breakaway;
-  const SmoothedSample tool = smooth_at(episode.t, episode.tool, breakaway.t, kRateHalfWidth);
+  const double half_width = std::max(kRateHalfWidth, 3.0 * mean_interval(episode.t));
+  const SmoothedSample tool = smooth_at(episode.t, episode.tool, breakaway.t, half_width);
   const double rate = tool.is_valid ? breakaway.stiffness * tool.rate : 0.0;
   if (rate > kMinRateFactor * breakaway.loading_rate) breakaway.loading_rate = rate;
   return breakaway;
@@ -230,9 +233,9 @@ LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
-  if (contact_law && mass) {
-    found.limit =
-        limit_of_push(episode.series(), breakaway, *contact_law, mass->value, options.onset);
+  if (mass && (contact_law || breakaway.stiffness > 0.0)) {
+    const HuntCrossley law = contact_law.value_or(HuntCrossley{breakaway.stiffness, 0.0, 1.0});
+    found.limit = limit_of_push(episode.series(), breakaway, law, mass->value, options.onset);
   }
   if (breakaway.loading_rate > 0.0) {
     const double loading_time = found.limit.value / breakaway.loading_rate;
@@ -241,12 +244,14 @@ LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject
   return found;
 }
 
-/// Of a push whose force is beside the centre as it breaks away [N].
-double turning_std_of(const IdentifiedContact& push, double radius,
-                      const IdentifiedParameter& coulomb, double limit,
-                      const BreakawayPriors& priors) {
-  if (!(radius > 0.0) || !coulomb.is_excited) return 0.0;
-  return turning_limit_std(limit - coulomb.value, push.breakaway_lever / radius, priors);
+/// [N] Of F_M, in a push that turns the object as it breaks away.
+IdentifiedParameter hidden_in(const IdentifiedContact& push, double radius,
+                              const IdentifiedParameter& coulomb, const IdentifiedParameter& limit,
+                              const BreakawayPriors& priors) {
+  if (!(radius > 0.0) || !coulomb.is_excited) return {};
+  // What is within the noise may be an excess.
+  const double excess = std::max(limit.value - coulomb.value, std::hypot(limit.std, coulomb.std));
+  return hidden_by_turning(excess, coulomb.value, radius * push.breakaway_turning, priors);
 }
 
 /// F_M of each push, and of all that count: with the scatter between pushes.
@@ -264,9 +269,11 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
     if (breakaway.is_found) {
       LimitOfMotion limit =
           limit_of(push->episode, object, compliance.law, result.parameters.mass, options);
-      limit.shared_std =
-          std::hypot(limit.shared_std, turning_std_of(*push, radius, result.friction.coulomb,
-                                                      limit.limit.value, options.breakaway_priors));
+      const IdentifiedParameter hidden =
+          hidden_in(*push, radius, result.friction.coulomb, limit.limit, options.breakaway_priors);
+      // The share varies too much from body to body to be added: added, it worsened pushes that
+      // hardly turn.
+      limit.shared_std = std::hypot(limit.shared_std, hidden.value, hidden.std);
       push->limit = limit.limit;
       push->limit_shared_std = limit.shared_std;
       shared.push_back(limit.shared_std);
@@ -323,6 +330,37 @@ double lever_at_breakaway(const IdentifiedContact& push, const BodyMotion& body,
   return (arm.x() * force.y() - arm.y() * force.x()) / size;
 }
 
+/// [rad/m] Rotation per travel of a tracked object that breaks away, about its pose before, over
+/// its first millimetres. A worn support turns it under a force through its centre of mass, too.
+double turning_at_breakaway(const IdentifiedContact& push, const BodyMotion& body) {
+  constexpr double kRest = 0.3;      // [s] before the peak: averages the noise of tracking
+  constexpr double kTravel = 0.005;  // [m] ten times the noise of tracking and more
+  const double at = push.episode.breakaway.t;
+  if (!push.episode.breakaway.is_found) return 0.0;
+  Eigen::Vector3d rest = Eigen::Vector3d::Zero();  // place, and heading beside the first one
+  double count = 0.0, products = 0.0, squares = 0.0, first = 0.0;
+  for (const TrackedPose& pose : body.tracked) {
+    if (pose.t < at - kRest) continue;
+    if (pose.t > push.episode.end) break;
+    const Eigen::Vector3d centre = pose.T_base_object * body.model.centre_of_mass_object;
+    const double heading = heading_of(pose.T_base_object);
+    if (count == 0.0) first = heading;
+    const Eigen::Vector3d place(centre.x(), centre.y(),
+                                std::remainder(heading - first, 2.0 * std::numbers::pi));
+    if (pose.t <= at || count == 0.0) {
+      rest += place;
+      count += 1.0;
+      continue;
+    }
+    const Eigen::Vector3d moved = place - rest / count;
+    const double travel = moved.head<2>().norm();
+    if (travel > kTravel) break;
+    products += travel * moved.z();
+    squares += travel * travel;
+  }
+  return squares > 0.0 ? std::abs(products) / squares : 0.0;
+}
+
 /// [m] Known, or that of even pressure; 0 where neither is.
 double support_radius(const BodyMotion& body, const ObjectParameters& known) {
   if (known.friction_radius) return known.friction_radius->value;
@@ -347,6 +385,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   const auto off_centre =
       std::stable_partition(pushes.begin(), pushes.end(), [&](IdentifiedContact* push) {
         push->breakaway_lever = lever_at_breakaway(*push, body, tip, tool_radius);
+        push->breakaway_turning = turning_at_breakaway(*push, body);
         return is_centred(push) && std::abs(push->breakaway_lever) <= kMaxCentredLever;
       });
   const auto off_centre_count = static_cast<std::size_t>(pushes.end() - off_centre);

@@ -21,7 +21,7 @@ namespace pcavr {
 
 /// A push with a larger lever arm about the centre meets less friction, because the object also
 /// rotates: 1.5 % at a friction radius of 60 mm. Its limit is less certain by far:
-/// turning_limit_std.
+/// hidden_by_turning.
 inline constexpr double kMaxCentredLever = 0.010;  // [m]
 [[nodiscard]] bool is_centred(const IdentifiedContact* push);
 

@@ -80,21 +80,43 @@ TEST(LimitOfPushes, APeakUnderFastLoadingFarAboveTheSlidingFrictionIsInertia) {
   EXPECT_FALSE(is_inertial_peak(peak, {}));
 }
 
-TEST(TurningLimit, IsAsUncertainAsItsExcessUnderALargeLever) {
-  EXPECT_EQ(turning_limit_std(0.0, 0.2), 0.0);
-  EXPECT_EQ(turning_limit_std(-1.0, 0.2), 0.0);
-  EXPECT_LT(turning_limit_std(2.0, 0.04), 0.06);
-  EXPECT_GT(turning_limit_std(2.0, -0.15), 1.0);
-  EXPECT_LE(turning_limit_std(2.0, 5.0), 2.0);
-  EXPECT_GT(turning_limit_std(2.0, 0.09), turning_limit_std(2.0, 0.07));
+TEST(HiddenByTurning, IsNothingWhereTheObjectDoesNotTurn) {
+  EXPECT_EQ(hidden_by_turning(2.0, 10.0, 0.0).value, 0.0);
+  EXPECT_EQ(hidden_by_turning(2.0, 10.0, 0.0).std, 0.0);
+  EXPECT_EQ(hidden_by_turning(0.0, 10.0, 0.2).std, 0.0);
+  EXPECT_LT(hidden_by_turning(2.0, 10.0, 0.01).value, 0.3);
+  EXPECT_GT(hidden_by_turning(2.0, 10.0, 0.06).std, hidden_by_turning(2.0, 10.0, 0.04).std);
 }
 
-TEST(TurningLimit, ItsShareAndLeverAreOptions) {
+TEST(HiddenByTurning, ASmallExcessSaysLittleWhereTurningMayHideAllOfIt) {
   BreakawayPriors priors;
-  priors.turning_share = 0.5;
-  priors.turning_lever = 0.2;
-  EXPECT_DOUBLE_EQ(turning_limit_std(2.0, 0.2, priors), 1.0);
-  EXPECT_LT(turning_limit_std(2.0, 0.1, priors), 0.1);
+  // The excess's own size does not bound what is hidden: the prior's median is 2 N.
+  const IdentifiedParameter hidden = hidden_by_turning(0.2, 10.0, 0.2);
+  EXPECT_GT(hidden.value, 0.4);
+  EXPECT_GT(hidden.std, 0.4);
+  priors.turning_onset = 0.4;
+  EXPECT_LT(hidden_by_turning(0.2, 10.0, 0.2, priors).std, 0.1);
+}
+
+TEST(HiddenByTurning, IsWhatDrawnPeaksLack) {
+  const BreakawayPriors priors;
+  const double coulomb = 10.0, excess = 1.0, share = 0.6;
+  Random random(3);
+  double count = 0.0, sum = 0.0, squares = 0.0;
+  for (int i = 0; i < 1000000; ++i) {
+    const double true_excess =
+        priors.excess * coulomb * std::pow(priors.excess_factor, random.normal());
+    const double seen = true_excess * (1.0 - random.uniform(0.0, share));
+    if (std::abs(seen - excess) > 0.02) continue;
+    count += 1.0;
+    sum += true_excess - seen;
+    squares += std::pow(true_excess - seen, 2);
+  }
+  const double mean = sum / count;
+  const IdentifiedParameter hidden =
+      hidden_by_turning(excess, coulomb, share * priors.turning_onset, priors);
+  EXPECT_NEAR(hidden.value, mean, 0.02);
+  EXPECT_NEAR(hidden.std, std::sqrt(squares / count - mean * mean), 0.02);
 }
 
 }  // namespace

@@ -40,8 +40,7 @@ struct BreakawayPriors {
   double damping_std;     ///< [s/m] of a contact's damping over its stiffness, if not known
   double rate_share;      ///< std of F_M, as a share, of an object that is loaded in no time, ...
   double rate_duration;   ///< [s] ... and half of that if within this time
-  double turning_share;  ///< rms of what a turning object's peak lacks of F_M, over its excess, ...
-  double turning_lever;  ///< ... from this arm on, over the friction radius
+  double turning_onset;   ///< rim's travel by turning, over the centre's, that may hide all excess
 };
 [[nodiscard]] OptionSection section_of(BreakawayPriors& priors);
 

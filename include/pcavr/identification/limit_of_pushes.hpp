@@ -30,13 +30,15 @@ struct LimitOfPushes {
                                                       const IdentifiedParameter& coulomb);
 inline constexpr double kLimitContradiction = 3.0;
 
-/// [N] Std of F_M, shared by all pushes of a body, where a force beside the centre turns the object
-/// as it breaks away. The places of the support then slip one after the other, and the first have
-/// fallen to sliding friction before the last ones hold their most: the peak is below F_M by up to
-/// what it exceeds Coulomb friction by, `excess` [N]: on simulated LuGre plants by nothing up to a
-/// twentieth of the friction radius, by 0.3 to 1.5 of the excess beyond a tenth, too different from
-/// body to body to be added. `lever_share`: arm over friction radius.
-[[nodiscard]] double turning_limit_std(double excess, double lever_share,
-                                       const BreakawayPriors& priors = {});
+/// [N] What F_M is above the peak where the object turns as it breaks away, with its std, which all
+/// pushes of a body share. The places of the support then slip one after the other, and the first
+/// have fallen to sliding friction before the last ones hold their most: of what F_M exceeds
+/// Coulomb friction `coulomb` [N] by, e, the peak has shown only `excess` = e (1 - s) [N] > 0, with
+/// s uniform from 0 to the share that turning allows, and e log-normal (BreakawayPriors::excess):
+/// the posterior of e by quadrature. Where all of it may be hidden, a small excess says little, so
+/// that the prior decides. `turning`: travel of the support's rim, at the friction radius, by the
+/// rotation over that of the centre, >= 0. Not excited where nothing is hidden: 0 then.
+[[nodiscard]] IdentifiedParameter hidden_by_turning(double excess, double coulomb, double turning,
+                                                    const BreakawayPriors& priors = {});
 
 }  // namespace pcavr

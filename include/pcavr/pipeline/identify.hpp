@@ -98,6 +98,7 @@ struct IdentifiedContact : AttributedContact {
   IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
   double limit_shared_std = 0.0;   ///< [N] ... and its std that the object's pushes have in common
   double breakaway_lever = 0.0;    ///< [m] of the force then; 0 where the object was not tracked
+  double breakaway_turning = 0.0;  ///< [rad/m] of the object's first travel; 0 likewise
   /// [m] std of the episode's `tool` by a cause that all samples share; empty: none.
   std::vector<double> tip_std = {};
   /// Of a push, where a press gave the object's contact law; its ratio may be not excited.
