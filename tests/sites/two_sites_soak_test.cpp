@@ -256,16 +256,22 @@ TEST_F(SoakCheckerTest, NoticesAnAcceleration) {
 
 TEST_F(SoakCheckerTest, NoticesThatNothingIsExecutedOfWhatArrives) {
   checker_.on_executed(1.03, 7, "key", command_);
-  for (double t = 1.1; t < 12.0; t += 0.1) checker_.on_delivered(t, t - 0.02);
+  for (double t = 1.1; t < 12.0; t += 0.01) {
+    checker_.on_delivered(t, t - 0.02);
+    checker_.on_setpoint(t, Eigen::Vector3d::Zero());
+  }
   EXPECT_TRUE(has("although messages arrive"));
 }
 
-TEST_F(SoakCheckerTest, ExpectsNoCommandOfARevokedKeyNorInSilence) {
+TEST_F(SoakCheckerTest, ExpectsNoCommandInSilenceOrAPauseOrOfARevokedKey) {
   checker_.on_executed(1.03, 7, "key", command_);
-  for (double t = 1.1; t < 8.0; t += 0.1) checker_.on_delivered(t, t - 0.02);
-  for (double t = 9.0; t < 16.0; t += 0.1) checker_.on_delivered(t, t - 0.02);
-  checker_.revoke(16.0, "key");
-  for (double t = 16.0; t < 30.0; t += 0.1) checker_.on_delivered(t, t - 0.02);
+  for (double t = 1.1; t < 40.0; t += 0.01) {
+    if (t > 30.0) checker_.revoke(t, "key");
+    const bool is_silent = t > 8.0 && t < 9.0;
+    const bool is_paused = t > 16.0 && t < 25.0;
+    if (!is_silent) checker_.on_delivered(t, t - 0.02);
+    if (!is_paused) checker_.on_setpoint(t, Eigen::Vector3d::Zero());
+  }
   EXPECT_TRUE(checker_.violations().empty()) << lines(checker_.violations());
 }
 

@@ -127,6 +127,12 @@ void SoakChecker::on_delivered(double t, double sent) {
   const bool is_new = t > last_fresh_delivery_ + options_.commands.timeout;
   if (is_new || authorized_.empty()) connected_since_ = t;
   last_fresh_delivery_ = t;
+}
+
+/// Called in each cycle of the robot's site: one that did not run executes nothing.
+void SoakChecker::check_execution(double t) {
+  if (setpoints_.empty() || t > setpoints_.back().t + kRest) connected_since_ = t;
+  if (t > last_fresh_delivery_ + options_.commands.timeout) return;
   const double idle = t - std::max(connected_since_, last_command_);
   if (idle < options_.recovery) return;
   violate(t, fmt::format("no command was executed for {:.2f} s, although messages arrive", idle));
@@ -149,6 +155,7 @@ void SoakChecker::on_setpoint(double t, const Eigen::Vector3d& p_base) {
       (p_base.array() >= limits.workspace_min().array() - kDistanceTolerance).all() &&
       (p_base.array() <= limits.workspace_max().array() + kDistanceTolerance).all();
   if (!is_inside) violate(t, "the setpoint is outside the workspace");
+  check_execution(t);
   check_motion(t, p_base);
   setpoints_.push_back({t, p_base});
   while (setpoints_.front().t < t - kWindow) setpoints_.pop_front();

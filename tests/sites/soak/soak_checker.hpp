@@ -92,6 +92,7 @@ class SoakChecker {
   void mix(std::uint64_t value);
   void mix(double value);
   void check_key(double t, const std::string& key, const char* what);
+  void check_execution(double t);
   void check_motion(double t, const Eigen::Vector3d& p_base);
   void check_force(double t, const Eigen::Vector3d& motion_base);
   [[nodiscard]] double max_speed() const;
