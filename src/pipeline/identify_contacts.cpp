@@ -307,6 +307,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   result.press_count = static_cast<int>(presses.size());
   if (!series.empty()) {
     result.presses = identify_presses(presses, series, tip, options.contact_fit);
+    if (!result.presses.best().is_valid) result.notes.push_back(result.presses.proposal);
   }
   const ParameterValue exponent = result.parameters.contact_exponent.value_or(
       ParameterValue{kGivenExponent, kGivenExponentStd});

@@ -122,6 +122,8 @@ TEST(InputFaults, LeaveNoLawToPressesThatBeginBeforeTheRecord) {
     if (!law.is_valid) {
       ++withheld;
       EXPECT_FALSE(found->objects[0].parameters.contact_stiffness.has_value());
+      ASSERT_FALSE(found->objects[0].notes.empty());
+      EXPECT_NE(found->objects[0].notes[0].find("no stiffness"), std::string::npos);
       continue;
     }
     EXPECT_LT(law.penetration_std, 1.0);
