@@ -263,10 +263,11 @@ TEST_F(SoakCheckerTest, NoticesThatNothingIsExecutedOfWhatArrives) {
   EXPECT_TRUE(has("although messages arrive"));
 }
 
-TEST_F(SoakCheckerTest, ExpectsNoCommandInSilenceOrAPauseOrOfARevokedKey) {
+TEST_F(SoakCheckerTest, ExpectsNoCommandInSilenceOrAPauseOrWithoutAnswersOrOfARevokedKey) {
   checker_.on_executed(1.03, 7, "key", command_);
-  for (double t = 1.1; t < 40.0; t += 0.01) {
-    if (t > 30.0) checker_.revoke(t, "key");
+  for (double t = 1.1; t < 50.0; t += 0.01) {
+    if (t > 30.0 && t < 30.015) checker_.on_no_answers(39.5);
+    if (t > 40.0) checker_.revoke(t, "key");
     const bool is_silent = t > 8.0 && t < 9.0;
     const bool is_paused = t > 16.0 && t < 25.0;
     if (!is_silent) checker_.on_delivered(t, t - 0.02);

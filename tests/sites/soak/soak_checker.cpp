@@ -125,13 +125,15 @@ void SoakChecker::on_delivered(double t, double sent) {
   if (sent <= newest_delivered_sent_) return;  // a repetition, or overtaken
   newest_delivered_sent_ = sent;
   const bool is_new = t > last_fresh_delivery_ + options_.commands.timeout;
-  if (is_new || authorized_.empty()) connected_since_ = t;
+  if (is_new || authorized_.empty()) connected_since_ = std::max(connected_since_, t);
   last_fresh_delivery_ = t;
 }
 
 /// Called in each cycle of the robot's site: one that did not run executes nothing.
 void SoakChecker::check_execution(double t) {
-  if (setpoints_.empty() || t > setpoints_.back().t + kRest) connected_since_ = t;
+  if (setpoints_.empty() || t > setpoints_.back().t + kRest) {
+    connected_since_ = std::max(connected_since_, t);
+  }
   if (t > last_fresh_delivery_ + options_.commands.timeout) return;
   const double idle = t - std::max(connected_since_, last_command_);
   if (idle < options_.recovery) return;
@@ -139,9 +141,13 @@ void SoakChecker::check_execution(double t) {
   connected_since_ = t;
 }
 
+void SoakChecker::on_no_answers(double until) {
+  connected_since_ = std::max(connected_since_, until);
+}
+
 void SoakChecker::on_robot_start(double t) {
   setpoints_.clear();
-  connected_since_ = t;
+  connected_since_ = std::max(connected_since_, t);
   on_force(t, Eigen::Vector3d::Zero());
   last_fresh_delivery_ = std::max(last_fresh_delivery_, t - 1e-3);
   session_.reset();

@@ -39,6 +39,8 @@ class SoakChecker {
   void on_applied(double t, std::uint32_t session, const LinkCorrection& correction, bool is_valid);
   // The network: a message that the operator's site sent at `sent` reaches the robot's site.
   void on_delivered(double t, double sent);
+  /// What the robot's site sends is lost until then: a session can't begin.
+  void on_no_answers(double until);
   // The robot's site.
   void on_session(double t, std::uint32_t session, const std::string& key);
   void on_executed(double t, std::uint32_t session, const std::string& key,
@@ -107,7 +109,7 @@ class SoakChecker {
   std::optional<double> newest_due_;      ///< of the session's executed commands
   double last_executed_ = -1e9;           ///< [s] with the clutch closed
   double last_command_ = -1e9;            ///< [s] any was executed
-  double connected_since_ = -1e9;         ///< [s] messages arrive without longer gaps
+  double connected_since_ = -1e9;         ///< [s] messages pass both ways without longer gaps
   double newest_delivered_sent_ = -1e9;
   double last_fresh_delivery_ = -1e9;
   std::deque<Setpoint> setpoints_;  ///< of the last tenth of a second

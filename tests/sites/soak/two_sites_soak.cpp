@@ -157,6 +157,7 @@ class TwoSitesSoak final : private SiteLog {
   void drop_to_robot(double length) { network_.drop_until(SoakNetwork::to_robot, t_ + length); }
   void drop_to_operator(double length) {
     network_.drop_until(SoakNetwork::to_operator, t_ + length);
+    checker_.on_no_answers(t_ + length);
   }
   void stall_both(double length);
   void reconnect(double) { network_.reconnect(); }
