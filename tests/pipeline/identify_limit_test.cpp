@@ -69,22 +69,5 @@ TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLaw) {
   }
 }
 
-TEST(IdentifyLimit, GivesThatOfAFastPushOfAnObjectWithLittleFriction) {
-  const Plant plant{.mass = 0.98,
-                    .coulomb = 0.6,
-                    .breakaway = 0.9,
-                    .viscous = 5.0,
-                    .bristle = 6e5,
-                    .stiffness = 1e5,
-                    .damping = 3.5e5};
-  std::vector<IdentifiedContact> contacts{fast_push(plant, 1)};
-  ASSERT_TRUE(contacts[0].episode.breakaway.is_found);
-  const ObjectIdentification found = identify(contacts, plant.mass);
-  EXPECT_GT(found.friction.coulomb.value, 0.0);
-  ASSERT_TRUE(found.parameters.limiting_static_friction);
-  const ParameterValue& limit = *found.parameters.limiting_static_friction;
-  EXPECT_NEAR(limit.value, plant.breakaway, 3.0 * *limit.std);
-}
-
 }  // namespace
 }  // namespace pcavr
