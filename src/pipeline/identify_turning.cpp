@@ -13,7 +13,8 @@ namespace pcavr {
 
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const BodyMotion& body, const PathView& tip, double tool_radius,
-                         const IdentificationOptions& options, ObjectIdentification& result) {
+                         const ParameterValue& viscous, const IdentificationOptions& options,
+                         ObjectIdentification& result) {
   if (body.tracked.empty()) return;
   std::optional<double> weight;
   if (const auto& mass = result.parameters.mass) weight = mass->value * options.sliding.gravity;
@@ -23,7 +24,7 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     if (!samples.empty()) pushes.push_back(std::move(samples));
   }
   result.turning = joined(pushes);
-  const TurningFriction found = identify_turning(pushes, body, options.limit_surface);
+  const TurningFriction found = identify_turning(pushes, body, viscous, options.limit_surface);
   result.surface = found.surface;
   result.friction_radius = found.radius;
   if (found.radius) {

@@ -73,7 +73,8 @@ void ObjectLearner::learn_radius(const BodyMotion& body) {
     if (!seen.turning.empty()) pushes.push_back(seen.turning);
   }
   if (pushes.size() < kMinTurningPushes) return;
-  const TurningFriction turning = identify_turning(pushes, body, options_.limit_surface);
+  const ParameterValue viscous = known_.viscous_friction.value_or(ParameterValue{});
+  const TurningFriction turning = identify_turning(pushes, body, viscous, options_.limit_surface);
   const std::optional<ParameterValue>& radius = turning.radius;
   if (!radius || *radius->std > options_.max_radius_std * radius->value) return;
   const double even = Support(body.model, body.tracked.front().T_base_object).radius();
