@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/turning/support.hpp"
 #include "pcavr/turning/tool_friction.hpp"
 #include "pcavr/turning/turning.hpp"
 
@@ -28,6 +29,9 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   result.surface = found.surface;
   result.friction_radius = found.radius;
   if (found.radius) {
+    const Support even(body.model, body.tracked.front().T_base_object);
+    result.turning = without_viscous_load(
+        std::move(result.turning), even.scaled(found.radius->value / even.radius()), viscous.value);
     result.parameters.friction_radius = found.radius;
     result.parameters.sources.pushes["friction_radius"] = static_cast<int>(pushes.size());
   }
