@@ -192,7 +192,6 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
       identify_surface_offset(result.contacts, i, object, input.tool_radius, tip, found);
     }
     if (goal == IdentificationGoal::friction && object.is_movable) {
-      identify_turning_of(result.contacts, i, motion, tip, input.tool_radius, options, found);
       identify_friction_of(result.contacts, i, object.mass, motion, tip, input.tool_radius, options,
                            found);
       check_press_lines(result.contacts, i, options.inputs.segmentation.breakaway, found);

@@ -415,13 +415,24 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
       damping_std(result, options.breakaway_priors)};
   FrictionPriors priors = options.friction_priors;
   priors.gravity = options.sliding.gravity;
-  KnownSupport support;
-  if (const auto& radius = result.parameters.friction_radius)
-    support.friction_radius = radius->value;
-  if (known_mass) support.weight = *known_mass * priors.gravity;
-  result.slide_samples = friction_samples(body.tracked.empty() ? pushes : all, compliance, body,
-                                          tip, tool_radius, support);
-  take_sliding(infer(result.slide_samples, known_mass, priors), given_mass, result);
+  const auto infer_sliding = [&] {
+    KnownSupport support;
+    if (const auto& radius = result.parameters.friction_radius)
+      support.friction_radius = radius->value;
+    if (known_mass) support.weight = *known_mass * priors.gravity;
+    result.slide_samples = friction_samples(body.tracked.empty() ? pushes : all, compliance, body,
+                                            tip, tool_radius, support);
+    return infer(result.slide_samples, known_mass, priors);
+  };
+  // How the object turns depends on its viscous friction, which hardly depends on how it turns.
+  SlidesPosterior sliding = infer_sliding();
+  if (!body.tracked.empty()) {
+    const FrictionPosterior& first = sliding.joint;
+    const ParameterValue viscous = first.is_valid ? as_value(first.viscous) : ParameterValue{};
+    identify_turning_of(contacts, object, body, tip, tool_radius, viscous, options, result);
+    if (result.friction_radius) sliding = infer_sliding();
+  }
+  take_sliding(sliding, given_mass, result);
   find_limits(pushes, compliance, support_radius(body, result.parameters), options, result);
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {
     result.is_contact_off_centre = true;

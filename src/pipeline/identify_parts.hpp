@@ -58,7 +58,7 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
 /// was found by.
 void state_penetration(const ContactFitOptions& options, ObjectIdentification& result);
 
-/// Breakaway and sliding.
+/// Sliding, turning and breakaway.
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,
                           const PathView& tip, double tool_radius,
@@ -67,10 +67,11 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
 /// push's own line; a note where they disagree.
 void check_press_lines(std::vector<IdentifiedContact>& contacts, std::size_t object,
                        const BreakawayOptions& options, ObjectIdentification& result);
-/// Pushes that turn the object; needs tracking.
+/// Pushes that turn the object, beside its viscous friction [N s/m]; needs tracking.
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const BodyMotion& body, const PathView& tip, double tool_radius,
-                         const IdentificationOptions& options, ObjectIdentification& result);
+                         const ParameterValue& viscous, const IdentificationOptions& options,
+                         ObjectIdentification& result);
 
 /// Friction between tip and object, where the tip slid along a face.
 void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/turning/support.hpp"
 #include "pcavr/turning/tool_friction.hpp"
 #include "pcavr/turning/turning.hpp"
 
@@ -13,7 +14,8 @@ namespace pcavr {
 
 void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const BodyMotion& body, const PathView& tip, double tool_radius,
-                         const IdentificationOptions& options, ObjectIdentification& result) {
+                         const ParameterValue& viscous, const IdentificationOptions& options,
+                         ObjectIdentification& result) {
   if (body.tracked.empty()) return;
   std::optional<double> weight;
   if (const auto& mass = result.parameters.mass) weight = mass->value * options.sliding.gravity;
@@ -23,10 +25,13 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     if (!samples.empty()) pushes.push_back(std::move(samples));
   }
   result.turning = joined(pushes);
-  const TurningFriction found = identify_turning(pushes, body, options.limit_surface);
+  const TurningFriction found = identify_turning(pushes, body, viscous, options.limit_surface);
   result.surface = found.surface;
   result.friction_radius = found.radius;
   if (found.radius) {
+    const Support even(body.model, body.tracked.front().T_base_object);
+    result.turning = without_viscous_load(
+        std::move(result.turning), even.scaled(found.radius->value / even.radius()), viscous.value);
     result.parameters.friction_radius = found.radius;
     result.parameters.sources.pushes["friction_radius"] = static_cast<int>(pushes.size());
   }

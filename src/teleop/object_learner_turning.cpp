@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/turning/support.hpp"
 #include "pcavr/turning/tool_friction.hpp"
 
@@ -37,6 +38,16 @@ AttributedContact attributed(const ContactRecord& record, const Segmentation& fo
                                      tip.at(episode.begin), record.seen->tool_radius)
                               .normal_object;
   return contact;
+}
+
+/// [N s/m] Uniform from 0 to what some push leaves no Coulomb friction beside, or to the prior's.
+ParameterValue viscous_prior(const SamplesOfPushes& pushes) {
+  double most = FrictionPriors().max_viscous;
+  for (const PushSample& sample : joined(pushes)) {
+    const double speed = sample.twist.head<2>().norm();
+    if (speed > 0.0) most = std::min(most, sample.wrench.head<2>().norm() / speed);
+  }
+  return {0.5 * most, most / std::sqrt(12.0)};
 }
 
 }  // namespace
@@ -73,7 +84,8 @@ void ObjectLearner::learn_radius(const BodyMotion& body) {
     if (!seen.turning.empty()) pushes.push_back(seen.turning);
   }
   if (pushes.size() < kMinTurningPushes) return;
-  const TurningFriction turning = identify_turning(pushes, body, options_.limit_surface);
+  const ParameterValue viscous = known_.viscous_friction.value_or(viscous_prior(pushes));
+  const TurningFriction turning = identify_turning(pushes, body, viscous, options_.limit_surface);
   const std::optional<ParameterValue>& radius = turning.radius;
   if (!radius || *radius->std > options_.max_radius_std * radius->value) return;
   const double even = Support(body.model, body.tracked.front().T_base_object).radius();

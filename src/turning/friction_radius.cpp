@@ -20,7 +20,8 @@ constexpr double kTurnLever = 0.05;  // [m] by which rotations are weighted
 /// Minimum weighted rotation, as a share of the translation, of a twist that determines the radius.
 constexpr double kMinRotationShare = 0.2;
 constexpr double kUnpredicted = 0.5 * std::numbers::pi;  // [rad] where too few pushes are left
-constexpr std::size_t kMinTurning = 3;                   // samples of such twists
+constexpr int kRadiusRounds = 3;        // of the radius by which viscous friction resists
+constexpr std::size_t kMinTurning = 3;  // samples of such twists
 /// Std of the radius, as a share, by the pressure's distribution, which no push shows in full:
 /// where it differs by 60 % between patches a quarter of the support wide, radii are found so far
 /// off.
@@ -32,7 +33,9 @@ struct Turned {
   /// [rad] Angle between the twists of a sample, by the model and measured.
   std::function<double(const PushSample&)> angle;
 };
-using FrictionModel = std::function<std::optional<Turned>(const std::vector<PushSample>&)>;
+/// Of samples, beside a viscous friction [N s/m].
+using FrictionModel =
+    std::function<std::optional<Turned>(const std::vector<PushSample>&, double viscous)>;
 
 double angle_by(const LimitSurface& surface, const PushSample& sample, double length) {
   return twist_angle(sliding_direction(surface, sample.wrench), sample.twist, length);
@@ -40,14 +43,16 @@ double angle_by(const LimitSurface& surface, const PushSample& sample, double le
 
 /// The CAD body's support; its size is free.
 std::optional<Turned> turned_by_support(const Support& support, const LimitSurface& shape,
-                                        const std::vector<PushSample>& samples) {
-  const std::optional<Support> found = scaled_to_pushes(support, samples);
+                                        const std::vector<PushSample>& samples, double viscous) {
+  const std::optional<Support> found = scaled_to_pushes(support, samples, viscous);
   if (!found) return std::nullopt;
   LimitSurface surface = shape;
   surface.length *= found->radius() / support.radius();
-  return Turned{found->radius(), [found, surface, length = support.radius()](const auto& sample) {
+  const double length = support.radius();
+  return Turned{found->radius(), [found, surface, length, viscous](PushSample sample) {
                   LimitSurface moved = surface;
                   moved.length *= moved_radius_share(*found, sample.centre_of_pressure);
+                  sample.wrench -= viscous_load(*found, sample, viscous);
                   return angle_by(moved, sample, length);
                 }};
 }
@@ -59,17 +64,32 @@ double radius_of(const LimitSurface& surface) {
   return sliding_load(surface, {0.0, 0.0, 1.0}).z() / force;
 }
 
-std::optional<Turned> turned_by_surface(const LimitSurfaceFitOptions& options, double length,
-                                        const std::vector<PushSample>& samples) {
+std::optional<LimitSurface> surface_of(const std::vector<PushSample>& samples,
+                                       const LimitSurfaceFitOptions& options) {
   LimitSurfaceFit fit = fit_limit_surface(samples, options);
   if (fit.status == LimitSurfaceFitStatus::too_few_pushes) {
     LimitSurfaceFitOptions few = options;
     few.shape = SurfaceShape::ellipsoid;
     fit = fit_limit_surface(samples, few);
   }
-  if (fit.status != LimitSurfaceFitStatus::fitted) return std::nullopt;
-  return Turned{radius_of(fit.surface), [surface = fit.surface, length](const auto& sample) {
-                  return angle_by(surface, sample, length);
+  return fit.status == LimitSurfaceFitStatus::fitted ? std::optional(fit.surface) : std::nullopt;
+}
+
+/// The viscous friction is that of the support, scaled to the surface's radius.
+std::optional<Turned> turned_by_surface(const LimitSurfaceFitOptions& options,
+                                        const Support& support,
+                                        const std::vector<PushSample>& samples, double viscous) {
+  std::optional<LimitSurface> surface = surface_of(samples, options);
+  Support found = support;
+  for (int round = 0; viscous != 0.0 && surface && round < kRadiusRounds; ++round) {
+    found = support.scaled(radius_of(*surface) / support.radius());
+    surface = surface_of(without_viscous_load(samples, found, viscous), options);
+  }
+  if (!surface) return std::nullopt;
+  const double length = support.radius();
+  return Turned{radius_of(*surface), [surface, found, length, viscous](PushSample sample) {
+                  sample.wrench -= viscous_load(found, sample, viscous);
+                  return angle_by(*surface, sample, length);
                 }};
 }
 
@@ -79,7 +99,8 @@ struct LeftOut {
   double angles = 0.0;        ///< [rad] sum over all samples, by the model without them
 };
 
-std::optional<LeftOut> leave_out(const SamplesOfPushes& pushes, const FrictionModel& model) {
+std::optional<LeftOut> leave_out(const SamplesOfPushes& pushes, const FrictionModel& model,
+                                 double viscous) {
   LeftOut result;
   const std::size_t groups = jackknife_groups(pushes.size());
   for (std::size_t group = 0; group < groups; ++group) {
@@ -88,13 +109,21 @@ std::optional<LeftOut> leave_out(const SamplesOfPushes& pushes, const FrictionMo
       std::vector<PushSample>& into = jackknife_group(i, pushes.size()) == group ? with : without;
       into.insert(into.end(), pushes[i].begin(), pushes[i].end());
     }
-    const std::optional<Turned> turned = model(without);
+    const std::optional<Turned> turned = model(without, viscous);
     if (turned) result.radii.push_back(turned->radius);
     for (const PushSample& sample : with) {
       result.angles += turned ? turned->angle(sample) : kUnpredicted;
     }
   }
   return result.radii.size() >= 2 ? std::optional(result) : std::nullopt;
+}
+
+/// [m] Change of the radius by one std of the viscous friction.
+double viscous_std(const std::vector<PushSample>& samples, const FrictionModel& model,
+                   double radius, const ParameterValue& viscous) {
+  if (!(viscous.std.value_or(0.0) > 0.0)) return 0.0;
+  const std::optional<Turned> changed = model(samples, viscous.value + *viscous.std);
+  return changed ? std::abs(changed->radius - radius) : 0.0;
 }
 
 /// Whether some samples turn the object clearly.
@@ -111,24 +140,27 @@ bool is_turned(const std::vector<PushSample>& samples) {
 
 std::optional<ParameterValue> friction_radius_of(const SamplesOfPushes& pushes,
                                                  const Support& support, const LimitSurface& shape,
+                                                 const ParameterValue& viscous,
                                                  const LimitSurfaceFitOptions& options) {
   const std::vector<PushSample> samples = joined(pushes);
   if (!is_turned(samples)) return std::nullopt;
-  const FrictionModel models[] = {
-      [&](const std::vector<PushSample>& some) { return turned_by_support(support, shape, some); },
-      [&](const std::vector<PushSample>& some) {
-        return turned_by_surface(options, support.radius(), some);
-      }};
+  const FrictionModel models[] = {[&](const std::vector<PushSample>& some, double b) {
+                                    return turned_by_support(support, shape, some, b);
+                                  },
+                                  [&](const std::vector<PushSample>& some, double b) {
+                                    return turned_by_surface(options, support, some, b);
+                                  }};
   std::optional<ParameterValue> best;
   double least = std::numeric_limits<double>::infinity();
   for (const FrictionModel& model : models) {
-    const std::optional<Turned> turned = model(samples);
+    const std::optional<Turned> turned = model(samples, viscous.value);
     if (!turned) continue;
-    const std::optional<LeftOut> left_out = leave_out(pushes, model);
+    const std::optional<LeftOut> left_out = leave_out(pushes, model, viscous.value);
     if (!left_out || left_out->angles >= least) continue;
     least = left_out->angles;
     best = {turned->radius,
-            std::hypot(jackknife_std(left_out->radii), kPressureShare * turned->radius)};
+            std::hypot(jackknife_std(left_out->radii), kPressureShare * turned->radius,
+                       viscous_std(samples, model, turned->radius, viscous))};
   }
   return best;
 }

@@ -13,11 +13,11 @@ namespace pcavr {
 
 /// [m] By the model of friction that predicts best how pushes that it was not fitted to turned the
 /// object: the CAD body's support, of this `shape`, at any size, or any limit surface, as of an
-/// object on feet. Its std is by leaving out pushes, and by the pressure's unknown distribution.
-/// Empty where no push turned the object far enough.
+/// object on feet. Its std is by leaving out pushes, by that of the `viscous` friction [N s/m], and
+/// by the pressure's unknown distribution. Empty where no push turned the object far enough.
 [[nodiscard]] std::optional<ParameterValue> friction_radius_of(
     const SamplesOfPushes& pushes, const Support& support, const LimitSurface& shape,
-    const LimitSurfaceFitOptions& options);
+    const ParameterValue& viscous, const LimitSurfaceFitOptions& options);
 
 /// The radius about the `centre` [m] of a pressure that a push has moved, over that about the
 /// middle.

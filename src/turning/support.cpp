@@ -38,23 +38,32 @@ bool contains(const std::vector<Eigen::Vector3d>& outline, const Eigen::Vector2d
   return true;
 }
 
-/// The load that moves the support with a sample's twist, in units of its friction.
-Eigen::Vector3d friction_of(const Support& support, const PushSample& sample) {
-  Eigen::Vector3d load = Eigen::Vector3d::Zero();
+/// The loads that move the support with a sample's twist.
+struct SupportLoad {
+  Eigen::Vector3d coulomb = Eigen::Vector3d::Zero();  ///< over the Coulomb friction
+  Eigen::Vector3d viscous = Eigen::Vector3d::Zero();  ///< over B
+};
+
+SupportLoad load_of(const Support& support, const PushSample& sample) {
+  SupportLoad load;
   const std::vector<double> shares = support.pressure(sample.centre_of_pressure);
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const Eigen::Vector2d arm = support.points()[i] - sample.centre_of_pressure;
-    load += wrench_of(shares[i] * velocity_of(arm, sample.twist).normalized(), arm);
+    const Eigen::Vector2d velocity = velocity_of(arm, sample.twist);
+    load.coulomb += wrench_of(shares[i] * velocity.normalized(), arm);
+    load.viscous += wrench_of(shares[i] * velocity, arm);
   }
   return load;
 }
 
 /// Between the samples' loads and those of the support under their twists [rad], with moments over
 /// `length` [m].
-double mean_angle(std::span<const PushSample> samples, const Support& support, double length) {
+double mean_angle(std::span<const PushSample> samples, const Support& support, double length,
+                  double viscous) {
   double sum = 0.0;
   for (const PushSample& sample : samples) {
-    sum += twist_angle(friction_of(support, sample), sample.wrench, 1.0 / length);
+    const SupportLoad load = load_of(support, sample);
+    sum += twist_angle(load.coulomb, sample.wrench - viscous * load.viscous, 1.0 / length);
   }
   return sum / static_cast<double>(samples.size());
 }
@@ -136,12 +145,16 @@ std::vector<double> Support::pressure(const Eigen::Vector2d& centre) const {
   return shares;
 }
 
-std::optional<Support> scaled_to_pushes(const Support& support,
-                                        std::span<const PushSample> samples) {
+Eigen::Vector3d viscous_load(const Support& support, const PushSample& sample, double viscous) {
+  return viscous * load_of(support, sample).viscous;
+}
+
+std::optional<Support> scaled_to_pushes(const Support& support, std::span<const PushSample> samples,
+                                        double viscous) {
   const double length = support.radius();
   if (samples.empty() || !(length > 0.0)) return std::nullopt;
   const auto cost = [&](double log_scale) {
-    return mean_angle(samples, support.scaled(std::exp(log_scale)), length);
+    return mean_angle(samples, support.scaled(std::exp(log_scale)), length, viscous);
   };
   const double step = std::log(kMaxScale / kMinScale) / kScales;
   int best = 0;

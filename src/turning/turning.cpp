@@ -81,8 +81,9 @@ struct MeanLoad {
   double count = 0.0;
 };
 
-/// In the axes of the planar pose midway between the two, about the centre of pressure.
-PushSample sample_between(const Planar& a, const Planar& b, const MeanLoad& load) {
+/// In the axes of the planar pose midway between the two, about the centre of pressure, over a
+/// `duration` [s].
+PushSample sample_between(const Planar& a, const Planar& b, double duration, const MeanLoad& load) {
   const double turn = std::remainder(b.heading - a.heading, 2.0 * std::numbers::pi);
   const Eigen::Matrix2d R_body_base =
       Eigen::Rotation2Dd(-(a.heading + 0.5 * turn)).toRotationMatrix();
@@ -93,6 +94,7 @@ PushSample sample_between(const Planar& a, const Planar& b, const MeanLoad& load
   PushSample sample;
   sample.wrench << R_body_base * load.force, moment;
   sample.twist << R_body_base * moved, turn;
+  sample.twist /= duration;
   sample.centre_of_pressure = R_body_base * centre;
   return sample;
 }
@@ -119,7 +121,7 @@ class Turning {
         if (std::hypot((b.p_base - a.p_base).norm(), kRotationLever * turn) < kMinTurnDisplacement)
           continue;
         const MeanLoad load = mean_load(contact, *from, pose);
-        if (load.count >= 3.0) samples.push_back(sample_between(a, b, load));
+        if (load.count >= 3.0) samples.push_back(sample_between(a, b, pose.t - from->t, load));
         from = &pose;
       }
     }
@@ -204,7 +206,14 @@ std::vector<PushSample> of_even_pressure(std::vector<PushSample> samples, const 
   return samples;
 }
 
+std::vector<PushSample> without_viscous_load(std::vector<PushSample> samples,
+                                             const Support& support, double viscous) {
+  for (PushSample& sample : samples) sample.wrench -= viscous_load(support, sample, viscous);
+  return samples;
+}
+
 TurningFriction identify_turning(const SamplesOfPushes& pushes, const BodyMotion& body,
+                                 const ParameterValue& viscous,
                                  const LimitSurfaceFitOptions& options) {
   const std::vector<PushSample> samples = joined(pushes);
   TurningFriction result{fit_limit_surface(samples, options)};
@@ -213,13 +222,14 @@ TurningFriction identify_turning(const SamplesOfPushes& pushes, const BodyMotion
   const Support support(body.model, T_base_first);
   if (!(support.radius() > 0.0)) return result;
   const LimitSurface shape = surface_of_support(body.model, T_base_first, support.radius());
-  result.radius = friction_radius_of(pushes, support, shape, options);
+  result.radius = friction_radius_of(pushes, support, shape, viscous, options);
   if (result.radius && !is_narrower_than_prior(*result.radius, support)) return {};
   if (!result.radius || result.surface.status != LimitSurfaceFitStatus::fitted) return result;
   // Its shape: fifteen coefficients also follow the errors of the contact point and of few pushes,
   // which the support's shape does not have.
+  const Support found = support.scaled(result.radius->value / support.radius());
   result.surface = fit_limit_surface(
-      of_even_pressure(samples, support.scaled(result.radius->value / support.radius())), options,
+      of_even_pressure(without_viscous_load(samples, found, viscous.value), found), options,
       surface_of_support(body.model, T_base_first, result.radius->value));
   return result;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "pcavr/core/random.hpp"
@@ -91,10 +92,15 @@ SamplesOfPushes pushes_of(const Support& support, double ahead, const Eigen::Vec
   return pushes;
 }
 
-double radius_of(const CadModel& model, const SamplesOfPushes& pushes) {
+std::optional<ParameterValue> radius_by(const CadModel& model, const SamplesOfPushes& pushes,
+                                        const ParameterValue& viscous) {
   const std::vector<TrackedPose> tracked{{0.0, Pose()}};
-  const TurningFriction found = identify_turning(pushes, {model, tracked}, {});
-  return found.radius ? found.radius->value : 0.0;
+  return identify_turning(pushes, {model, tracked}, viscous, {}).radius;
+}
+
+double radius_of(const CadModel& model, const SamplesOfPushes& pushes) {
+  const std::optional<ParameterValue> found = radius_by(model, pushes, {});
+  return found ? found->value : 0.0;
 }
 
 TEST(Turning, FindsTheRadiusUnderAPressureThatThePushesMoveAhead) {
@@ -105,6 +111,68 @@ TEST(Turning, FindsTheRadiusUnderAPressureThatThePushesMoveAhead) {
       const double found = radius_of(model, pushes_of(support, ahead, {0.0, ahead}));
       EXPECT_NEAR(found, support.radius(), 0.03 * support.radius()) << size << ", " << ahead;
     }
+  }
+}
+
+/// The pushes under Coulomb friction of 1 N, and at each point viscous friction `b` [N s/m] too.
+SamplesOfPushes with_viscous_friction(SamplesOfPushes pushes, const Support& support, double b) {
+  const double share = b / static_cast<double>(support.points().size());
+  for (std::vector<PushSample>& push : pushes) {
+    for (PushSample& sample : push) {
+      for (const Eigen::Vector2d& p : support.points()) {
+        sample.wrench += wrench_of(share * velocity_of(p, sample.twist), p);
+      }
+    }
+  }
+  return pushes;
+}
+
+TEST(Turning, FindsTheRadiusBesideViscousFriction) {
+  const CadModel model = block();
+  for (const double size : {1.0, 0.7}) {
+    const Support support = support_of(model).scaled(size);
+    constexpr double kViscous = 60.0;  // [N s/m] a fifth of the load at 4 mm/s
+    const SamplesOfPushes pushes =
+        with_viscous_friction(pushes_of(support, 0.0, {0.0, 0.0}), support, kViscous);
+    const double truth = support.radius();
+    const auto found = radius_by(model, pushes, {kViscous, {}});
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->value, truth, 0.02 * truth) << size;
+    EXPECT_GT(radius_of(model, pushes), 1.04 * truth) << size;
+    // Of one that is not known, the radius is not, either.
+    const auto unsure = radius_by(model, pushes, {0.0, kViscous});
+    ASSERT_TRUE(unsure);
+    EXPECT_LT(std::abs(unsure->value - truth), 1.5 * *unsure->std) << size;
+  }
+}
+
+TEST(Turning, MeasuresTwistsAsRates) {
+  const CadModel model = block();
+  const Eigen::Vector2d velocity(0.03, 0.01);
+  constexpr double kRate = 0.4;  // [rad/s]
+  std::vector<TrackedPose> tracked;
+  for (int i = 0; i <= 30; ++i) {
+    const double t = i / 30.0;
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(kRate * t, Eigen::Vector3d::UnitZ()));
+    tracked.push_back({t, Pose(q, {velocity.x() * t, velocity.y() * t, 0.05})});
+  }
+  AttributedContact push;
+  push.normal_object = -Eigen::Vector3d::UnitX();
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> p_base_tip;
+  for (int i = 0; i <= 500; ++i) {
+    t.push_back(i / 500.0);
+    p_base_tip.emplace_back(-0.06 + velocity.x() * t.back(), 0.0, 0.05);
+    push.force_base.emplace_back(2.0, 0.0, 0.0);
+  }
+  push.episode.t = t;
+  push.episode.slides = {{0.0, 1.0}};
+  const std::vector<PushSample> samples =
+      turning_samples(push, {model, tracked}, PathView(t, p_base_tip), 0.01, 1e6);
+  ASSERT_GE(samples.size(), 3U);
+  for (const PushSample& sample : samples) {
+    EXPECT_NEAR(sample.twist.head<2>().norm(), velocity.norm(), 1e-3 * velocity.norm());
+    EXPECT_NEAR(sample.twist.z(), kRate, 1e-9);
   }
 }
 

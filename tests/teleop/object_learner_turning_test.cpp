@@ -3,6 +3,8 @@
 // Online identification of how a tracked object turns, and of how the tip slips along it.
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -79,11 +81,13 @@ LimitSurface on_feet() { return ellipsoid_surface(kFriction, kFriction * kRadius
 
 /// What a learner knows after pushes at these places beside the centre [m].
 ObjectParameters learnt_from(const std::vector<double>& places, double lateral, bool is_tracked,
-                             const LimitSurface& surface_of_friction = on_feet()) {
+                             const LimitSurface& surface_of_friction = on_feet(),
+                             const std::optional<ParameterValue>& viscous = {}) {
   const CadModel model = block();
   const BodySurface surface(model);
   ObjectParameters given;
   given.mass = ParameterValue{1.5};
+  given.viscous_friction = viscous;
   ObjectLearner learner(given);
   double start = 0.0;
   std::uint64_t seed = 1;
@@ -115,6 +119,19 @@ TEST(ObjectLearnerTurning, KeepsTheSupportsRadiusWhereThePushesDoNotContradictIt
   LimitSurface even = surface_of_support(block(), Pose(), kEvenRadius);
   even.force = kFriction;
   EXPECT_FALSE(learnt_from({0.02, -0.025, 0.03}, 0.0, true, even).friction_radius);
+}
+
+TEST(ObjectLearnerTurning, IsLessSureOfARadiusBesideAnUnknownViscousFriction) {
+  const std::vector<double> places{0.02, -0.025, 0.03, -0.015};
+  const auto radius_beside = [&](const std::optional<ParameterValue>& viscous) {
+    return learnt_from(places, 0.0, true, on_feet(), viscous).friction_radius;
+  };
+  const auto unknown = radius_beside({});
+  const auto none = radius_beside(ParameterValue{0.0, 0.1});
+  const auto large = radius_beside(ParameterValue{60.0, 0.1});  // [N s/m]
+  ASSERT_TRUE(unknown && none && large);
+  EXPECT_GT(std::abs(large->value - none->value), 0.05 * none->value);
+  EXPECT_GT(*unknown->std, *none->std);
 }
 
 TEST(ObjectLearnerTurning, NeedsTracking) {

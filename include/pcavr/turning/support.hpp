@@ -46,9 +46,16 @@ class Support {
   std::vector<Eigen::Vector2d> points_;
 };
 
-/// The support scaled so that its friction is best along the forces that were measured. Empty where
-/// no scale does that.
+/// [N, N, N m] About the centre of pressure: the load that viscous friction B [N s/m], spread over
+/// the support as its pressure is, takes of a sample. It resists turning by the mean square of the
+/// radius, where Coulomb friction does by its mean.
+[[nodiscard]] Eigen::Vector3d viscous_load(const Support& support, const PushSample& sample,
+                                           double viscous);
+
+/// The support scaled so that its friction is best along the forces that were measured, beside its
+/// viscous friction [N s/m]. Empty where no scale does that.
 [[nodiscard]] std::optional<Support> scaled_to_pushes(const Support& support,
-                                                      std::span<const PushSample> samples);
+                                                      std::span<const PushSample> samples,
+                                                      double viscous = 0.0);
 
 }  // namespace pcavr

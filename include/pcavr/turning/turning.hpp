@@ -14,10 +14,11 @@
 
 namespace pcavr {
 
-/// Wrench and twist of the object over successive parts of a push in which it slid, each of some
-/// millimetres; in the planar axes of `heading_of`, about the centre of pressure. A push as slow as
-/// the noise of the tip's speed counts where tracking shows that it moved the object. The
-/// pressure's centre follows from the push's height and the object's weight [N].
+/// Mean wrench and twist [m/s, rad/s] of the object over successive parts of a push in which it
+/// slid, each of some millimetres; in the planar axes of `heading_of`, about the centre of
+/// pressure. A push as slow as the noise of the tip's speed counts where tracking shows that it
+/// moved the object. The pressure's centre follows from the push's height and the object's weight
+/// [N].
 [[nodiscard]] std::vector<PushSample> turning_samples(const AttributedContact& push,
                                                       const BodyMotion& body, const PathView& tip,
                                                       double tool_radius,
@@ -32,6 +33,10 @@ using SamplesOfPushes = std::vector<std::vector<PushSample>>;
 [[nodiscard]] std::vector<PushSample> of_even_pressure(std::vector<PushSample> samples,
                                                        const Support& support);
 
+/// Under Coulomb friction alone: without the load of the `support`'s viscous friction [N s/m].
+[[nodiscard]] std::vector<PushSample> without_viscous_load(std::vector<PushSample> samples,
+                                                           const Support& support, double viscous);
+
 /// Friction of an object that turns.
 struct TurningFriction {
   /// Where it is fitted and the radius is known, with the shape of the body's support as its prior.
@@ -40,8 +45,11 @@ struct TurningFriction {
   /// far enough, or its std, by leaving out pushes, is no third of the prior's.
   std::optional<ParameterValue> radius = {};
 };
+/// `viscous`: B [N s/m] of the object, whose load is no part of either; its std is one of the
+/// radius.
 [[nodiscard]] TurningFriction identify_turning(const SamplesOfPushes& pushes,
                                                const BodyMotion& body,
+                                               const ParameterValue& viscous,
                                                const LimitSurfaceFitOptions& options);
 
 /// That of uniform pressure on the body's support, scaled to a friction radius [m].
