@@ -73,17 +73,6 @@ void take_parameters(const ContactFit& fit, ObjectParameters& parameters) {
   }
 }
 
-/// Relative std of the penetration by a linear law whose exponent is uncertain: its distance from
-/// that by the curved law of the same presses.
-double curvature_std(const ContactFit& best, const ContactIdentification& presses, double force) {
-  const ContactFit& curved = presses.hunt_crossley;
-  const bool is_linear = best.regressor == ContactRegressor::mass_damper_spring;
-  if (!is_linear || !curved.is_valid) return 0.0;
-  const double linear_depth = force / best.stiffness.value;
-  const double depth = std::pow(force / curved.stiffness.value, 1.0 / curved.exponent.value);
-  return std::abs(std::log(depth / linear_depth));
-}
-
 /// A stiffness that depends on an assumed exponent by more than it is known: the law is right
 /// about its penetration only, and the stiffness is no result.
 void assume_stiffness(ObjectIdentification& result) {
@@ -273,23 +262,6 @@ ContactIdentification identify_presses(const std::vector<IdentifiedContact*>& pr
 
 }  // namespace
 
-ParameterValue as_value(const IdentifiedParameter& parameter) {
-  return {parameter.value, parameter.std};
-}
-
-std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& contacts,
-                                            std::size_t object, bool presses) {
-  std::vector<IdentifiedContact*> chosen;
-  for (IdentifiedContact& contact : contacts) {
-    const bool is_press = contact.episode.kind == ContactKind::press;
-    const bool is_usable = contact.left_out.empty() && !contact.episode.impact;
-    if (contact.object == object && is_usable && is_press == presses) {
-      chosen.push_back(&contact);
-    }
-  }
-  return chosen;
-}
-
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const PathView& tip, const IdentificationOptions& options,
                          ObjectIdentification& result) {
@@ -340,7 +312,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
       force = std::max(force, one->episode.peak_force);
     }
     result.penetration.relative_std = std::hypot(
-        best->penetration_std, curvature_std(*best, result.presses, result.penetration.max_force));
+        best->penetration_std, curvature_std(result.presses, *best, result.penetration.max_force));
     result.is_exponent_given = !result.presses.best().is_valid;
     if (result.is_exponent_given) result.parameters.contact_mass.reset();
     if (result.is_exponent_given) {

@@ -15,16 +15,6 @@ namespace pcavr {
 
 /// The steps of identify().
 
-/// The usable contacts of one kind (presses or pushes) with an object.
-[[nodiscard]] std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& contacts,
-                                                          std::size_t object, bool presses);
-
-/// A push with a larger lever arm about the centre meets less friction, because the object also
-/// rotates: 1.5 % at a friction radius of 60 mm. Its limit is less certain by far:
-/// hidden_by_turning.
-inline constexpr double kMaxCentredLever = 0.010;  // [m]
-[[nodiscard]] bool is_centred(const IdentifiedContact* push);
-
 void forget_contact(ObjectParameters& parameters);
 /// Removes a contact law that is not a result (ObjectIdentification::is_contact_off_centre).
 void withhold_contact_off_centre(ObjectIdentification& result);
@@ -58,32 +48,9 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
 /// was found by.
 void state_penetration(const ContactFitOptions& options, ObjectIdentification& result);
 
-/// Sliding, turning and breakaway.
-void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                          std::optional<double> given_mass, const BodyMotion& body,
-                          const PathView& tip, double tool_radius,
-                          const IdentificationOptions& options, ObjectIdentification& result);
 /// Where presses gave the contact law: the line that it predicts for each push, as a check of the
 /// push's own line; a note where they disagree.
 void check_press_lines(std::vector<IdentifiedContact>& contacts, std::size_t object,
                        const BreakawayOptions& options, ObjectIdentification& result);
-/// Pushes that turn the object, beside its viscous friction [N s/m]; needs tracking.
-void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         const BodyMotion& body, const PathView& tip, double tool_radius,
-                         const ParameterValue& viscous, const IdentificationOptions& options,
-                         ObjectIdentification& result);
-
-/// Friction between tip and object, where the tip slid along a face.
-void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
-                               const BodyMotion& body, const PathView& tip, double tool_radius,
-                               ObjectIdentification& result);
-
-/// Std [N] of F_M as the dependence of friction's limit on the time [s] in which it is loaded:
-/// under fast loading an object breaks loose before its contacts have adapted [Canudas de Wit et
-/// al. 1995].
-[[nodiscard]] double limit_rate_std(double limit, double loading_time,
-                                    const BreakawayPriors& priors);
-
-[[nodiscard]] ParameterValue as_value(const IdentifiedParameter& parameter);
 
 }  // namespace pcavr

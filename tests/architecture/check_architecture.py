@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 MODULES = ("core geometry rosbag recording bag_import cloud contact friction object identification model robot "
-           "robot_identification arm inputs prediction turning haptics "
+           "robot_identification arm inputs prediction turning object_identification haptics "
            "devices link teleop sites marker ros2 tracking reconstruction texture scene simulation report evaluation pipeline serve").split()
 HEAVY = re.compile(r"<(opencv2/|pcl/|octomap/|ceres/|apriltag/|embree3/|assimp/|fmt/|yaml-cpp/|nlohmann/|"
                    r"tbb/|zstd|lz4|bzlib|sqlite3|bullet/|btBullet|png\.h|SDL|spnav|boost/|openssl/|urdf|tinyxml|console_bridge|kdl/|zmq|dds/|fastdds/)")

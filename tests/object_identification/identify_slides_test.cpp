@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/identify_slides.hpp"
+#include "object_identification/identify_slides.hpp"
 
 #include <algorithm>
 #include <cmath>

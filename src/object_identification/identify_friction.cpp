@@ -15,8 +15,7 @@
 #include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/turning/support.hpp"
 
-#include "identify_parts.hpp"
-#include "identify_slides.hpp"
+#include "object_identification/identify_slides.hpp"
 
 namespace pcavr {
 namespace {
@@ -373,8 +372,6 @@ double support_radius(const BodyMotion& body, const ObjectParameters& known) {
 double limit_rate_std(double limit, double loading_time, const BreakawayPriors& priors) {
   return limit * priors.rate_share * priors.rate_duration / (priors.rate_duration + loading_time);
 }
-
-bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
 
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,

@@ -4,11 +4,10 @@
 #include <utility>
 #include <vector>
 
+#include "pcavr/object_identification/object_identification.hpp"
 #include "pcavr/turning/support.hpp"
 #include "pcavr/turning/tool_friction.hpp"
 #include "pcavr/turning/turning.hpp"
-
-#include "identify_parts.hpp"
 
 namespace pcavr {
 

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "identify_slides.hpp"
+#include "object_identification/identify_slides.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 #include <Eigen/Geometry>
@@ -13,6 +12,8 @@
 #include "pcavr/core/median.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/turning/support.hpp"
+
+#include "object_identification/tracked_motion.hpp"
 
 namespace pcavr {
 namespace {
@@ -29,9 +30,6 @@ constexpr double kMaxSpeedChange = 0.5;  // share, over one smoothing: a start o
 // Speed over that after it, below which friction has to settle anew: a stop shorter than the
 // smoothing is not a zero of the speed. A modulation of 3 mm at 2 Hz on 60 mm/s remains above.
 constexpr double kMinPastSpeed = 0.3;
-// The tracked motion is smoothed over a time in which the object moves so far, within limits.
-constexpr double kTrackedTravel = 0.004;                                  // [m]
-constexpr double kMinTrackedSmoothing = 0.1, kMaxTrackedSmoothing = 1.0;  // [s] half width
 constexpr double kDampingDifference = 0.5;  // of the half width: the step of a third derivative
 constexpr double kMaxRotationShare = 0.6;   // beyond, friction is mostly that of turning
 constexpr double kMaxStraightShare = 0.01;  // beyond, the object turns
@@ -47,43 +45,6 @@ constexpr double kMinFollowing = 0.5;
 constexpr std::size_t kMinShownSamples = 8;
 constexpr double kMaxSlowTravel = 0.001;
 constexpr double kMinShownNoise = 2.0;
-
-/// Motion of the object's centre from its tracked poses, smoothed.
-struct Twist {
-  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< [m/s] of the centre of mass
-  double rate = 0.0;                                   ///< [rad/s]
-};
-
-class TrackedMotion {
- public:
-  explicit TrackedMotion(const BodyMotion& body) {
-    double heading = 0.0;
-    for (const TrackedPose& pose : body.tracked) {
-      const Eigen::Vector3d centre = pose.T_base_object * body.model.centre_of_mass_object;
-      const double now = heading_of(pose.T_base_object);
-      heading += t_.empty() ? now : std::remainder(now - heading, 2.0 * std::numbers::pi);
-      t_.push_back(pose.t);
-      for (int k = 0; k < 2; ++k) centre_[static_cast<std::size_t>(k)].push_back(centre[k]);
-      heading_.push_back(heading);
-    }
-  }
-
-  /// Nothing where the poses do not cover the window.
-  [[nodiscard]] std::optional<Twist> at(double t, double speed) const {
-    if (t_.empty()) return std::nullopt;
-    const double half_width = std::clamp(kTrackedTravel / std::max(speed, 1e-6),
-                                         kMinTrackedSmoothing, kMaxTrackedSmoothing);
-    const SmoothedSample x = smooth_at(t_, centre_[0], t, half_width);
-    const SmoothedSample y = smooth_at(t_, centre_[1], t, half_width);
-    const SmoothedSample a = smooth_at(t_, heading_, t, half_width);
-    if (!x.is_valid || !y.is_valid || !a.is_valid) return std::nullopt;
-    return Twist{{x.rate, y.rate}, a.rate};
-  }
-
- private:
-  std::vector<double> t_, heading_;
-  std::array<std::vector<double>, 2> centre_;
-};
 
 /// One push's signals along its direction, smoothed.
 struct SmoothSlide {
@@ -263,15 +224,15 @@ class Slides {
     support_ = support_->scaled(scale_);
   }
 
-  void add(const IdentifiedContact& contact, const ContactCompliance& compliance,
-           std::size_t number, std::vector<FrictionSample>& samples) const {
+  [[nodiscard]] std::vector<FrictionSample> of(const IdentifiedContact& contact,
+                                               const ContactCompliance& compliance) const {
+    std::vector<FrictionSample> samples;
     const ContactEpisode& episode = contact.episode;
-    if (episode.t.size() < 20 || episode.kind == ContactKind::press) return;
+    if (episode.t.size() < 20 || episode.kind == ContactKind::press) return samples;
     const SmoothSlide push = smooth_slide(contact, compliance, mean_interval(tip_.t()));
     const double loaded =
         episode.breakaway.is_found ? episode.breakaway.t : end_of_loading(push, episode);
     const double from = loaded + kSlideSettle + push.half_width;
-    const std::size_t first = samples.size();
     double next = from;
     for (std::size_t i = 0; i < episode.t.size(); ++i) {
       const double t = episode.t[i];
@@ -279,15 +240,15 @@ class Slides {
       if (!is_sliding(push, episode, i)) continue;
       std::optional<FrictionSample> sample = sample_at(contact, push, i);
       if (!sample) continue;
-      sample->push = number;
       // Within one sample of the force.
-      sample->is_adjacent = !samples.empty() && samples.back().push == number &&
-                            t < samples.back().t + push.half_width + 1.5 * push.interval;
+      sample->is_adjacent =
+          !samples.empty() && t < samples.back().t + push.half_width + 1.5 * push.interval;
       next = t + push.half_width;
       samples.push_back(*sample);
     }
-    remove_noise(push, std::span(samples).subspan(first));
-    raise_noise(std::span(samples).subspan(first));
+    remove_noise(push, samples);
+    raise_noise(samples);
+    return samples;
   }
 
  private:
@@ -434,7 +395,12 @@ std::vector<FrictionSample> friction_samples(const std::vector<IdentifiedContact
                                              double tool_radius, const KnownSupport& known) {
   std::vector<FrictionSample> samples;
   const Slides slides(body, tip, tool_radius, known);
-  for (std::size_t i = 0; i < pushes.size(); ++i) slides.add(*pushes[i], compliance, i, samples);
+  for (std::size_t i = 0; i < pushes.size(); ++i) {
+    for (const FrictionSample& sample : slides.of(*pushes[i], compliance)) {
+      samples.push_back(sample);
+      samples.back().push = i;
+    }
+  }
   return samples;
 }
 
