@@ -77,8 +77,8 @@ bool is_covered(std::span<const double> t, double at, double half_width) {
 template <typename Value>
 Value fit_value(std::span<const double> t, std::span<const Value> values, double at,
                 double half_width) {
-  const Value middle = values[values.size() / 2];  // avoids cancellation where the value is large
-  Value wv = middle - middle, wuv = middle - middle;
+  const Value& middle = values[values.size() / 2];  // avoids cancellation where the value is large
+  Value wv = 0.0 * middle, wuv = 0.0 * middle;
   const double per_width = 1.0 / half_width;
   double w = 0.0, wu = 0.0, wuu = 0.0;
   for (std::size_t i = 0; i < t.size(); ++i) {
