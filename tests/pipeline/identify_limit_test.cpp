@@ -13,6 +13,14 @@
 namespace pcavr {
 namespace {
 
+const Plant kLightBody{.mass = 0.98,
+                       .coulomb = 2.2,
+                       .breakaway = 2.8,
+                       .viscous = 5.0,
+                       .bristle = 6e5,
+                       .stiffness = 1e5,
+                       .damping = 3.5e5};
+
 /// A push at 60 mm/s of a light body, whose inertia is half of the force's peak.
 /// `rate` [Hz] of the log.
 IdentifiedContact fast_push(const Plant& plant, std::uint64_t seed, double rate = 500.0) {
@@ -51,40 +59,26 @@ ObjectIdentification identify(std::vector<IdentifiedContact>& contacts, double m
 
 // Its peak is the limiting friction and the inertia of the object, whose contact law nothing gave.
 TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLaw) {
-  const Plant plant{.mass = 0.98,
-                    .coulomb = 2.2,
-                    .breakaway = 2.8,
-                    .viscous = 5.0,
-                    .bristle = 6e5,
-                    .stiffness = 1e5,
-                    .damping = 3.5e5};
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    std::vector<IdentifiedContact> contacts{fast_push(plant, seed)};
+    std::vector<IdentifiedContact> contacts{fast_push(kLightBody, seed)};
     ASSERT_TRUE(contacts[0].episode.breakaway.is_found) << seed;
-    ASSERT_GT(contacts[0].episode.breakaway.force, 1.3 * plant.breakaway) << seed;
-    const ObjectIdentification found = identify(contacts, plant.mass);
+    ASSERT_GT(contacts[0].episode.breakaway.force, 1.3 * kLightBody.breakaway) << seed;
+    const ObjectIdentification found = identify(contacts, kLightBody.mass);
     EXPECT_FALSE(found.parameters.contact_stiffness);
     ASSERT_TRUE(found.parameters.limiting_static_friction) << seed;
     const ParameterValue& limit = *found.parameters.limiting_static_friction;
-    EXPECT_NEAR(limit.value, plant.breakaway, 3.0 * *limit.std) << seed;
+    EXPECT_NEAR(limit.value, kLightBody.breakaway, 3.0 * *limit.std) << seed;
   }
 }
 
 // Some samples make its peak, which is not the limiting friction: that is withheld, or covered.
 TEST(IdentifyLimit, TakesNoInertiaOfAFastPushLoggedSlowlyForFriction) {
-  const Plant plant{.mass = 0.98,
-                    .coulomb = 2.2,
-                    .breakaway = 2.8,
-                    .viscous = 5.0,
-                    .bristle = 6e5,
-                    .stiffness = 1e5,
-                    .damping = 3.5e5};
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    std::vector<IdentifiedContact> contacts{fast_push(plant, seed, 100.0)};
-    const ObjectIdentification found = identify(contacts, plant.mass);
+    std::vector<IdentifiedContact> contacts{fast_push(kLightBody, seed, 100.0)};
+    const ObjectIdentification found = identify(contacts, kLightBody.mass);
     if (!found.parameters.limiting_static_friction) continue;
     const ParameterValue& limit = *found.parameters.limiting_static_friction;
-    EXPECT_NEAR(limit.value, plant.breakaway, 3.0 * *limit.std) << seed;
+    EXPECT_NEAR(limit.value, kLightBody.breakaway, 3.0 * *limit.std) << seed;
   }
 }
 
