@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
+#include <iterator>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,8 +14,8 @@
 #include "pcavr/core/median.hpp"
 #include "pcavr/identification/breakaway_motion.hpp"
 #include "pcavr/prediction/body_physics.hpp"
-#include "pcavr/turning/support.hpp"
 
+#include "object_identification/breakaway_lever.hpp"
 #include "object_identification/identify_slides.hpp"
 
 namespace pcavr {
@@ -217,16 +218,20 @@ std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
   return object;
 }
 
+/// Whether inertia has a part in the push's peak.
+bool is_fast(const Breakaway& breakaway, double mass, const OnsetOptions& options) {
+  return inertial_overshoot(breakaway, mass) > options.max_acceleration_share * breakaway.force;
+}
+
 /// Of one push: without inertia, which needs the mass; else the force at the peak.
 LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject> object,
                        const std::optional<HuntCrossley>& contact_law,
                        const std::optional<ParameterValue>& mass,
                        const IdentificationOptions& options) {
   const Breakaway breakaway = with_final_rate(episode);
-  // In a slow push, the little that it can be off by is all that the motion could show.
-  const double min_overshoot = options.onset.max_acceleration_share * breakaway.force;
   if (object && !contact_law) object->contact_law = {breakaway.stiffness, 0.0, 1.0};
-  if (object && inertial_overshoot(breakaway, object->mass) > min_overshoot) {
+  // In a slow push, the little that it can be off by is all that the motion could show.
+  if (object && is_fast(breakaway, object->mass, options.onset)) {
     const LimitOfMotion found =
         limit_by_motion(episode.series(), breakaway, *object, options.breakaway_priors);
     if (found.limit.is_excited) return found;
@@ -253,10 +258,49 @@ IdentifiedParameter hidden_in(const IdentifiedContact& push, double radius,
   return hidden_by_turning(excess, coulomb.value, radius * push.breakaway_turning, priors);
 }
 
+/// Those of `centred`, which are through the centre of mass at their peak, that already are so
+/// when the object begins to yield. Where there is none, all that are slow: at their peak, force
+/// and moment together are at the limit.
+std::vector<IdentifiedContact*> pushes_at_limit(const std::vector<IdentifiedContact*>& all,
+                                                std::vector<IdentifiedContact*> centred,
+                                                const BodyMotion& body, const PathView& tip,
+                                                double tool_radius,
+                                                const IdentifiedParameter& radius,
+                                                const IdentificationOptions& options,
+                                                ObjectIdentification& result) {
+  if (result.friction.coulomb.is_excited) {
+    std::erase_if(centred, [&](const IdentifiedContact* push) {
+      const double t = yield_instant(push->episode, result.friction.coulomb.value);
+      return std::abs(lever_at(t, *push, body, tip, tool_radius)) > kMaxCentredLever;
+    });
+  }
+  const std::size_t count = all.size() - centred.size();
+  if (count == 0) return centred;
+  std::vector<IdentifiedContact*> slow;
+  const std::optional<ParameterValue>& mass = result.parameters.mass;
+  if (centred.empty() && !body.tracked.empty() && radius.is_excited && mass) {
+    std::copy_if(all.begin(), all.end(), std::back_inserter(slow), [&](IdentifiedContact* push) {
+      return !is_fast(with_final_rate(push->episode), mass->value, options.onset);
+    });
+  }
+  std::string note = std::to_string(count) + (count == 1 ? " push" : " pushes") +
+                     " off the centre of mass: not used for the limiting friction";
+  if (body.tracked.empty()) note += ", nor, without tracking, for the sliding friction";
+  if (!slow.empty()) {
+    note += fmt::format(
+        ", but for the {} slow ones, as none is through it: less certain, by their moment and the "
+        "friction radius",
+        slow.size());
+    centred = std::move(slow);
+  }
+  result.notes.push_back(std::move(note));
+  return centred;
+}
+
 /// F_M of each push, and of all that count: with the scatter between pushes.
-/// `radius`: the friction radius [m].
+/// `radius`: the friction radius [m], if it is known.
 void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCompliance& compliance,
-                 double radius, const IdentificationOptions& options,
+                 const IdentifiedParameter& radius, const IdentificationOptions& options,
                  ObjectIdentification& result) {
   const std::optional<PushedObject> object =
       pushed_object(compliance, options.friction_priors, result);
@@ -268,8 +312,9 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
     if (breakaway.is_found) {
       LimitOfMotion limit =
           limit_of(push->episode, object, compliance.law, result.parameters.mass, options);
-      const IdentifiedParameter hidden =
-          hidden_in(*push, radius, result.friction.coulomb, limit.limit, options.breakaway_priors);
+      if (radius.is_excited) limit = limit_with_moment(limit, push->breakaway_lever, radius);
+      const IdentifiedParameter hidden = hidden_in(*push, radius.value, result.friction.coulomb,
+                                                   limit.limit, options.breakaway_priors);
       // The share varies too much from body to body to be added: added, it worsened pushes that
       // hardly turn.
       limit.shared_std = std::hypot(limit.shared_std, hidden.value, hidden.std);
@@ -310,63 +355,6 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
   }
 }
 
-/// Lever arm [m] of the force about the centre of mass at the breakaway, of a tracked object: a tip
-/// that holds on to a face may push it obliquely, and the object turns before it slides.
-double lever_at_breakaway(const IdentifiedContact& push, const BodyMotion& body,
-                          const PathView& tip, double tool_radius) {
-  const Breakaway& breakaway = push.episode.breakaway;
-  if (!breakaway.is_found || body.tracked.empty()) return 0.0;
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < push.episode.t.size(); ++i) {
-    if (std::abs(push.episode.t[i] - breakaway.t) <= kRateHalfWidth) force += push.force_base[i];
-  }
-  const double size = force.head<2>().norm();
-  if (!(size > 0.0)) return 0.0;
-  const Pose T_base_object = pose_at(body.tracked, breakaway.t);
-  const Eigen::Vector3d arm = tip.at(breakaway.t) -
-                              tool_radius * (T_base_object.rotation() * push.normal_object) -
-                              T_base_object * body.model.centre_of_mass_object;
-  return (arm.x() * force.y() - arm.y() * force.x()) / size;
-}
-
-/// [rad/m] Rotation per travel of a tracked object that breaks away, about its pose before, over
-/// its first millimetres. A worn support turns it under a force through its centre of mass, too.
-double turning_at_breakaway(const IdentifiedContact& push, const BodyMotion& body) {
-  constexpr double kRest = 0.3;      // [s] before the peak: averages the noise of tracking
-  constexpr double kTravel = 0.005;  // [m] ten times the noise of tracking and more
-  const double at = push.episode.breakaway.t;
-  if (!push.episode.breakaway.is_found) return 0.0;
-  Eigen::Vector3d rest = Eigen::Vector3d::Zero();  // place, and heading beside the first one
-  double count = 0.0, products = 0.0, squares = 0.0, first = 0.0;
-  for (const TrackedPose& pose : body.tracked) {
-    if (pose.t < at - kRest) continue;
-    if (pose.t > push.episode.end) break;
-    const Eigen::Vector3d centre = pose.T_base_object * body.model.centre_of_mass_object;
-    const double heading = heading_of(pose.T_base_object);
-    if (count == 0.0) first = heading;
-    const Eigen::Vector3d place(centre.x(), centre.y(),
-                                std::remainder(heading - first, 2.0 * std::numbers::pi));
-    if (pose.t <= at || count == 0.0) {
-      rest += place;
-      count += 1.0;
-      continue;
-    }
-    const Eigen::Vector3d moved = place - rest / count;
-    const double travel = moved.head<2>().norm();
-    if (travel > kTravel) break;
-    products += travel * moved.z();
-    squares += travel * travel;
-  }
-  return squares > 0.0 ? std::abs(products) / squares : 0.0;
-}
-
-/// [m] Known, or that of even pressure; 0 where neither is.
-double support_radius(const BodyMotion& body, const ObjectParameters& known) {
-  if (known.friction_radius) return known.friction_radius->value;
-  if (body.tracked.empty()) return 0.0;
-  return Support(body.model, body.tracked.front().T_base_object).radius();
-}
-
 }  // namespace
 
 double limit_rate_std(double limit, double loading_time, const BreakawayPriors& priors) {
@@ -381,19 +369,11 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   const std::vector<IdentifiedContact*> all = pushes;
   const auto off_centre =
       std::stable_partition(pushes.begin(), pushes.end(), [&](IdentifiedContact* push) {
-        push->breakaway_lever = lever_at_breakaway(*push, body, tip, tool_radius);
+        push->breakaway_lever = lever_at(push->episode.breakaway.t, *push, body, tip, tool_radius);
         push->breakaway_turning = turning_at_breakaway(*push, body);
         return is_centred(push) && std::abs(push->breakaway_lever) <= kMaxCentredLever;
       });
-  const auto off_centre_count = static_cast<std::size_t>(pushes.end() - off_centre);
   pushes.erase(off_centre, pushes.end());
-  if (off_centre_count > 0) {
-    const bool is_tracked = !body.tracked.empty();
-    result.notes.push_back(std::to_string(off_centre_count) +
-                           (off_centre_count == 1 ? " push" : " pushes") +
-                           " off the centre of mass: not used for the limiting friction" +
-                           (is_tracked ? "" : ", nor, without tracking, for the sliding friction"));
-  }
   const std::optional<HuntCrossley> contact_law = contact_law_of(result.parameters);
   std::optional<double> known_mass = given_mass;
   if (!known_mass && result.parameters.mass) known_mass = result.parameters.mass->value;
@@ -430,7 +410,10 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
     if (result.friction_radius) sliding = infer_sliding();
   }
   take_sliding(sliding, given_mass, result);
-  find_limits(pushes, compliance, support_radius(body, result.parameters), options, result);
+  const IdentifiedParameter radius = support_radius(body, result.parameters, priors);
+  const std::vector<IdentifiedContact*> at_limit =
+      pushes_at_limit(all, pushes, body, tip, tool_radius, radius, options, result);
+  find_limits(at_limit, compliance, radius, options, result);
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {
     result.is_contact_off_centre = true;
   }
