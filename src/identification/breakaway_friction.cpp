@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "pcavr/core/check.hpp"
@@ -106,14 +107,14 @@ double inertial_overshoot(const Breakaway& breakaway, double mass) {
 }
 
 IdentifiedParameter limit_of_push(const ForceMotion& push, const Breakaway& breakaway,
-                                  const HuntCrossley& contact_law, double mass,
+                                  const std::optional<HuntCrossley>& contact_law, double mass,
                                   const OnsetOptions& options) {
   PCAVR_REQUIRE(mass > 0.0, mass);
   if (!breakaway.is_found) return {};
   const double excess = inertial_overshoot(breakaway, mass);
-  if (excess > options.max_acceleration_share * breakaway.force) {
+  if (contact_law && excess > options.max_acceleration_share * breakaway.force) {
     const IdentifiedParameter limit =
-        friction_at_breakaway(push, breakaway, contact_law, mass, options);
+        friction_at_breakaway(push, breakaway, *contact_law, mass, options);
     if (limit.is_excited) return limit;
   }
   return {breakaway.force - 0.5 * excess, std::hypot(breakaway.std, excess / std::sqrt(12.0)),

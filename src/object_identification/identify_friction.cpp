@@ -237,9 +237,9 @@ LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
-  if (mass && (contact_law || breakaway.stiffness > 0.0)) {
-    const HuntCrossley law = contact_law.value_or(HuntCrossley{breakaway.stiffness, 0.0, 1.0});
-    found.limit = limit_of_push(episode.series(), breakaway, law, mass->value, options.onset);
+  if (mass) {
+    found.limit =
+        limit_of_push(episode.series(), breakaway, contact_law, mass->value, options.onset);
   }
   if (breakaway.loading_rate > 0.0) {
     const double loading_time = found.limit.value / breakaway.loading_rate;

@@ -71,6 +71,22 @@ TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLaw) {
   }
 }
 
+// Its sliding is too short for an estimate of friction. The line of its loading is no contact law
+// by which the onset of motion could be found.
+TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLawOrSliding) {
+  Plant slippery = kLightBody;
+  slippery.coulomb = 1.3;
+  slippery.breakaway = 1.8;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    std::vector<IdentifiedContact> contacts{fast_push(slippery, seed)};
+    const ObjectIdentification found = identify(contacts, slippery.mass);
+    ASSERT_FALSE(found.friction.is_valid) << seed;
+    ASSERT_TRUE(found.parameters.limiting_static_friction) << seed;
+    const ParameterValue& limit = *found.parameters.limiting_static_friction;
+    EXPECT_NEAR(limit.value, slippery.breakaway, 2.0 * *limit.std) << seed;
+  }
+}
+
 // Some samples make its peak, which is not the limiting friction: that is withheld, or covered.
 TEST(IdentifyLimit, TakesNoInertiaOfAFastPushLoggedSlowlyForFriction) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

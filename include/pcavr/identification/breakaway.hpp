@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -89,10 +90,12 @@ struct OnsetOptions {
 /// constant friction overshoots by r sqrt(M / k) of force; friction that drops at once makes the
 /// force drop, too. The truth lies between: the middle is returned, with the std of a uniform
 /// distribution over that range. Where it is more than `max_acceleration_share` of the force,
-/// friction_at_breakaway is more accurate. Not excited where no breakaway was found. mass [kg] > 0.
+/// friction_at_breakaway is more accurate, and used with a contact law; the line of the push's own
+/// loading is none: by it the object rests until the force leaves the line, whenever it began to
+/// move. Not excited where no breakaway was found. mass [kg] > 0.
 [[nodiscard]] IdentifiedParameter limit_of_push(const ForceMotion& push, const Breakaway& breakaway,
-                                                const HuntCrossley& contact_law, double mass,
-                                                const OnsetOptions& options = {});
+                                                const std::optional<HuntCrossley>& contact_law,
+                                                double mass, const OnsetOptions& options = {});
 
 /// Which of repeated pushes count.
 struct LimitingFrictionOptions {
