@@ -143,14 +143,15 @@ std::vector<PressSamples> samples_of(std::span<const ForceMotion> presses,
 
 /// The linear law with its mass, if that is significant, of signals smoothed until noise is a small
 /// share of the accelerations: the law holds of signals that any kernel has smoothed, and only the
-/// ends of the presses are lost. `options` get that half width.
+/// ends of the presses are lost. `samples`: by the half width of `options`, which get the one used.
 std::optional<ContactFit> fit_with_mass(std::span<const ForceMotion> presses,
                                         const std::vector<std::size_t>& touched,
+                                        std::vector<PressSamples> samples,
                                         ContactFitOptions& options) {
   ContactFitOptions wider = options;
   for (; wider.half_width < kMaxSmoothing * options.half_width;
        wider.half_width *= kSmoothingStep) {
-    const std::vector<PressSamples> samples = samples_of(presses, touched, wider);
+    if (wider.half_width > options.half_width) samples = samples_of(presses, touched, wider);
     double noise = 0.0;
     for (const PressSamples& press : samples) noise = std::max(noise, press.acceleration_noise);
     if (noise > kMaxNoiseShare * scales_of(samples)[0]) continue;
@@ -288,7 +289,7 @@ ContactIdentification identify_contact(std::span<const ForceMotion> presses,
   }
   found.mass_damper_spring = fit_linear(samples, options);
   ContactFitOptions smoothed = options;
-  if (auto fit = fit_with_mass(presses, found.touched, smoothed)) {
+  if (auto fit = fit_with_mass(presses, found.touched, samples, smoothed)) {
     found.mass_damper_spring = *std::move(fit);
   }
   if (options.drift_half_width <= 0.0) {

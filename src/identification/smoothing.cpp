@@ -133,6 +133,33 @@ Window window_at(std::span<const double> t, double at, double half_width) {
   return end > begin ? Window{begin, end} : Window{};
 }
 
+/// window_at() for one instant after another, without a search for each where they ascend.
+class MovingWindow {
+ public:
+  MovingWindow(std::span<const double> t, double half_width) : t_(t), half_width_(half_width) {}
+
+  Window at(double instant) {
+    if (window_.size() == 0 || instant < last_) {
+      window_ = window_at(t_, instant, half_width_);
+    } else if (instant + half_width_ > t_.back() + 1e-9) {
+      window_ = {};
+    } else {
+      const double reach = half_width_ * (1.0 - 1e-9);
+      while (window_.begin < t_.size() && t_[window_.begin] <= instant - reach) ++window_.begin;
+      window_.end = std::max(window_.begin, window_.end);
+      while (window_.end < t_.size() && t_[window_.end] < instant + reach) ++window_.end;
+    }
+    last_ = instant;
+    return window_;
+  }
+
+ private:
+  std::span<const double> t_;
+  double half_width_;
+  Window window_;
+  double last_ = 0.0;
+};
+
 SmoothedSample fit_at(std::span<const double> t, std::span<const double> values, double at,
                       double half_width) noexcept {
   const Window window = window_at(t, at, half_width);
@@ -140,53 +167,68 @@ SmoothedSample fit_at(std::span<const double> t, std::span<const double> values,
                     values.subspan(window.begin, window.size()), at, half_width);
 }
 
+void require_series(std::size_t stamps, std::size_t values, double half_width) {
+  PCAVR_REQUIRE(stamps == values, stamps, values);
+  PCAVR_REQUIRE(half_width > 0.0, half_width);
+}
+
 /// Empty where the window is not full.
 template <typename Value>
-std::optional<Value> value_at(std::span<const double> t, std::span<const Value> values, double at,
-                              double half_width) {
-  PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
-  PCAVR_REQUIRE(half_width > 0.0, half_width);
-  const Window window = window_at(t, at, half_width);
+std::optional<Value> value_in(const Window& window, std::span<const double> t,
+                              std::span<const Value> values, double at, double half_width) {
   const std::span<const double> stamps = t.subspan(window.begin, window.size());
   if (stamps.size() < kMinSamples || !is_covered(stamps, at, half_width)) return std::nullopt;
   return fit_value(stamps, values.subspan(window.begin, window.size()), at, half_width);
+}
+
+SmoothedSample sample_of(const std::optional<double>& value) {
+  return {.value = value.value_or(0.0), .is_valid = value.has_value()};
 }
 
 }  // namespace
 
 SmoothedSample smooth_at(std::span<const double> t, std::span<const double> values, double at,
                          double half_width) {
-  PCAVR_REQUIRE(t.size() == values.size(), t.size(), values.size());
-  PCAVR_REQUIRE(half_width > 0.0, half_width);
+  require_series(t.size(), values.size(), half_width);
   return fit_at(t, values, at, half_width);
 }
 
 std::vector<SmoothedSample> smooth(std::span<const double> t, std::span<const double> values,
                                    std::span<const double> at, double half_width) {
+  require_series(t.size(), values.size(), half_width);
   std::vector<SmoothedSample> samples;
   samples.reserve(at.size());
-  for (const double instant : at) samples.push_back(smooth_at(t, values, instant, half_width));
+  MovingWindow windows(t, half_width);
+  for (const double instant : at) {
+    const Window window = windows.at(instant);
+    samples.push_back(fit_window(t.subspan(window.begin, window.size()),
+                                 values.subspan(window.begin, window.size()), instant, half_width));
+  }
   return samples;
 }
 
 SmoothedSample smooth_value_at(std::span<const double> t, std::span<const double> values, double at,
                                double half_width) {
-  const std::optional<double> value = value_at(t, values, at, half_width);
-  return {.value = value.value_or(0.0), .is_valid = value.has_value()};
+  require_series(t.size(), values.size(), half_width);
+  return sample_of(value_in(window_at(t, at, half_width), t, values, at, half_width));
 }
 
 std::optional<Eigen::Vector3d> smooth_point_at(std::span<const double> t,
                                                std::span<const Eigen::Vector3d> points, double at,
                                                double half_width) {
-  return value_at(t, points, at, half_width);
+  require_series(t.size(), points.size(), half_width);
+  return value_in(window_at(t, at, half_width), t, points, at, half_width);
 }
 
 std::vector<SmoothedSample> smooth_values(std::span<const double> t, std::span<const double> values,
                                           std::span<const double> at, double half_width) {
+  require_series(t.size(), values.size(), half_width);
   std::vector<SmoothedSample> samples;
   samples.reserve(at.size());
-  for (const double instant : at)
-    samples.push_back(smooth_value_at(t, values, instant, half_width));
+  MovingWindow windows(t, half_width);
+  for (const double instant : at) {
+    samples.push_back(sample_of(value_in(windows.at(instant), t, values, instant, half_width)));
+  }
   return samples;
 }
 

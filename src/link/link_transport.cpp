@@ -13,6 +13,7 @@
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
+#include <sys/resource.h>
 #include <zmq.hpp>
 
 #include "pcavr/core/check.hpp"
@@ -31,27 +32,28 @@ constexpr int kMaxReconnectInterval = 1000;
 // The authentication thread ends within this time [ms].
 constexpr int kAuthenticationPoll = 50;
 constexpr std::size_t kMaxNotices = 64;
-constexpr int kThreadPriority = 20;  // that of the sites' loops
+// Of the socket's thread: the highest nice value, or the real-time priority of the sites' loops.
+constexpr int kThreadNice = -20;
+constexpr int kThreadPriority = 20;
 
-/// Whether this process may have threads of that priority: libzmq aborts where it may not.
-bool is_permitted(int policy, int priority) {
-  int result = 0;
-  std::thread([&] {
-    const sched_param parameters{.sched_priority = priority};
-    result = ::pthread_setschedparam(::pthread_self(), policy, &parameters);
-  }).join();
-  return result == 0;
+/// Of the calling thread, as far as the system permits it. By its nice value, the system wakes it
+/// on the CPU that has woken it; a real-time thread it moves to another one, away from the site's
+/// loop, which costs both CPUs an interrupt for each message.
+void raise_priority() {
+  if (::setpriority(PRIO_PROCESS, 0, kThreadNice) == 0) return;
+  const sched_param parameters{.sched_priority = kThreadPriority};
+  ::pthread_setschedparam(::pthread_self(), SCHED_RR, &parameters);
 }
 
-/// A context whose socket thread has real-time priority where that is permitted, as the loops of
-/// the sites have: on a loaded machine it would otherwise not run for longer than a session lasts
-/// without messages.
+/// A context whose socket thread has priority where that is permitted: on a loaded machine it would
+/// otherwise not run for longer than a session lasts without messages. It inherits the priority of
+/// the thread that makes the first socket (libzmq aborts where its own options are not permitted).
 zmq::context_t make_context() {
   zmq::context_t context;
-  if (is_permitted(SCHED_RR, kThreadPriority)) {
-    context.set(zmq::ctxopt::thread_sched_policy, SCHED_RR);
-    context.set(zmq::ctxopt::thread_priority, kThreadPriority);
-  }
+  std::thread([&] {
+    raise_priority();
+    const zmq::socket_t first(context, zmq::socket_type::pair);
+  }).join();
   return context;
 }
 

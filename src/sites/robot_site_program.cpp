@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <memory>
 #include <optional>
 #include <type_traits>
@@ -31,7 +32,20 @@ constexpr double kAuthorisationInterval = 0.5;     // [s] between two checks of 
 constexpr double kMinNoticeInterval = 30.0;        // [s] between two lines for the same cause
 constexpr double kPhaseAge = 1.0;  // [s] of a phase that is logged: its begin may be revised before
 constexpr double kRecordingTail = 0.2;  // [s] after its end, for the last corrections
+// Of the time between the last two round trips, and at most [s]: the next one is not expected
+// sooner.
+constexpr double kPingShare = 0.9;
+constexpr double kMaxPingInterval = 0.1;
 constexpr double kMaxGap = 0.02;  // [s] without a setpoint, after which the tool has come to rest
+
+/// [s]; a signal ends it.
+void sleep_for(double duration) {
+  if (duration <= 0.0) return;
+  timespec time{};
+  time.tv_sec = static_cast<time_t>(duration);
+  time.tv_nsec = static_cast<long>(1e9 * (duration - std::floor(duration)));
+  ::clock_nanosleep(CLOCK_MONOTONIC, 0, &time, nullptr);
+}
 
 class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
  public:
@@ -56,6 +70,12 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   }
 
   [[nodiscard]] double until_due() const override { return next_cycle_ - clock_.now(); }
+
+  /// Whether the next cycle is early enough for the messages that arrive before it. Only a round
+  /// trip is not to wait: it measures the clock.
+  [[nodiscard]] bool can_receive_by_cycle() const {
+    return sessions_.current() != nullptr && clock_.now() < next_ping_;
+  }
 
   void step() override {
     receive();
@@ -145,6 +165,8 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     if (!sessions_.has_sent(packet, message.header)) return;
     note_received(message.header);
     if (std::holds_alternative<LinkPing>(message.content)) {
+      next_ping_ = now + std::min(kPingShare * (now - last_ping_), kMaxPingInterval);
+      last_ping_ = now;
       send(packet.peer, message.header.session, LinkPong{message.header.clock, now});
     } else if (const auto* command = std::get_if<LinkCommand>(&message.content)) {
       on_command(*command, now);
@@ -362,6 +384,8 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   double lead_ = 0.0;
   double next_state_ = 0.0;
   double next_authorisation_ = 0.0;
+  double last_ping_ = 0.0;  ///< [s]
+  double next_ping_ = 0.0;  ///< [s] not expected before
   std::uint32_t sequence_ = 0;
   LinkMessage message_;
   std::vector<std::uint8_t> bytes_;
@@ -381,7 +405,11 @@ Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& rob
   RobotSiteLoop loop(server, robot, site, scene, options, observer, runtime);
   request_site_priority(observer);
   while (!stop && !loop.is_finished()) {
-    server.wait(loop.until_due());
+    if (loop.can_receive_by_cycle()) {
+      sleep_for(loop.until_due());
+    } else {
+      server.wait(loop.until_due());
+    }
     loop.step();
   }
   return loop.finish();

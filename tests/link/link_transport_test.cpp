@@ -3,11 +3,14 @@
 #include "pcavr/link/link_transport.hpp"
 
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "pcavr/core/output.hpp"
@@ -71,6 +74,30 @@ TEST_F(LinkTransport, CarriesMessagesBothWaysAndStatesTheSendersKey) {
   client.wait(2.0);
   EXPECT_EQ(client.receive(), (std::vector<std::uint8_t>{9}));
   EXPECT_EQ(client.state(), LinkClient::State::connected);
+}
+
+/// Nice values of libzmq's threads, which carry the messages.
+std::vector<int> nice_of_socket_threads() {
+  std::vector<int> values;
+  for (const fs::directory_entry& thread : fs::directory_iterator("/proc/self/task")) {
+    std::string name;
+    std::ifstream(thread.path() / "comm") >> name;
+    if (!name.starts_with("ZMQbg/IO")) continue;
+    const std::string id = thread.path().filename().string();
+    values.push_back(::getpriority(PRIO_PROCESS, static_cast<id_t>(std::stoul(id))));
+  }
+  return values;
+}
+
+TEST_F(LinkTransport, SocketThreadsPrecedeOtherPrograms) {
+  bool is_permitted = false;
+  std::thread([&] { is_permitted = ::setpriority(PRIO_PROCESS, 0, -20) == 0; }).join();
+  if (!is_permitted) GTEST_SKIP() << "no permission to raise a thread's priority";
+  const int before = ::getpriority(PRIO_PROCESS, 0);
+  const LinkServer server = open_server();
+  const LinkClient client = open_client(server, "alice");
+  EXPECT_EQ(nice_of_socket_threads(), (std::vector<int>{-20, -20}));
+  EXPECT_EQ(::getpriority(PRIO_PROCESS, 0), before);
 }
 
 TEST_F(LinkTransport, RejectsAKeyThatIsNotAuthorised) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "pcavr/sites/link_sites.hpp"
 #include "pcavr/sites/site_clock.hpp"
@@ -92,8 +93,16 @@ TEST(LinkDelays, EachStageAgreesWithAnOutsideClockWithinAMillisecond) {
   operator_options.timeout = kTimeout;
   std::atomic<bool> stop = false;
   StampedRobot robot;
-  std::thread robot_thread(
-      [&] { EXPECT_TRUE(run_robot_site(*server, robot, *site, scene, robot_options, {}, stop)); });
+  long robot_waits = 0;
+  std::size_t commands = 0;
+  std::thread robot_thread([&] {
+    const auto done = run_robot_site(*server, robot, *site, scene, robot_options, {}, stop);
+    ASSERT_TRUE(done) << done.error().to_string();
+    commands = done->commands;
+    rusage usage{};
+    ::getrusage(RUSAGE_THREAD, &usage);
+    robot_waits = usage.ru_nvcsw;
+  });
   StampedOperator person(stop);
   SimulatedNetwork network;
   network.forward.delay = network.backward.delay = kDelay;
@@ -136,6 +145,8 @@ TEST(LinkDelays, EachStageAgreesWithAnOutsideClockWithinAMillisecond) {
   EXPECT_GT(fastest_backward, kDelay - max_error);
   EXPECT_LT(fastest_forward, kDelay + 0.02);
   EXPECT_LT(fastest_backward, kDelay + 0.02);
+  // Its cycles receive the commands: it does not wake for each of them.
+  EXPECT_LT(robot_waits, static_cast<long>(commands / 2)) << commands;
   EXPECT_EQ(report->delays.stages()[0].name, "sent to received");
   EXPECT_GE(report->delays.count(), person.delays.size());
 }
