@@ -169,8 +169,10 @@ nlohmann::ordered_json json_of(const Reports& reports) {
                                {"streaming_bytes", reports.robot.streaming_bytes},
                                {"max_correction_cpu_s", reports.robot.max_correction_time},
                                {"corrections", std::move(corrections)}};
-  if (reports.robot.tool_compliance) {
-    robot["tool_compliance_m_per_n"] = *reports.robot.tool_compliance;
+  if (const auto& response = reports.robot.tool_response) {
+    robot["tool_compliance_m_per_n"] = response->compliance;
+    robot["tool_rate_rad_s"] = response->rate;
+    robot["tool_damping_ratio"] = response->damping_ratio;
   }
   return {{"robot", std::move(robot)},
           {"operator",

@@ -71,10 +71,10 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
           static_cast<double>(std::max<std::size_t>(report.pictures, 1)),
       report.cycles, report.late_cycles, 1e6 * report.cpu / cycles,
       1e3 * report.max_correction_time);
-  if (report.tool_compliance) {
+  if (report.tool_response) {
     result.summary +=
         fmt::format("the arm gives way by {:.4f} mm/N at the tip: the operator's world does, too\n",
-                    1e3 * *report.tool_compliance);
+                    1e3 * report.tool_response->compliance);
   }
   for (const std::string& note : report.notes) result.summary += "  note: " + note + '\n';
   result.json = {{"sessions", report.sessions},
@@ -93,7 +93,13 @@ CommandResult describe_robot_site(const RobotSiteReport& report) {
                  {"cpu_s", report.cpu},
                  {"max_correction_cpu_s", report.max_correction_time},
                  {"notes", report.notes}};
-  if (report.tool_compliance) result.json["tool_compliance_m_per_n"] = *report.tool_compliance;
+  if (report.tool_response) {
+    result.json["tool_compliance_m_per_n"] = report.tool_response->compliance;
+    result.json["tool_rate_rad_s"] = report.tool_response->rate;
+    result.json["tool_damping_ratio"] = report.tool_response->damping_ratio;
+    result.json["tool_lag_s"] = report.tool_response->lag;
+    result.json["tool_acceleration_lag_s2"] = report.tool_response->acceleration_lag;
+  }
   result.json["corrections"] = nlohmann::ordered_json::array();
   for (const SentCorrection& sent : report.corrections) {
     result.json["corrections"].push_back({{"t", sent.t},

@@ -24,7 +24,12 @@ constexpr std::uint32_t kLinkRejections = 5;
 constexpr std::uint32_t kLinkStops = 4;
 constexpr std::uint32_t kKnownLimits = 31;
 constexpr float kMaxCorrectionDelay = 60.0F;  // [s]
-constexpr float kMaxToolCompliance = 0.1F;    // [m/N]
+// Of an arm's tip.
+constexpr double kMaxToolCompliance = 0.1;  // [m/N]
+constexpr double kMaxToolRate = 1e4;        // [rad/s]
+constexpr double kMaxToolDampingRatio = 100.0;
+constexpr double kMaxToolLag = 1.0;              // [s], either sign: a setpoint may be ahead
+constexpr double kMaxToolAccelerationLag = 1.0;  // [s^2]
 
 void write_link_text(std::string_view text, ByteWriter& writer) {
   PCAVR_REQUIRE(text.size() <= kMaxLinkTextBytes, text.size());
@@ -36,6 +41,26 @@ void write_link_vector(const Eigen::Vector3f& vector, ByteWriter& writer) {
 }
 void write_orientation(const Eigen::Quaternionf& q, ByteWriter& writer) {
   for (const float value : q.coeffs()) writer.f32(value);  // x y z w
+}
+void write_response(const TipResponse& response, ByteWriter& writer) {
+  for (const double value : {response.compliance, response.rate, response.damping_ratio,
+                             response.lag, response.acceleration_lag}) {
+    writer.f32(static_cast<float>(value));
+  }
+}
+TipResponse read_response(LinkReader& reader) {
+  const auto next = [&reader](double min, double max) {
+    const double value = static_cast<double>(reader.f32());
+    if (!(value >= min && value <= max)) reader.reject("a tool's response out of range");
+    return value;
+  };
+  TipResponse response;
+  response.compliance = next(0.0, kMaxToolCompliance);
+  response.rate = next(0.0, kMaxToolRate);
+  response.damping_ratio = next(0.0, kMaxToolDampingRatio);
+  response.lag = next(-kMaxToolLag, kMaxToolLag);
+  response.acceleration_lag = next(-kMaxToolAccelerationLag, kMaxToolAccelerationLag);
+  return response;
 }
 void write_count(std::size_t count, ByteWriter& writer) {
   PCAVR_REQUIRE(count <= kMaxLinkObjects, count);
@@ -176,7 +201,7 @@ void write_content(const LinkState& state, ByteWriter& writer) {
   writer.integer(static_cast<std::uint32_t>(flags));
   writer.integer(state.discarded_commands);
   writer.integer(state.corrections);
-  writer.f32(state.tool_compliance);
+  write_response(state.tool_response, writer);
   write_link_vector(state.p_base_tip, writer);
   write_orientation(state.q_base_tool, writer);
   write_link_vector(state.force_base, writer);
@@ -198,10 +223,7 @@ void read_content(LinkReader& reader, LinkState& state) {
   state.is_stopped = (flags & 4U) != 0;
   state.discarded_commands = reader.integer<std::uint32_t>();
   state.corrections = reader.integer<std::uint32_t>();
-  state.tool_compliance = reader.f32();
-  const bool is_compliance =
-      state.tool_compliance >= 0.0F && state.tool_compliance <= kMaxToolCompliance;
-  if (!is_compliance) reader.reject("a tool's compliance out of range");
+  state.tool_response = read_response(reader);
   state.p_base_tip = reader.vector();
   state.q_base_tool = reader.orientation();
   state.force_base = reader.vector();

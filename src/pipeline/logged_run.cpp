@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -26,7 +27,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kSameTime = 5e-7;     // [s] half the last digit in files
-constexpr double kMaxForceGap = 0.02;  // [s] between a predicted force and the wrench beside it
+constexpr double kMaxForceGap = 0.02;  // [s] between a predicted force and a wrench beside it
 // [m] and [rad]: of tracked poses whose std is not logged, as read_tracked_poses.
 constexpr double kPositionStd = 1e-3;
 constexpr double kRotationStd = 1e-2;
@@ -236,15 +237,29 @@ class LoggedSession {
         {since_zero(*time), text_in(json, "site") == "robot", *phase});
   }
 
+  /// At `t` [s], linearly between the samples beside it: as the tip leaves a stiff object, the
+  /// force changes by a newton within a sample's interval. Empty where they are too far.
+  [[nodiscard]] std::optional<Eigen::Vector3d> measured_force_at(double t) const {
+    const auto after =
+        std::lower_bound(wrench_.begin(), wrench_.end(), t,
+                         [](const TimedForce& sample, double time) { return sample.t < time; });
+    if (after == wrench_.end() || after->t - t > kMaxForceGap) return std::nullopt;
+    if (after->t - t < kSameTime) return after->force_base;
+    if (after == wrench_.begin()) return std::nullopt;
+    const TimedForce& before = *std::prev(after);
+    if (t - before.t > kMaxForceGap) return std::nullopt;
+    const double share = (t - before.t) / (after->t - before.t);
+    return Eigen::Vector3d(before.force_base + share * (after->force_base - before.force_base));
+  }
+
   /// Along the rendered force, which is that of the push: the log does not state another one.
   void add_forces(std::size_t index, std::vector<ForceRow>& rows) const {
     for (const TimedForce& rendered : objects_[index].rendered) {
       const double size = rendered.force_base.norm();
-      const auto next =
-          std::lower_bound(wrench_.begin(), wrench_.end(), rendered.t,
-                           [](const TimedForce& sample, double t) { return sample.t < t; });
-      if (size <= 0.0 || next == wrench_.end() || next->t - rendered.t > kMaxForceGap) continue;
-      rows.push_back({rendered.t, index, next->force_base.dot(rendered.force_base) / size, size});
+      if (size <= 0.0) continue;
+      const std::optional<Eigen::Vector3d> measured = measured_force_at(rendered.t);
+      if (!measured) continue;
+      rows.push_back({rendered.t, index, measured->dot(rendered.force_base) / size, size});
     }
   }
 

@@ -303,7 +303,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     if (is_too_late(now))
       return lose(now, fmt::format("this site did not run for {:.2f} s", behind));
     if (const LinkState* const state = robot_.state()) {
-      site_->set_tool_compliance(static_cast<double>(state->tool_compliance));
+      site_->set_tool_response(state->tool_response);
     }
     const double t_next = welcome_->start + schedule_.time_of(schedule_.next());
     apply_corrections(now, t_next);

@@ -16,17 +16,18 @@ void RobotMeasurement::advance(double now, double start, RobotInterface& robot, 
   robot.advance(now - start, samples_);
   site.set_arrival(now - start);
   for (const RobotSamples::Tool& tool : samples_.tool) {
+    response_.add_tip(tool.t, tool.p_base_tip);
     site.add_tool(tool.t, tool.p_base_tip, tool.q_base_tool);
     tool_ = tool;
     log.on_tool(start + tool.t, tool);
   }
   for (const RobotSamples::Wrench& wrench : samples_.wrench) {
+    response_.add_force(wrench.t, wrench.force_base);
     site.add_wrench(wrench.t, wrench.force_base);
     force_base_ = wrench.force_base;
     torque_base_ = wrench.torque_base;
     log.on_wrench(start + wrench.t, wrench);
   }
-  if (!samples_.tool.empty()) compliance_.add_sample(tool_.t, tool_.p_base_tip, force_base_);
   for (const RobotSamples::Tracked& tracked : samples_.tracked) {
     site.add_tracked(tracked.object, tracked.pose);
     if (tracked_.size() <= tracked.object) tracked_.resize(tracked.object + 1);
@@ -55,7 +56,7 @@ void RobotMeasurement::describe(double now, std::optional<double> start, const L
   state.q_base_tool = tool_.q_base_tool.cast<float>();
   state.force_base = force_base_.cast<float>();
   state.torque_base = torque_base_.cast<float>();
-  state.tool_compliance = static_cast<float>(compliance_.value().value_or(0.0));
+  state.tool_response = response_.value().value_or(TipResponse{});
   for (std::size_t i = 0; i < site.objects(); ++i) {
     LinkTrackedObject& object = state.objects.emplace_back();
     object.phase = site.phase(i);

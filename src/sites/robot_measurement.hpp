@@ -15,7 +15,7 @@
 #include "pcavr/teleop/live_sites.hpp"
 
 #include "site_log.hpp"
-#include "tool_compliance.hpp"
+#include "tool_response.hpp"
 
 namespace pcavr {
 
@@ -31,15 +31,15 @@ struct ExecutedCommand {
 class RobotMeasurement {
  public:
   /// The robot's setpoint, if it follows commands; `t` [s] of the scene.
-  void add_setpoint(double t, const Eigen::Vector3d& p_base) {
-    compliance_.add_setpoint(t, p_base);
-  }
+  void add_setpoint(double t, const Eigen::Vector3d& p_base) { response_.add_setpoint(t, p_base); }
   /// Takes what the robot has measured up to `now`; `start` [s]: time zero of the scene.
   void advance(double now, double start, RobotInterface& robot, LiveRobotSite& site, SiteLog& log);
   [[nodiscard]] const Eigen::Vector3d& force_base() const { return force_base_; }
 
-  /// [m/N] of the robot's arm, once it is known.
-  [[nodiscard]] std::optional<double> tool_compliance() const { return compliance_.value(); }
+  /// Of the robot's arm, once it is known.
+  [[nodiscard]] const std::optional<TipResponse>& tool_response() const {
+    return response_.value();
+  }
   void add(const ExecutedCommand& executed) { unsensed_.push_back(executed); }
   /// At the end of a session.
   void forget_commands() { unsensed_.clear(); }
@@ -58,7 +58,7 @@ class RobotMeasurement {
   std::vector<std::optional<TrackedPose>> tracked_;
   std::deque<ExecutedCommand> unsensed_;  ///< later than the newest sample
   ExecutedCommand sensed_;                ///< the newest of the others
-  ToolCompliance compliance_;
+  ToolResponse response_;
 };
 
 }  // namespace pcavr

@@ -108,7 +108,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     report_.cpu = thread_cpu() - cpu_before_;
     report_.streaming_bytes = site_.streaming_bytes();
     report_.notes = site_.notes();
-    report_.tool_compliance = measurement_.tool_compliance();
+    report_.tool_response = measurement_.tool_response();
     return std::move(report_);
   }
 

@@ -315,8 +315,8 @@ std::optional<std::size_t> LiveOperatorSite::retracts_from() const {
   return impl_->retraction.object();
 }
 
-void LiveOperatorSite::set_tool_compliance(double compliance) {
-  impl_->site.set_tool_compliance(compliance);
+void LiveOperatorSite::set_tool_response(const TipResponse& response) {
+  impl_->site.set_tool_response(response);
 }
 
 void LiveOperatorSite::place(std::size_t object, const Pose& T_base_object) {

@@ -71,7 +71,7 @@ void OperatorSite::step(double wall, const Eigen::Vector3d& p_base_tip,
   }
   const Eigen::Vector3d p_base_bent = p_base_tip - deflection_.p_base();
   predictor_.step(p_base_bent);
-  deflection_.step(tip_force(), step_);
+  deflection_.step(p_base_tip, tip_force(), step_);
   count_held();
   tips_.push_back({predictor_.now(), p_base_bent});
   while (tips_.front().t < predictor_.now() - history_) tips_.pop_front();

@@ -60,7 +60,7 @@ class OperatorSite {
 
   /// By how much the robot's tip gives way [m/N]: from now on `p_base_tip` of step() is the
   /// command, and the tip is where that and the forces of the objects put it.
-  void set_tool_compliance(double compliance) { deflection_.set_compliance(compliance); }
+  void set_tool_response(const TipResponse& response) { deflection_.set_response(response); }
   /// Places an object at rest, now.
   void place(std::size_t object, const Pose& T_base_object);
 
@@ -90,8 +90,7 @@ class OperatorSite {
         unknown_objects_(options.unknown_objects),
         held_(objects_.size()),
         history_(history),
-        rotation_radius_(options.messages.rotation_radius),
-        deflection_(options.tool_mass) {}
+        rotation_radius_(options.messages.rotation_radius) {}
   [[nodiscard]] Eigen::Vector3d tip_force() const;  ///< that the tip exerts, of all objects [N]
   void count_held();
   /// What a correction says of an object also holds after the time that it came too late for.

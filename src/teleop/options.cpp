@@ -300,11 +300,6 @@ constexpr auto kTeleopFields = std::to_array<OptionField<TeleopOptions>>({
     {"rate_limit", &TeleopOptions::rate_limit, 0.0, 0.0, 1e10, "B/s",
      "rate of the bottleneck from robot to operator; 0: no limit",
      "lower: corrections wait for each other; higher: no effect"},
-    {"tool_mass", &TeleopOptions::tool_mass, 5.0, 0.01, 1e3, "kg",
-     "mass of the robot's arm as it is felt at the tip, with which the tip swings where it gives "
-     "way "
-     "to forces; only for a robot that follows commands, once its compliance is known",
-     "lower: the operator's tip gives way faster than the robot's; higher: later"},
     {"retraction_speed", &TeleopOptions::retraction_speed, 0.05, 0.0, 10.0, "m/s",
      "speed of the tool out of what the robot has touched before the operator: 1 mm in 20 ms; only "
      "for a robot that follows commands; 0: it stays",

@@ -27,7 +27,7 @@ inline std::vector<LinkMessage> every_message() {
   state.is_on_hold = true;
   state.discarded_commands = 3;
   state.corrections = 9;
-  state.tool_compliance = 2.5e-5F;
+  state.tool_response = {2.5e-5, 80.0, 0.8, 1e-3, 1.5e-4};
   state.force_base = {0.0F, 4.0F, 0.5F};
   state.objects = {{{0.4F, 0.2F, 0.1F},
                     Eigen::Quaternionf::Identity(),

@@ -210,9 +210,9 @@ TEST(VirtualSites, MoveTheOperatorsTipAsAnArmThatGivesWay) {
   LinkConditions::Options link;
   link.delay = 0.05;
   const Session session = run_session(link);
-  ASSERT_TRUE(session.robot.tool_compliance);
+  ASSERT_TRUE(session.robot.tool_response);
   const double compliance = 1.0 / session.plant.tool.stiffness;
-  EXPECT_NEAR(*session.robot.tool_compliance, compliance, 0.05 * compliance);
+  EXPECT_NEAR(session.robot.tool_response->compliance, compliance, 0.05 * compliance);
   EXPECT_GT(session.measured, 3.0);
   const PlantParameters& law = session.plant.bodies[kBox].parameters;
   const double penetration =

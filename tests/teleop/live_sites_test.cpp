@@ -153,7 +153,7 @@ TEST(LiveSites, GiveWayAsTheRobotsArmDoes) {
   const Eigen::Vector3d begin = centre - Eigen::Vector3d(0.2, 0.0, 0.0);
   const auto create = [&] { return LiveOperatorSite::create(input, {}, 0.0, begin).value(); };
   LiveOperatorSite bent = create(), unbent = create(), moved = create();
-  bent.set_tool_compliance(kCompliance);
+  bent.set_tool_response({kCompliance, 63.0, 1.0, 0.0, 0.0});
   const auto force = [](const LiveOperatorSite& site) {
     return site.world().state().front().tool_force_base;
   };
@@ -171,7 +171,7 @@ TEST(LiveSites, GiveWayAsTheRobotsArmDoes) {
   EXPECT_GT(felt, 1.0);
   EXPECT_GT(force(unbent).norm(), 1.03 * felt);
   EXPECT_NEAR(force(moved).norm(), felt, 0.005 * felt);
-  bent.set_tool_compliance(0.0);
+  bent.set_tool_response({});
   bent.step(begin);
   EXPECT_TRUE(force(bent).isZero());
 }

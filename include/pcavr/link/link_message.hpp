@@ -14,14 +14,15 @@
 #include <Eigen/Geometry>
 
 #include "pcavr/core/expected.hpp"
+#include "pcavr/link/tip_response.hpp"
 #include "pcavr/prediction/predicted_world.hpp"
 
 namespace pcavr {
 
-/// Messages between the operator's and the robot's site: `pcavr-link/4`; docs/link.md specifies
+/// Messages between the operator's and the robot's site: `pcavr-link/5`; docs/link.md specifies
 /// each byte. Base frame, SI; "shared clock" is the clock of the robot's site, see LinkClock. Pure
 /// functions: any thread.
-inline constexpr int kLinkVersion = 4;
+inline constexpr int kLinkVersion = 5;
 /// Maximum length of a message, its header included; of a picture kMaxLinkPictureBytes.
 inline constexpr std::size_t kMaxLinkMessageBytes = 64 * 1024;
 inline constexpr std::size_t kMaxLinkPictureBytes = 1024 * 1024;
@@ -124,8 +125,7 @@ struct LinkState {
   bool is_stopped = false;               ///< emergency stop
   std::uint32_t discarded_commands = 0;  ///< too old, too far ahead, or superseded
   std::uint32_t corrections = 0;         ///< number of the newest correction
-  /// [m/N] by which the tip falls short of its setpoint under the force that it exerts; 0: unknown.
-  float tool_compliance = 0.0F;
+  TipResponse tool_response = {};        ///< of the robot's arm
   Eigen::Vector3f p_base_tip = Eigen::Vector3f::Zero();
   Eigen::Quaternionf q_base_tool = Eigen::Quaternionf::Identity();
   Eigen::Vector3f force_base = Eigen::Vector3f::Zero();   ///< that the tool exerts [N]

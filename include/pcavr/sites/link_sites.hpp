@@ -68,8 +68,8 @@ struct RobotSiteReport {
   std::size_t late_cycles = 0;
   /// [s] CPU of any cycle's samples and corrections, without what threads identify and try.
   double max_correction_time = 0.0;
-  double cpu = 0.0;                            ///< [s] of this thread
-  std::optional<double> tool_compliance = {};  ///< [m/N] of the robot's arm, if it was found
+  double cpu = 0.0;                               ///< [s] of this thread
+  std::optional<TipResponse> tool_response = {};  ///< of the robot's arm, if it was found
   std::vector<std::string> notes;
 };
 

@@ -120,8 +120,8 @@ class LiveOperatorSite {
   [[nodiscard]] const Eigen::Vector3d& tool_offset() const;
   /// The object that the tool is being moved out of.
   [[nodiscard]] std::optional<std::size_t> retracts_from() const;
-  /// What the robot's site has found [m/N], see LinkState.
-  void set_tool_compliance(double compliance);
+  /// What the robot's site has found, see LinkState.
+  void set_tool_response(const TipResponse& response);
   /// Places an object at rest, for the start of a session; it stays upright on its support.
   void place(std::size_t object, const Pose& T_base_object);
 

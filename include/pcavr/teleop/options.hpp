@@ -148,7 +148,6 @@ struct TeleopOptions {
   double duplicate;         ///< share of the corrections that arrive twice, 0 to 1
   double rate_limit;        ///< [bytes/s] from robot to operator; 0: none
   std::uint64_t seed;       ///< of jitter and loss
-  double tool_mass;         ///< [kg] of the robot's arm, as it is felt at the tip
   double retraction_speed;  ///< [m/s] of the tool out of what only the robot has touched
   bool with_corrections;    ///< false: predict only
   bool identifies;          ///< false: the parameters stay as given

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sites/tool_compliance.hpp"
+#include "sites/tool_response.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -20,7 +22,7 @@ struct Arm {
 };
 
 /// Pushes along y of a second each, with the noise and the offsets of real sensors.
-void push(const Arm& arm, int pushes, ToolCompliance& found) {
+void push(const Arm& arm, int pushes, ToolResponse& found) {
   constexpr double kStep = 0.001;   // [s]
   constexpr double kSpeed = 0.004;  // [m/s]
   const Eigen::Vector3d offset(3e-4, -2e-4, 5e-4);
@@ -40,35 +42,36 @@ void push(const Arm& arm, int pushes, ToolCompliance& found) {
     const Eigen::Vector3d tip = setpoint - arm.compliance * force - arm.lag * v + offset;
     const bool is_spike = arm.spike > 0.0 && k % 600 == 300;
     const Eigen::Vector3d spike(0.0, is_spike ? arm.spike : 0.0, 0.0);
-    found.add_sample(t, tip + noise(5e-5), force + spike + bias + noise(0.3));
+    found.add_force(t, force + spike + bias + noise(0.3));
+    found.add_tip(t, tip + noise(5e-5));
   }
 }
 
-TEST(ToolCompliance, IsFoundFromAFewPushes) {
-  ToolCompliance found;
+TEST(ToolResponse, IsFoundFromAFewPushes) {
+  ToolResponse found;
   push({}, 2, found);
   ASSERT_TRUE(found.value());
-  EXPECT_NEAR(*found.value(), 2e-5, 1e-6);
+  EXPECT_NEAR(found.value()->compliance, 2e-5, 1e-6);
 }
 
 // A controller that is 50 ms late is no softer for it.
-TEST(ToolCompliance, IsNotTakenForALag) {
-  ToolCompliance found;
+TEST(ToolResponse, IsNotTakenForALag) {
+  ToolResponse found;
   push({.lag = 0.05}, 2, found);
   ASSERT_TRUE(found.value());
-  EXPECT_NEAR(*found.value(), 2e-5, 1e-6);
+  EXPECT_NEAR(found.value()->compliance, 2e-5, 1e-6);
 }
 
 // Of the sensor: a force without a shortfall.
-TEST(ToolCompliance, IsNotTakenForStifferByAForcesSpikes) {
-  ToolCompliance found;
+TEST(ToolResponse, IsNotTakenForStifferByAForcesSpikes) {
+  ToolResponse found;
   push({.force = 10.0, .spike = 35.0}, 4, found);
   ASSERT_TRUE(found.value());
-  EXPECT_NEAR(*found.value(), 2e-5, 6e-7);
+  EXPECT_NEAR(found.value()->compliance, 2e-5, 6e-7);
 }
 
 /// A mass on a damped spring, under a force that rises slowly, falls fast, and rises again.
-void push_sticking_object(double compliance, double mass, int pushes, ToolCompliance& found) {
+void push_sticking_object(double compliance, double mass, int pushes, ToolResponse& found) {
   constexpr double kStep = 0.001;        // [s]
   constexpr double kForce = 8.0;         // [N]
   constexpr double kSlip = 6.0;          // [N]
@@ -90,23 +93,65 @@ void push_sticking_object(double compliance, double mass, int pushes, ToolCompli
     found.add_setpoint(t, setpoint);
     if (k % 2 != 0) continue;
     const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-    found.add_sample(t, setpoint - shortfall + 5e-5 * noise, force + 0.2 * noise.reverse());
+    found.add_force(t, force + 0.2 * noise.reverse());
+    found.add_tip(t, setpoint - shortfall + 5e-5 * noise);
   }
 }
 
 // The arm swings under it, and follows it less.
-TEST(ToolCompliance, IsNotTakenForStifferByAnObjectThatSticksAndSlips) {
-  ToolCompliance found;
+TEST(ToolResponse, IsNotTakenForStifferByAnObjectThatSticksAndSlips) {
+  ToolResponse found;
   push_sticking_object(1.2e-5, 13.0, 10, found);
   ASSERT_TRUE(found.value());
-  EXPECT_NEAR(*found.value(), 1.2e-5, 3e-7);
+  EXPECT_NEAR(found.value()->compliance, 1.2e-5, 3e-7);
 }
 
-TEST(ToolCompliance, IsUnknownWithoutAContactAndOfAStiffArm) {
-  ToolCompliance untouched;
+// A damped spring between setpoint and tip, which is led to and fro and pressed in between, with a
+// real sensor's noise: rate and damping within a step of their grid.
+TEST(ToolResponse, IsThatOfASpringBetweenSetpointAndTip) {
+  for (const auto& [compliance, frequency, ratio] :
+       {std::array{1.1e-5, 11.0, 0.8}, std::array{3e-5, 17.0, 0.8}, std::array{2e-5, 8.0, 1.1}}) {
+    constexpr int kSubsteps = 10;
+    constexpr double kStep = 0.001;  // [s]
+    const double rate = 2.0 * std::numbers::pi * frequency;
+    ToolResponse found;
+    Random random(11);
+    double shortfall = 0.0, v = 0.0, last = 0.0, last_speed = 0.0;
+    for (int k = 0; k < 20'000; ++k) {
+      const double t = kStep * k;
+      const double phase = std::fmod(t, 2.0);
+      // 0.04 m/s to and fro with accelerations of up to 0.5 m/s^2; 10 N with the first half.
+      const double setpoint = 0.0064 * (1.0 - std::cos(2.0 * std::numbers::pi * t));
+      const double force = phase < 1.0 ? 5.0 * (1.0 - std::cos(2.0 * std::numbers::pi * t)) : 0.0;
+      const double speed = k > 0 ? (setpoint - last) / kStep : 0.0;
+      const double acceleration = k > 1 ? (speed - last_speed) / kStep : 0.0;
+      last = setpoint;
+      last_speed = speed;
+      for (int i = 0; i < kSubsteps; ++i) {
+        v += kStep / kSubsteps *
+             (acceleration + rate * rate * (compliance * force - shortfall) -
+              2.0 * ratio * rate * v);
+        shortfall += kStep / kSubsteps * v;
+      }
+      found.add_setpoint(t, {0.5, setpoint, 0.1});
+      if (k % 2 != 0) continue;
+      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+      found.add_force(t, Eigen::Vector3d(0.0, force, 0.0) + 0.2 * noise.reverse());
+      found.add_tip(t, Eigen::Vector3d(0.5, setpoint - shortfall, 0.1) + 5e-5 * noise);
+    }
+    ASSERT_TRUE(found.value());
+    EXPECT_NEAR(found.value()->compliance, compliance, 0.02 * compliance) << frequency;
+    EXPECT_NEAR(found.value()->lag, 0.0, 5e-4) << frequency;
+    EXPECT_NEAR(found.value()->acceleration_lag, 1.0 / (rate * rate), 0.3 / (rate * rate))
+        << frequency;
+  }
+}
+
+TEST(ToolResponse, IsUnknownWithoutAContactAndOfAStiffArm) {
+  ToolResponse untouched;
   push({.force = 0.0}, 3, untouched);
   EXPECT_FALSE(untouched.value());
-  ToolCompliance stiff;
+  ToolResponse stiff;
   push({.compliance = 0.0}, 3, stiff);
   EXPECT_FALSE(stiff.value());
 }
