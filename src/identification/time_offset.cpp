@@ -9,18 +9,13 @@
 namespace pcavr {
 namespace {
 
-/// Smoothed values on a uniform grid; a gap repeats the value before it.
-std::vector<double> resample(std::span<const double> t, std::span<const double> values,
-                             double start, double interval, std::size_t count, double half_width) {
+/// Smoothed values on a uniform grid; not valid in gaps, of which nothing is known.
+std::vector<SmoothedSample> resample(std::span<const double> t, std::span<const double> values,
+                                     double start, double interval, std::size_t count,
+                                     double half_width) {
   std::vector<double> grid(count);
-  double last = values.front();
-  for (std::size_t k = 0; k < count; ++k) {
-    const SmoothedSample sample =
-        smooth_at(t, values, start + interval * static_cast<double>(k), half_width);
-    if (sample.is_valid) last = sample.value;
-    grid[k] = last;
-  }
-  return grid;
+  for (std::size_t k = 0; k < count; ++k) grid[k] = start + interval * static_cast<double>(k);
+  return smooth(t, values, grid, half_width);
 }
 
 struct Match {
@@ -29,18 +24,21 @@ struct Match {
   double residual = 0.0;  ///< variance of b about that
 };
 
-/// a[i] against b[i + lag], over the i where both exist.
-Match match(const std::vector<double>& a, const std::vector<double>& b, std::ptrdiff_t lag) {
+/// a[i] against b[i + lag], over the i where both are known; at least `min_pairs`.
+Match match(const std::vector<SmoothedSample>& a, const std::vector<SmoothedSample>& b,
+            std::ptrdiff_t lag, double min_pairs) {
   const auto count = static_cast<std::ptrdiff_t>(a.size());
   const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -lag);
   const std::ptrdiff_t end = std::min(count, count - lag);
-  double sum_a = 0.0, sum_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+  double sum_a = 0.0, sum_b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0, n = 0.0;
   for (std::ptrdiff_t i = begin; i < end; ++i) {
-    const double p = a[static_cast<std::size_t>(i)];
-    const double q = b[static_cast<std::size_t>(i + lag)];
-    sum_a += p, sum_b += q, aa += p * p, bb += q * q, ab += p * q;
+    const SmoothedSample& of_a = a[static_cast<std::size_t>(i)];
+    const SmoothedSample& of_b = b[static_cast<std::size_t>(i + lag)];
+    if (!of_a.is_valid || !of_b.is_valid) continue;
+    const double p = of_a.value, q = of_b.value;
+    sum_a += p, sum_b += q, aa += p * p, bb += q * q, ab += p * q, n += 1.0;
   }
-  const double n = static_cast<double>(end - begin);
+  if (n < min_pairs) return {};
   const double var_a = aa / n - sum_a * sum_a / (n * n);
   const double var_b = bb / n - sum_b * sum_b / (n * n);
   const double cov = ab / n - sum_a * sum_b / (n * n);
@@ -48,10 +46,11 @@ Match match(const std::vector<double>& a, const std::vector<double>& b, std::ptr
   return {cov / std::sqrt(var_a * var_b), cov / var_a, std::max(var_b - cov * cov / var_a, 0.0)};
 }
 
-double slope_energy(const std::vector<double>& a, double interval) {
+double slope_energy(const std::vector<SmoothedSample>& a, double interval) {
   double sum = 0.0;
   for (std::size_t i = 1; i + 1 < a.size(); ++i) {
-    const double slope = (a[i + 1] - a[i - 1]) / (2.0 * interval);
+    if (!a[i - 1].is_valid || !a[i + 1].is_valid) continue;
+    const double slope = (a[i + 1].value - a[i - 1].value) / (2.0 * interval);
     sum += slope * slope;
   }
   return sum;
@@ -73,14 +72,15 @@ TimeOffset estimate_time_offset(std::span<const double> t_a, std::span<const dou
   const double start = std::max(t_a.front(), t_b.front()) + half_width;
   const double end = std::min(t_a.back(), t_b.back()) - half_width;
   const auto lags = static_cast<std::ptrdiff_t>(std::ceil(options.range / interval));
-  if (end - start < 4.0 * options.range) return result;
+  const double min_duration = 4.0 * options.range;
+  if (end - start < min_duration) return result;
   const auto count = static_cast<std::size_t>((end - start) / interval) + 1;
-  const std::vector<double> grid_a = resample(t_a, a, start, interval, count, half_width);
-  const std::vector<double> grid_b = resample(t_b, b, start, interval, count, half_width);
+  const std::vector<SmoothedSample> grid_a = resample(t_a, a, start, interval, count, half_width);
+  const std::vector<SmoothedSample> grid_b = resample(t_b, b, start, interval, count, half_width);
 
   std::vector<Match> matches;
   for (std::ptrdiff_t lag = -lags; lag <= lags; ++lag)
-    matches.push_back(match(grid_a, grid_b, lag));
+    matches.push_back(match(grid_a, grid_b, lag, (min_duration - options.range) / interval));
   const auto best =
       std::max_element(matches.begin(), matches.end(), [](const auto& l, const auto& r) {
         return std::abs(l.correlation) < std::abs(r.correlation);

@@ -8,6 +8,8 @@
 
 #include <fmt/core.h>
 
+#include "inputs/stream_gaps.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -35,10 +37,19 @@ constexpr double kTouchRange = 0.003;  // [m]
 /// arms and trackers.
 constexpr double kMoving = 0.002;  // [m/s]
 
-/// Samples on a uniform grid from `start` on.
+/// Samples on a uniform grid from `start` on; NaN where nothing is known.
 struct Signal {
   double start = 0.0;  ///< [s]
   std::vector<double> values;
+
+  [[nodiscard]] double t(std::size_t k) const {
+    return start + kGridInterval * static_cast<double>(k);
+  }
+  void leave_out(const std::vector<StreamGap>& gaps) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (is_in_gap(gaps, t(k))) values[k] = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
 };
 
 std::size_t grid_size(double from, double to) {
@@ -50,7 +61,7 @@ Signal touching(const InputSeries& series, const PathView& tip, const BodyPoses&
   Signal signal{series.t_tool.front(), {}};
   const std::size_t count = grid_size(series.t_tool.front(), series.t_tool.back());
   for (std::size_t k = 0; k < count; ++k) {
-    const double t = signal.start + kGridInterval * static_cast<double>(k);
+    const double t = signal.t(k);
     double value = 0.0;
     for (std::size_t i = 0; i < series.bodies.size(); ++i) {
       const double gap = poses.touch(i, t, tip.at(t), series.tool_radius).gap;
@@ -58,13 +69,14 @@ Signal touching(const InputSeries& series, const PathView& tip, const BodyPoses&
     }
     signal.values.push_back(value);
   }
+  signal.leave_out(stream_gaps(series.t_tool));
   return signal;
 }
 
 /// The same with NaN where the tip rests within that range.
 Signal without_rests(Signal touch, const PathView& tip) {
   for (std::size_t k = 0; k < touch.values.size(); ++k) {
-    const double t = touch.start + kGridInterval * static_cast<double>(k);
+    const double t = touch.t(k);
     const Eigen::Vector3d way = tip.at(t) - tip.at(t - kGridInterval);
     if (touch.values[k] > 0.0 && way.norm() < kMoving * kGridInterval) {
       touch.values[k] = std::numeric_limits<double>::quiet_NaN();
@@ -79,14 +91,15 @@ Signal loaded(const InputSeries& series, const Segmentation& found) {
   signal.values.assign(grid_size(series.t_force.front(), series.t_force.back()), 0.0);
   for (const ContactEpisode& episode : found.contacts) {
     for (std::size_t k = 0; k < signal.values.size(); ++k) {
-      const double t = signal.start + kGridInterval * static_cast<double>(k);
+      const double t = signal.t(k);
       if (t >= episode.begin && t <= episode.end) signal.values[k] = 1.0;
     }
   }
+  signal.leave_out(stream_gaps(series.t_force));
   return signal;
 }
 
-/// Pearson correlation of a[i] and b[i + lag] over their overlap, without the a[i] that are NaN;
+/// Pearson correlation of a[i] and b[i + lag] over their overlap, without those that are NaN;
 /// nothing where too few are left, or one of them is constant.
 std::optional<double> correlation(const std::vector<double>& a, const std::vector<double>& b,
                                   std::ptrdiff_t lag) {
@@ -96,7 +109,7 @@ std::optional<double> correlation(const std::vector<double>& a, const std::vecto
   for (std::ptrdiff_t i = begin; i < end; ++i) {
     const double x = a[static_cast<std::size_t>(i)];
     const double y = b[static_cast<std::size_t>(i + lag)];
-    if (std::isnan(x)) continue;
+    if (std::isnan(x) || std::isnan(y)) continue;
     n += 1.0, sum_a += x, sum_b += y, aa += x * x, bb += y * y, ab += x * y;
   }
   const auto clear = std::count_if(a.begin(), a.end(), [](double x) { return !std::isnan(x); });

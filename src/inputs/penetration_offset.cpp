@@ -8,6 +8,7 @@
 #include "pcavr/core/median.hpp"
 
 #include "inputs/clock_offsets.hpp"
+#include "inputs/stream_gaps.hpp"
 
 namespace pcavr {
 namespace {
@@ -24,17 +25,51 @@ constexpr std::size_t kApproachSamples = 10;  // [grid steps] of the approach be
 constexpr double kMinApproachSpeed = 1e-4;    // [m/s]
 constexpr double kMaxStd = 0.05;              // [s] of an offset that is known
 
+/// The tip against the bodies' surfaces, on a grid of kPenetrationRate from `begin` on.
+struct Penetrations {
+  double begin = 0.0;        ///< [s]
+  std::vector<double> gaps;  ///< [m]
+  std::vector<Eigen::Vector3d> inward_base;
+  std::vector<bool> is_known;  ///< not between samples of the tool that lie far apart
+
+  [[nodiscard]] double t(std::size_t k) const {
+    return begin + static_cast<double>(k) / kPenetrationRate;
+  }
+};
+
+Penetrations penetrations_of(const InputSeries& series, const PathView& tip,
+                             const BodyPoses& poses) {
+  const std::span<const double> t_tool = series.t_tool;
+  const std::vector<StreamGap> tool_gaps = stream_gaps(t_tool);
+  Penetrations result{t_tool.front(), {}, {}, {}};
+  const auto count =
+      static_cast<std::size_t>((t_tool.back() - t_tool.front()) * kPenetrationRate) + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = result.t(k);
+    result.is_known.push_back(!is_in_gap(tool_gaps, t));
+    Touch nearest;
+    for (std::size_t i = 0; i < series.bodies.size(); ++i) {
+      const Touch touch = poses.touch(i, t, tip.at(t), series.tool_radius);
+      if (touch.gap < nearest.gap) nearest = touch;
+    }
+    result.gaps.push_back(nearest.gap);
+    result.inward_base.emplace_back(nearest.gap < kNear ? nearest.inward_base
+                                                        : Eigen::Vector3d(0.0, 0.0, 0.0));
+  }
+  return result;
+}
+
 /// Median speed at which the tip approaches the bodies before it touches them [m/s].
-double approach_speed(const std::vector<double>& gaps) {
+double approach_speed(const Penetrations& tip) {
   std::vector<double> speeds;
   std::size_t free = 0;
-  for (std::size_t k = 0; k < gaps.size(); ++k) {
-    const bool touches = gaps[k] < kContactMargin;
+  for (std::size_t k = 0; k < tip.gaps.size(); ++k) {
+    const bool touches = tip.gaps[k] < kContactMargin;
     if (touches && free >= kApproachSamples) {
-      speeds.push_back((gaps[k - kApproachSamples] - gaps[k]) * kPenetrationRate /
+      speeds.push_back((tip.gaps[k - kApproachSamples] - tip.gaps[k]) * kPenetrationRate /
                        static_cast<double>(kApproachSamples));
     }
-    free = touches ? 0 : free + 1;
+    free = touches || !tip.is_known[k] ? 0 : free + 1;
   }
   return speeds.empty() ? 0.0 : median(std::move(speeds));
 }
@@ -49,31 +84,24 @@ bool is_significant(const TimeOffset& offset, double min_offset, const InputOpti
 TimeOffset penetration_offset(const InputSeries& series, const PathView& tip,
                               const BodyPoses& poses) {
   if (series.bodies.empty() || series.t_tool.empty()) return {};
-  const double begin = series.t_tool.front();
-  const auto count =
-      static_cast<std::size_t>((series.t_tool.back() - begin) * kPenetrationRate) + 1;
-  std::vector<double> t, gaps, penetration;
-  std::vector<Eigen::Vector3d> inward_base;
-  for (std::size_t k = 0; k < count; ++k) {
-    t.push_back(begin + static_cast<double>(k) / kPenetrationRate);
-    Touch nearest;
-    for (std::size_t i = 0; i < series.bodies.size(); ++i) {
-      const Touch touch = poses.touch(i, t.back(), tip.at(t.back()), series.tool_radius);
-      if (touch.gap < nearest.gap) nearest = touch;
-    }
-    gaps.push_back(nearest.gap);
-    penetration.push_back(std::max(kContactMargin - nearest.gap, 0.0));
-    inward_base.emplace_back(nearest.gap < kNear ? nearest.inward_base
-                                                 : Eigen::Vector3d(0.0, 0.0, 0.0));
+  const Penetrations found = penetrations_of(series, tip, poses);
+  std::vector<double> t, penetration;
+  for (std::size_t k = 0; k < found.gaps.size(); ++k) {
+    if (!found.is_known[k]) continue;
+    t.push_back(found.t(k));
+    penetration.push_back(std::max(kContactMargin - found.gaps[k], 0.0));
   }
-  std::vector<double> along(series.t_force.size(), 0.0);
-  for (std::size_t i = 0; i < along.size(); ++i) {
-    const double index = (series.t_force[i] - begin) * kPenetrationRate;
-    if (index < 0.0 || index >= static_cast<double>(count)) continue;
-    along[i] = series.force_base[i].dot(inward_base[static_cast<std::size_t>(index)]);
+  std::vector<double> t_force, along;
+  for (std::size_t i = 0; i < series.t_force.size(); ++i) {
+    const double index = (series.t_force[i] - found.begin) * kPenetrationRate;
+    const bool is_beyond = index < 0.0 || index >= static_cast<double>(found.gaps.size());
+    const auto k = is_beyond ? 0 : static_cast<std::size_t>(index);
+    if (!is_beyond && !found.is_known[k]) continue;
+    t_force.push_back(series.t_force[i]);
+    along.push_back(is_beyond ? 0.0 : series.force_base[i].dot(found.inward_base[k]));
   }
-  TimeOffset offset = estimate_time_offset(t, penetration, series.t_force, along);
-  const double speed = std::max(approach_speed(gaps), kMinApproachSpeed);
+  TimeOffset offset = estimate_time_offset(t, penetration, t_force, along);
+  const double speed = std::max(approach_speed(found), kMinApproachSpeed);
   offset.std = std::hypot(offset.std, kLoading, kSurfaceError / speed);
   // A negative correlation is a matter of the sign, not of the clock.
   offset.is_known = offset.is_known && offset.correlation > 0.0 && offset.std < kMaxStd;

@@ -4,15 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "inputs/attribution.hpp"
 #include "inputs/clock_offsets.hpp"
 #include "inputs/clock_shift.hpp"
+#include "inputs/stream_gaps.hpp"
 
 namespace pcavr {
 namespace {
+
+constexpr double kAroundGap = 0.2;  // [s] a contact that is found so near may lie in the gap
 
 TimeOffset more_certain(const TimeOffset& known, const TimeOffset& found) {
   const bool is_better = found.is_known && (!known.is_known || found.std < known.std);
@@ -35,6 +40,35 @@ void segment(const InputOptions& options, Prepared& prepared) {
                                     prepared.tip.t, prepared.tip.p_base, options.segmentation);
 }
 
+/// `end` [s]: of all streams.
+void add_gaps(std::span<const double> t, double end, std::vector<StreamGap>& gaps) {
+  for (const StreamGap& gap : stream_gaps(t)) {
+    gaps.push_back({gap.begin - kAroundGap, gap.end + kAroundGap});
+  }
+  if (end > t.back() + kAroundGap) gaps.push_back({t.back(), end});
+}
+
+std::vector<StreamGap> gaps_of(const Prepared& prepared) {
+  const std::span<const double> t_tool = prepared.tip.t;
+  const std::span<const double> t_force = prepared.series.t_force;
+  if (t_tool.empty() || t_force.empty()) return {};
+  double end = std::max(t_tool.back(), t_force.back());
+  for (const InputBody& body : prepared.series.bodies) {
+    if (!body.tracked.empty()) end = std::max(end, body.tracked.back().t);
+  }
+  std::vector<StreamGap> gaps;
+  add_gaps(t_tool, end, gaps);
+  add_gaps(t_force, end, gaps);
+  return gaps;
+}
+
+/// The clocks of such contacts would be seen shifted by what is interpolated.
+bool is_near_gap(const std::vector<StreamGap>& gaps, const ContactEpisode& episode) {
+  return std::any_of(gaps.begin(), gaps.end(), [&](const StreamGap& gap) {
+    return gap.begin <= episode.end && gap.end >= episode.begin;
+  });
+}
+
 /// [s] The shortest impact; empty where there is none. Its force and the reversal of the tool are
 /// found together as they are stamped, so the clocks differ by less than it lasts.
 std::optional<double> shortest_impact(const Segmentation& found) {
@@ -53,7 +87,11 @@ void put_force_on_clock(const std::vector<BodySurface>& surfaces, const WindowPr
   InputSeries& series = prepared.series;
   TimeOffset found;
   if (!prepared.tip.t.empty()) {
-    found = force_offset(prepared.found, series.t_force, prepared.path());
+    Segmentation whole = prepared.found;
+    std::erase_if(whole.contacts, [gaps = gaps_of(prepared)](const ContactEpisode& episode) {
+      return is_near_gap(gaps, episode);
+    });
+    found = force_offset(whole, series.t_force, prepared.path());
     if (!found.is_known && !prior.tool_to_force.is_known && !prepared.found.contacts.empty()) {
       const TimeOffset rough =
           penetration_offset(series, prepared.path(), BodyPoses(series.bodies, surfaces));
@@ -95,6 +133,9 @@ TimeOffset find_camera_offset(const Prepared& prepared, const std::vector<BodySu
   // Contacts whose force points elsewhere belong to another body, or have a fault.
   std::vector<AttributedContact> sound = result.contacts;
   leave_out_misdirected(result.evidence, sound);
+  const std::vector<StreamGap> gaps = gaps_of(prepared);
+  std::erase_if(
+      sound, [&](const AttributedContact& contact) { return is_near_gap(gaps, contact.episode); });
   TimeOffset offset = camera_offset(prepared.series, surfaces, prepared.path(), sound,
                                     options.segmentation.slide_half_width);
   // Slides that do not determine it are not known any better without their force.

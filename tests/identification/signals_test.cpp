@@ -187,6 +187,22 @@ TEST(TimeOffset, IsFoundWithItsStd) {
   EXPECT_GT(std::sqrt(squared), stated_std / 3.0);
 }
 
+TEST(TimeOffset, LeavesOutGaps) {
+  const std::vector<double> t_b = grid(500.0, 4.0);
+  std::vector<double> t_a, a, b;
+  const auto pulse = [](double at) { return std::exp(-20.0 * (at - 2.0) * (at - 2.0)); };
+  for (const double at : t_b) {
+    b.push_back(pulse(at) + 0.3 * pulse(at - 1.0));
+    if (at > 1.7 && at < 2.1) continue;
+    t_a.push_back(at);
+    a.push_back(b.back());
+  }
+  const TimeOffset offset = estimate_time_offset(t_a, a, t_b, b);
+  ASSERT_TRUE(offset.is_known);
+  EXPECT_NEAR(offset.offset, 0.0, 0.002);
+  EXPECT_GT(offset.correlation, 0.99);
+}
+
 TEST(TimeOffset, DetectsAForceOfTheWrongSign) {
   std::vector<double> t = grid(500.0, 3.0), a, b;
   for (const double at : t) {

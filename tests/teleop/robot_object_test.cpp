@@ -41,19 +41,28 @@ struct SlowPush {
   }
 };
 
-TEST(RobotObject, TakesTheNewestFrameWhenASlowSlideIsNoticed) {
-  TeleopObject box{"box",
-                   box_model("box", {kSlowHalf, kSlowHalf, 0.03}),
-                   Pose::from_translation({0.0, 0.0, 0.03}),
-                   {},
-                   {}};
-  box.parameters.mass = ParameterValue{1.5};
+TeleopObject slow_box() {
+  return {"box",
+          box_model("box", {kSlowHalf, kSlowHalf, 0.03}),
+          Pose::from_translation({0.0, 0.0, 0.03}),
+          {},
+          {}};
+}
+
+/// As the robot's site keeps it; `box` must outlive it.
+RobotObject object_of(const TeleopObject& box) {
   const TeleopOptions options;
   const BodyPhysics physics = complete_physics(box.parameters, box.model, box.T_base_object,
                                                options.gravity(), options.unknown_objects)
                                   .physics;
   const SensorProperties sensors{.interval = kSlowInterval, .correlated = 2.0, .enter_force = 0.4};
-  RobotObject object(box, physics, options, sensors, kTipRadius, 0.0);
+  return {box, physics, options, sensors, kTipRadius, 0.0};
+}
+
+TEST(RobotObject, TakesTheNewestFrameWhenASlowSlideIsNoticed) {
+  TeleopObject box = slow_box();
+  box.parameters.mass = ParameterValue{1.5};
+  RobotObject object = object_of(box);
   SlowPush push;
   double next_frame = 0.0;
   for (double t = 0.0; t < 4.0; t += kSlowInterval) {
@@ -82,11 +91,7 @@ double estimated_x_under_a_resting_tip(double correlation) {
   constexpr double kFoamStiffness = 20600.0, kFoamExponent = 1.5;
   constexpr double kFoamStiffnessStd = 3090.0, kFoamExponentStd = 0.045;
   constexpr double kRestingForce = 8.0, kTrackedOffset = 3e-4;
-  TeleopObject box{"box",
-                   box_model("box", {kSlowHalf, kSlowHalf, 0.03}),
-                   Pose::from_translation({0.0, 0.0, 0.03}),
-                   {},
-                   {}};
+  TeleopObject box = slow_box();
   box.parameters.mass = ParameterValue{3.0};
   box.parameters.limiting_static_friction = ParameterValue{20.0};
   box.parameters.contact_stiffness = {kFoamStiffness, kFoamStiffnessStd};
@@ -96,12 +101,7 @@ double estimated_x_under_a_resting_tip(double correlation) {
   covariance << kFoamStiffnessStd * kFoamStiffnessStd, mixed, mixed,
       kFoamExponentStd * kFoamExponentStd;
   set_correlation({"contact.stiffness", "contact.exponent"}, covariance, box.parameters.sources);
-  const TeleopOptions options;
-  const BodyPhysics physics = complete_physics(box.parameters, box.model, box.T_base_object,
-                                               options.gravity(), options.unknown_objects)
-                                  .physics;
-  const SensorProperties sensors{.interval = kSlowInterval, .correlated = 2.0, .enter_force = 0.4};
-  RobotObject object(box, physics, options, sensors, kTipRadius, 0.0);
+  RobotObject object = object_of(box);
   const double max_depth = std::pow(kRestingForce / kFoamStiffness, 1.0 / kFoamExponent);
   double depth = -0.002, next_frame = 0.0, x = 0.0;
   for (double t = 0.0; t < 4.0; t += kSlowInterval) {
@@ -128,20 +128,9 @@ TEST(RobotObject, IsWhereTheTipMeetsItWhereTheLawsPenetrationIsKnown) {
 }
 
 TEST(RobotObject, KeepsTheStribeckSpeedOfTheGivenParameters) {
-  TeleopObject box{"box",
-                   box_model("box", {kSlowHalf, kSlowHalf, 0.03}),
-                   Pose::from_translation({0.0, 0.0, 0.03}),
-                   {},
-                   {}};
-  const TeleopOptions options;
+  TeleopObject box = slow_box();
   const auto speed_with = [&](const ObjectParameters& learned) {
-    const BodyPhysics physics = complete_physics(box.parameters, box.model, box.T_base_object,
-                                                 options.gravity(), options.unknown_objects)
-                                    .physics;
-    const SensorProperties sensors{.interval = kSlowInterval, .correlated = 2.0};
-    return RobotObject(box, physics, options, sensors, kTipRadius, 0.0)
-        .physics_with(learned)
-        .stribeck_speed;
+    return object_of(box).physics_with(learned).stribeck_speed;
   };
   ObjectParameters known;
   known.limiting_static_friction = {9.57, {}};
@@ -150,7 +139,7 @@ TEST(RobotObject, KeepsTheStribeckSpeedOfTheGivenParameters) {
   known.contact_damping = {30.0, {}};
   EXPECT_EQ(speed_with(known), 0.0);
   box.parameters = known;
-  EXPECT_EQ(speed_with(known), options.unknown_objects.stribeck_speed);
+  EXPECT_EQ(speed_with(known), TeleopOptions().unknown_objects.stribeck_speed);
 }
 
 }  // namespace

@@ -55,6 +55,13 @@ test('a report shows its headings, tables and plots without a network', limit, a
   const all = page.locator('details', { hasText: 'All main figures (16)' });
   assert.equal(await all.locator('tbody tr').count(), 16);
   assert.equal(await all.locator('tbody tr').first().isVisible(), false);
+  await all.locator('summary').click();
+  const gap = await all.evaluate((details) => {
+    const bottom = details.querySelector('table').getBoundingClientRect().bottom;
+    return details.nextElementSibling.getBoundingClientRect().top - bottom;
+  });
+  assert.ok(gap >= 16, `${gap} px below the table`);
+  await all.locator('summary').click();
   assert.equal(await page.locator('figure.map svg').count(), 2); // with its error strip
   assert.equal(await page.locator('td', { hasText: 'missed' }).getAttribute('class'), 'number');
   assert.equal(await page.locator('figure .drawing svg').count(), 4);
