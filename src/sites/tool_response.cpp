@@ -70,7 +70,7 @@ void ToolResponse::add_force(double t, const Eigen::Vector3d& force_base) {
     middle[axis] = median(raw_forces_[0][axis], raw_forces_[1][axis], raw_forces_[2][axis]);
   }
   forces_.push_back({*t_middle, middle});
-  while (forces_.front().t < t - kKeptTime) forces_.pop_front();
+  while (forces_.front().t < *t_middle - kKeptTime) forces_.pop_front();
 }
 
 void ToolResponse::add_tip(double t, const Eigen::Vector3d& p_base_tip) {

@@ -22,7 +22,7 @@ struct Arm {
 };
 
 /// Pushes along y of a second each, with the noise and the offsets of real sensors.
-void push(const Arm& arm, int pushes, ToolResponse& found) {
+void push(const Arm& arm, int pushes, ToolResponse& found, double begin = 0.0) {
   constexpr double kStep = 0.001;   // [s]
   constexpr double kSpeed = 0.004;  // [m/s]
   const Eigen::Vector3d offset(3e-4, -2e-4, 5e-4);
@@ -37,13 +37,13 @@ void push(const Arm& arm, int pushes, ToolResponse& found) {
     const Eigen::Vector3d setpoint(0.5, kSpeed * std::min(phase, 2.0 - phase), 0.1);
     const Eigen::Vector3d v(0.0, phase < 1.0 ? kSpeed : -kSpeed, 0.0);
     const Eigen::Vector3d force(0.0, arm.force * std::min(phase, 2.0 - phase), 0.0);
-    found.add_setpoint(t, setpoint);
+    found.add_setpoint(begin + t, setpoint);
     if (k % 2 != 0) continue;
     const Eigen::Vector3d tip = setpoint - arm.compliance * force - arm.lag * v + offset;
     const bool is_spike = arm.spike > 0.0 && k % 600 == 300;
     const Eigen::Vector3d spike(0.0, is_spike ? arm.spike : 0.0, 0.0);
-    found.add_force(t, force + spike + bias + noise(0.3));
-    found.add_tip(t, tip + noise(5e-5));
+    found.add_force(begin + t, force + spike + bias + noise(0.3));
+    found.add_tip(begin + t, tip + noise(5e-5));
   }
 }
 
@@ -52,6 +52,16 @@ TEST(ToolResponse, IsFoundFromAFewPushes) {
   push({}, 2, found);
   ASSERT_TRUE(found.value());
   EXPECT_NEAR(found.value()->compliance, 2e-5, 1e-6);
+}
+
+// As of a site that did not run for seconds.
+TEST(ToolResponse, GoesOnAfterAGap) {
+  ToolResponse found;
+  push({}, 1, found);
+  push({}, 2, found, 10.0);
+  push({.compliance = 4e-5}, 12, found, 20.0);
+  ASSERT_TRUE(found.value());
+  EXPECT_NEAR(found.value()->compliance, 4e-5, 4e-6);
 }
 
 // A controller that is 50 ms late is no softer for it.
