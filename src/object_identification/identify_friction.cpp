@@ -16,6 +16,7 @@
 #include "pcavr/turning/support.hpp"
 
 #include "object_identification/identify_slides.hpp"
+#include "object_identification/known_before.hpp"
 
 namespace pcavr {
 namespace {
@@ -217,18 +218,31 @@ std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
   return object;
 }
 
+/// By the push's equation of motion about the breakaway.
+LimitOfMotion limit_in_motion(IdentifiedContact& push, const Breakaway& breakaway,
+                              const PushedObject& object, const BreakawayPriors& priors) {
+  const auto found = [&] {
+    return limit_by_motion(push.episode.series(), breakaway, object, priors);
+  };
+  if (!push.shown) return found();
+  std::optional<ShownByPush::Limit>& shown = push.shown->limit;
+  if (!shown || !is_known_before(shown->object, object))
+    shown = ShownByPush::Limit{object, found()};
+  return shown->found;
+}
+
 /// Of one push: without inertia, which needs the mass; else the force at the peak.
-LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject> object,
+LimitOfMotion limit_of(IdentifiedContact& push, std::optional<PushedObject> object,
                        const std::optional<HuntCrossley>& contact_law,
                        const std::optional<ParameterValue>& mass,
                        const IdentificationOptions& options) {
+  const ContactEpisode& episode = push.episode;
   const Breakaway breakaway = with_final_rate(episode);
   // In a slow push, the little that it can be off by is all that the motion could show.
   const double min_overshoot = options.onset.max_acceleration_share * breakaway.force;
   if (object && !contact_law) object->contact_law = {breakaway.stiffness, 0.0, 1.0};
   if (object && inertial_overshoot(breakaway, object->mass) > min_overshoot) {
-    const LimitOfMotion found =
-        limit_by_motion(episode.series(), breakaway, *object, options.breakaway_priors);
+    const LimitOfMotion found = limit_in_motion(push, breakaway, *object, options.breakaway_priors);
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
@@ -267,7 +281,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
       LimitOfMotion limit =
-          limit_of(push->episode, object, compliance.law, result.parameters.mass, options);
+          limit_of(*push, object, compliance.law, result.parameters.mass, options);
       const IdentifiedParameter hidden =
           hidden_in(*push, radius, result.friction.coulomb, limit.limit, options.breakaway_priors);
       // The share varies too much from body to body to be added: added, it worsened pushes that
@@ -423,7 +437,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   };
   // How the object turns depends on its viscous friction, which hardly depends on how it turns.
   SlidesPosterior sliding = infer_sliding();
-  if (!body.tracked.empty()) {
+  if (!body.tracked.empty() && !result.is_turning_known) {
     const FrictionPosterior& first = sliding.joint;
     const ParameterValue viscous = first.is_valid ? as_value(first.viscous) : ParameterValue{};
     identify_turning_of(contacts, object, body, tip, tool_radius, viscous, options, result);

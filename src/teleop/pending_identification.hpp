@@ -84,4 +84,25 @@ class PendingIdentification {
   DelayedResult<std::shared_ptr<ObjectLearner>> result_;
 };
 
+/// The search for friction in all pushes of an object by a thread: 0.1 to 0.4 s of CPU. What is
+/// found applies from a fixed time of the data on, as that of `PendingIdentification`. Not
+/// thread-safe.
+class PendingSearch {
+ public:
+  static constexpr double kDuration = 0.15;  ///< [s] of the data, until the result applies
+
+  PendingSearch(std::launch policy, double t, FrictionSearch search)
+      : result_(policy, t + kDuration, [search = std::move(search)] {
+          return std::make_shared<const FrictionSearch::Findings>(search.run());
+        }) {}
+
+  [[nodiscard]] bool is_due(double t) const { return result_.is_due(t); }
+  [[nodiscard]] bool would_wait(double t) const { return result_.would_wait(t); }
+  /// Waits for the thread.
+  [[nodiscard]] const FrictionSearch::Findings& get() const { return *result_.get(); }
+
+ private:
+  DelayedResult<std::shared_ptr<const FrictionSearch::Findings>> result_;
+};
+
 }  // namespace pcavr

@@ -13,7 +13,7 @@
 #include "pcavr/turning/turning.hpp"
 
 #include "support/meshes.hpp"
-#include "teleop/object_learner.hpp"
+#include "teleop/learned_friction.hpp"
 #include "teleop/sent_parameters.hpp"
 
 namespace pcavr {
@@ -97,7 +97,8 @@ ObjectParameters learnt_from(const std::vector<double>& places, double lateral, 
     for (TrackedPose& pose : push.tracked) pose.t += start;
     ContactRecord record{push.t, push.force, push.t, push.tip};
     if (is_tracked) record.seen.emplace(SeenMotion{{model, push.tracked}, surface, kTip});
-    learner.learn(record, start, {.has_slid = true, .has_moved = true, .is_over = true});
+    learn_with_friction(learner, record, start,
+                        {.has_slid = true, .has_moved = true, .is_over = true});
     start += 10.0;
   }
   return learner.known();
