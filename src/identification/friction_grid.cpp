@@ -21,6 +21,8 @@ constexpr int kViscousSteps = 40;         // of the prior's range, then again of
 constexpr double kRefinedRange = 5.0;     // in stds of the posterior, on either side
 constexpr int kGuessedViscousSteps = 10;  // while samples are weighed
 constexpr int kScatterSteps = 9;
+constexpr int kCoarseStride =
+    2;  // of the scatters, where only the range of viscous friction counts
 constexpr double kMaxScatterStds = 3.2;  // of the prior's logarithm: tenths of a per cent to 20 %
 constexpr int kDriftSteps = 3;           // of the share of the scatter that is a drift
 constexpr double kNegligibleLogWeight = -30.0;  // of the highest: all together, 1e-9 of the weight
@@ -61,7 +63,8 @@ class Inference {
       const WeightedGrid guessed = weigh_grid(range, kGuessedViscousSteps);
       reweight(solve_at(guessed, guessed.best()));
     }
-    const PosteriorMoments viscous = viscous_of(weigh_grid(range, kViscousSteps).points);
+    const PosteriorMoments viscous =
+        viscous_of(weigh_grid(range, kViscousSteps, kCoarseStride).points);
     const double step = priors_.max_viscous / kViscousSteps;
     const double reach = kRefinedRange * std::max(std::sqrt(viscous.variance), 0.3 * step);
     range.low = std::max(range.low, viscous.mean - reach);
@@ -262,13 +265,16 @@ class Inference {
     return {std::hypot(priors_.bias_std, own), all * std::sqrt(drift), priors_.push_correlation};
   }
 
-  [[nodiscard]] WeightedGrid weigh_grid(const ViscousRange& range, int viscous_steps) const {
+  /// On each `stride`th of the scatters.
+  [[nodiscard]] WeightedGrid weigh_grid(const ViscousRange& range, int viscous_steps,
+                                        int stride = 1) const {
     WeightedGrid grid;
-    for (int w = 0; w < kScatterSteps; ++w) {
+    for (int w = 0; w < kScatterSteps; w += stride) {
       for (int b = 0; b < viscous_steps; ++b) {
         const double viscous = range.low + (range.high - range.low) * (b + 0.5) / viscous_steps;
         grid.totals.push_back(totals_at(viscous, scatter_at(w)));
         for (int s = 0; s < kScatterSteps * drift_steps(); ++s) {
+          if (s / drift_steps() % stride != 0) continue;
           GridPoint point{viscous, scatter_at(s / drift_steps()), scatter_at(w)};
           point.drift = drift_steps() > 1
                             ? static_cast<double>(s % drift_steps()) / (drift_steps() - 1)

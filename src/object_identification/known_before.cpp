@@ -8,7 +8,7 @@
 namespace pcavr {
 namespace {
 
-constexpr double kSameShare = 0.1;  // of a std, and of two stds' difference in the larger one
+constexpr double kSameShare = 0.2;  // of a std, and of two stds' difference in the larger one
 
 bool is_same(const HuntCrossley& a, const HuntCrossley& b) {
   return a.stiffness == b.stiffness && a.damping == b.damping && a.exponent == b.exponent;

@@ -7,7 +7,7 @@
 namespace pcavr {
 
 /// Whether what a push showed under the first still holds under the second: laws and supports are
-/// the same, and values differ by at most a tenth of their std, so that what follows from them
+/// the same, and values differ by at most a fifth of their std, so that what follows from them
 /// does, too.
 [[nodiscard]] bool is_known_before(const ShownByPush::Slide& shown,
                                    const ContactCompliance& compliance,
