@@ -23,8 +23,8 @@ struct StoredPush {
   std::vector<TrackedPose> tracked;
 };
 
-/// The search for M, mu, B and F_M in an object's pushes: 0.1 to 0.4 s of CPU, apart from the
-/// learner which goes on meanwhile. Copies are cheap: the pushes are shared.
+/// The search for M, mu, B and F_M in an object's pushes: 20 to 200 ms of CPU, apart from the
+/// learner, which goes on meanwhile. Copies are cheap: the pushes are shared.
 struct FrictionSearch {
   struct Push {
     std::shared_ptr<const StoredPush> stored;

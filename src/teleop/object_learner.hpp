@@ -119,6 +119,9 @@ class ObjectLearner {
   /// excess over Coulomb friction [N].
   void assume_limit(double coulomb);
   void accept_limit(const ObjectIdentification& found);
+  /// By what the newest push slid under, of `mass` [kg].
+  [[nodiscard]] bool is_sliding_contradicted(const std::vector<FrictionSample>& samples,
+                                             double mass) const;
   /// mu and B together: only both give the friction at the speeds of the pushes.
   void accept_sliding(const ObjectIdentification& found);
   void discard_learned_limit();

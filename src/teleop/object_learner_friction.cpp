@@ -51,6 +51,25 @@ IdentifiedParameter friction_in(const ContactEpisode& contact, const FrictionPri
   return {coulomb, std::hypot(kForceError * force, viscous / std::sqrt(12.0)), true};
 }
 
+/// What the newest push slid under, by its samples; at least one. Its scatter about other pushes is
+/// no error of that: `model_error` allows for it.
+SlidingForce force_of_newest(const std::vector<FrictionSample>& samples, double mass,
+                             double support_size_share) {
+  const std::size_t newest = samples.back().push;
+  double count = 0.0, force = 0.0, squares = 0.0, speed = 0.0, rotation = 0.0;
+  for (const FrictionSample& sample : samples) {
+    if (sample.push != newest) continue;
+    const double friction = sample.force - mass * sample.acceleration;
+    count += 1.0, force += friction, squares += friction * friction;
+    speed += sample.speed, rotation += sample.rotation_share;
+  }
+  force /= count;
+  const double variance = std::max(squares / count - force * force, 0.0);
+  // Windows of smoothing overlap: every other sample is independent.
+  const double noise = std::sqrt(2.0 * variance / count);
+  return {speed / count, force, std::hypot(noise, support_size_share * rotation / count * force)};
+}
+
 /// mu M g + B v [N] by known parameters; without mass, coefficient or viscous friction their share
 /// is left out.
 ParameterValue sliding_force(const ObjectParameters& known, double weight, double speed,
@@ -170,6 +189,12 @@ std::optional<FrictionSearch> ObjectLearner::next_search() {
   }
   // A mass that was learned is identified again, with what the newest pushes add.
   search.known.mass = given_.mass;
+  const bool is_by_pushes = !given_.contact_stiffness && !presses_.best().is_valid;
+  if (is_by_pushes && search.known.contact_exponent) {
+    // The law that predicts these pushes best, but creep biases its exponent and its damping.
+    search.known.contact_exponent->std = kExponentStdOfPushes;
+    search.known.contact_damping.reset();
+  }
   search.options.onset = options_.onset;
   search.options.limiting_friction = options_.limiting_friction;
   search.options.sliding = options_.sliding;
@@ -228,6 +253,16 @@ void ObjectLearner::discard_learned_limit() {
   has_changed_ = true;
 }
 
+bool ObjectLearner::is_sliding_contradicted(const std::vector<FrictionSample>& samples,
+                                            double mass) const {
+  const SlidingForce newest =
+      force_of_newest(samples, mass, options_.friction_priors.support_size_share);
+  const ParameterValue old = sliding_force(
+      known_, known_.mass.value_or(ParameterValue{mass}).value * options_.sliding.gravity,
+      newest.speed, options_.default_relative_std);
+  return is_contradicted(old, {newest.force, newest.std});
+}
+
 void ObjectLearner::accept_sliding(const ObjectIdentification& found) {
   const std::vector<SlidingForce>& forces = found.friction.sliding_force;
   if (!found.friction.coefficient.is_excited || forces.empty()) return;
@@ -237,11 +272,8 @@ void ObjectLearner::accept_sliding(const ObjectIdentification& found) {
   const double relative_std = middle.std / middle.force;
   if (known_.sliding_friction_coefficient && !is_friction_assumed_) {
     const bool was_given = given_.sliding_friction_coefficient.has_value();
-    const ParameterValue old =
-        sliding_force(known_, known_.mass.value_or(*next.mass).value * options_.sliding.gravity,
-                      middle.speed, options_.default_relative_std);
     const bool is_more_certain = !was_given && relative_std <= kMaxStdRatio * sliding_force_std_;
-    if (!is_more_certain && !is_contradicted(old, {middle.force, middle.std})) return;
+    if (!is_more_certain && !is_sliding_contradicted(found.slide_samples, next.mass->value)) return;
   }
   known_.sliding_friction_coefficient = next.sliding_friction_coefficient;
   known_.viscous_friction = next.viscous_friction;

@@ -206,6 +206,44 @@ TEST(ObjectLearner, AssumesTheFrictionOfASlideUntilItIsSearchedFor) {
               2.0 * *known.limiting_static_friction->std);
 }
 
+/// A push on a soft face, after 2 to 3 mm of which the object breaks away at 19 N and slides at 15.
+struct SoftPush {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force, tip;
+
+  SoftPush() {
+    constexpr double kSoft = 4.0e4, kSpeed = 0.01;  // [N/m^n], [m/s]
+    const double slipping = std::pow(15.0 / kSoft, 1.0 / kExponent);
+    Random random(1);
+    bool has_broken_away = false;
+    for (double at = -0.5; at < 1.0; at += 0.002) {
+      const double depth = has_broken_away ? slipping : std::max(0.0, kSpeed * at);
+      const double load = kSoft * std::pow(depth, kExponent);
+      has_broken_away = has_broken_away || load > 19.0;
+      t.push_back(at);
+      force.emplace_back(0.05 * random.normal(), load + 0.05 * random.normal(),
+                         0.05 * random.normal());
+      tip.emplace_back(1e-5 * random.normal(), kSpeed * at + 1e-5 * random.normal(), 0.0);
+    }
+  }
+};
+
+TEST(ObjectLearner, SearchesWithALawByPushesAsUnsureAsCreepLeavesIt) {
+  ObjectParameters given;
+  given.mass = ParameterValue{4.0};
+  ObjectLearner learner(given, {});
+  const SoftPush push;
+  learner.learn({push.t, push.force, push.t, push.tip}, 0.0, {.has_slid = true});
+  const std::optional<ParameterValue> learned = learner.known().contact_exponent;
+  ASSERT_TRUE(learned && learned->std);
+  EXPECT_LT(*learned->std, kExponentStdOfPushes);
+  const std::optional<FrictionSearch> search = learner.next_search();
+  ASSERT_TRUE(search && search->known.contact_exponent);
+  EXPECT_EQ(search->known.contact_exponent->value, learned->value);
+  EXPECT_EQ(search->known.contact_exponent->std, kExponentStdOfPushes);
+  EXPECT_FALSE(search->known.contact_damping);
+}
+
 TEST(ObjectLearner, LearnsTheFrictionOfASlideWithoutAContactLaw) {
   ObjectParameters given;
   given.mass = ParameterValue{4.0};
