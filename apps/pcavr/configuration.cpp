@@ -26,8 +26,6 @@ std::vector<OptionSection> Configuration::sections() {
           section_of(devices.gamepad), section_of(devices.space_mouse), section_of(devices.trace),
           section_of(devices.plugin), section_of(devices.simulated)});
   append(sections, sections_of(evaluation));
-  sections.push_back(section_of(friction_priors));
-  sections.push_back(section_of(breakaway_priors));
   sections.push_back(section_of(plan));
   sections.push_back(section_of(estimator));
   sections.push_back(section_of(estimator.averaging));
@@ -62,8 +60,8 @@ IdentificationOptions Configuration::identification() const {
           .onset = teleop.learning.onset,
           .limiting_friction = teleop.learning.limiting_friction,
           .sliding = teleop.learning.sliding,
-          .friction_priors = friction_priors,
-          .breakaway_priors = breakaway_priors,
+          .friction_priors = teleop.learning.friction_priors,
+          .breakaway_priors = teleop.learning.breakaway_priors,
           .limit_surface = teleop.learning.limit_surface,
           .plan = plan,
           .estimator = estimator};

@@ -45,8 +45,6 @@ struct Configuration {
   RemoteDeviceOptions page;
   DeviceOptions devices;
   EvaluationOptions evaluation;
-  FrictionPriors friction_priors;
-  BreakawayPriors breakaway_priors;
   PlanOptions plan;               ///< of identify --plan
   EstimatorOptions<3> estimator;  ///< of the comparison in identify's report
   RobotIdentificationOptions robot_identification;
@@ -60,7 +58,7 @@ struct Configuration {
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }
 
-  /// Of `identify`: the sections that the robot's site uses to identify online, and the priors.
+  /// Of `identify`: the sections that the robot's site uses to identify online.
   [[nodiscard]] IdentificationOptions identification() const;
   /// Of `replay`: the segmentation is that of online identification.
   [[nodiscard]] TeleopOptions replayed() const;

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <numbers>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -17,6 +18,44 @@
 
 namespace pcavr {
 namespace {
+
+/// Variants of one motion, which processors compute side by side.
+template <int N>
+using Variants = Eigen::Array<double, N, 1>;
+
+/// d^n along paths of short steps, by the binomial series about the step before: a fifth of a power
+/// function's time.
+template <int N>
+class PowerAlongPath {
+  static constexpr double kMaxRelativeStep = 0.01;  // the sixth term is below 1e-12 then
+
+ public:
+  explicit PowerAlongPath(double exponent) : n_(exponent) {
+    double term = 1.0;
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      const auto order = static_cast<double>(k);
+      terms_[k] = term *= (n_ - order) / (order + 1.0);
+    }
+  }
+
+  const Variants<N>& at(const Variants<N>& depth) {
+    const Variants<N> e = depth / depth_ - 1.0;
+    if ((e.abs() <= kMaxRelativeStep).all()) {
+      const Variants<N> second =
+          terms_[1] + e * terms_[2] + e.square() * (terms_[3] + e * terms_[4]);
+      power_ *= 1.0 + e * terms_[0] + e.square() * second;
+    } else {
+      power_ = depth.unaryExpr([this](double one) { return penetration_power(one, n_); });
+    }
+    depth_ = depth;
+    return power_;
+  }
+
+ private:
+  double n_;
+  std::array<double, 5> terms_;
+  Variants<N> depth_ = Variants<N>::Zero(), power_ = Variants<N>::Zero();
+};
 
 /// One breakaway's force, and the equation of motion that predicts it.
 class BreakawayFit {
@@ -88,13 +127,13 @@ class BreakawayFit {
   [[nodiscard]] bool is_usable() const { return t_.size() >= kMinSamples; }
 
   [[nodiscard]] LimitOfMotion solve() const {
-    Unknowns theta = Unknowns::Zero();
-    const double sum = minimise(theta);
+    const Place found = minimise();
+    const Unknowns& theta = found.theta;
     Normal normal;
     Unknowns gradient;
-    linearise(theta, normal, gradient);
+    linearise(theta, found.forces, normal, gradient);
     const Normal covariance = normal.llt().solve(Normal::Identity());
-    const double inflation = std::max(1.0, sum / static_cast<double>(t_.size() - 2));
+    const double inflation = std::max(1.0, found.misfit / static_cast<double>(t_.size() - 2));
     const Unknowns by = limit_by(theta);
     const double variance = inflation * by.dot(covariance * by);
     if (!std::isfinite(variance) || !(variance > 0.0)) return {};
@@ -176,12 +215,14 @@ class BreakawayFit {
     return {limit + shift * std, std * std::sqrt(std::max(square, 0.0)), true};
   }
 
-  /// [m] of the tip in the resting object.
-  [[nodiscard]] double tip_at(const Unknowns& theta, std::size_t i) const {
+  /// [m] of the tip in the resting object, at unknowns in columns.
+  template <int N>
+  [[nodiscard]] Variants<N> tip_at(const Eigen::Matrix<double, kUnknowns, N>& thetas,
+                                   std::size_t i) const {
     const double since = t_[i] - t_.front();
-    return start_penetration_ * (1.0 + 0.01 * theta[kPenetration]) + tip_[i] - tip_.front() +
-           since * speed_std_ * theta[kSpeed] +
-           0.5 * since * since * acceleration_std_ * theta[kAcceleration];
+    return start_penetration_ * (1.0 + 0.01 * thetas.row(kPenetration).transpose().array()) +
+           (tip_[i] - tip_.front()) + since * speed_std_ * thetas.row(kSpeed).transpose().array() +
+           0.5 * since * since * acceleration_std_ * thetas.row(kAcceleration).transpose().array();
   }
 
   [[nodiscard]] HuntCrossley law_at(const Unknowns& theta) const {
@@ -197,111 +238,150 @@ class BreakawayFit {
 
   /// Friction at rest, presliding and sliding, without the viscous part: bristles that deflect,
   /// and slip at the Stribeck curve's level [LuGre model: Canudas de Wit et al. 1995].
+  template <int N>
   struct Bristles {
-    double coulomb, limit;   ///< [N]
-    double speed;            ///< [m/s] of Stribeck
-    double stiffness;        ///< [N/m]
-    double damping;          ///< [N s/m]
-    double deflected = 0.0;  ///< [N]
+    Variants<N> coulomb, excess;                  ///< [N] and of the limit over it
+    Variants<N> speed;                            ///< [m/s] of Stribeck
+    Variants<N> stiffness;                        ///< [N/m]
+    Variants<N> damping;                          ///< [N s/m]
+    Variants<N> deflected = Variants<N>::Zero();  ///< [N]
 
-    double step(double v, double dt) {
-      const double ratio = v / speed;
-      const double level = coulomb + (limit - coulomb) * std::exp(-ratio * ratio);
-      const double before = deflected;
-      deflected = (deflected + stiffness * dt * v) / (1.0 + stiffness * dt * std::abs(v) / level);
-      const double fade = std::exp(-std::pow(v / kDampedSpeed, 2));
-      return deflected + damping * fade * (deflected - before) / (stiffness * dt);
+    Variants<N> step(const Variants<N>& v, double dt) {
+      const Variants<N> level = coulomb + excess * (-(v / speed).square()).exp();
+      const Variants<N> before = deflected, scale = stiffness * dt;
+      deflected = (deflected + scale * v) * level / (level + scale * v.abs());
+      const Variants<N> fade = (-(v / kDampedSpeed).square()).exp();
+      return deflected + damping / scale * fade * (deflected - before);
     }
   };
 
-  [[nodiscard]] Bristles bristles_at(const Unknowns& theta) const {
-    const double limit = limit_at(theta);
-    const double stiffness =
-        limit / (priors_.presliding * std::pow(priors_.presliding_factor, theta[kLogPresliding]));
-    return {sliding_at(theta)[0], limit,
-            object_.stribeck_speed * std::pow(priors_.stribeck_factor, theta[kLogStribeck]),
-            stiffness, std::sqrt(stiffness * object_.mass)};
+  /// The contact and the friction at unknowns in columns.
+  template <int N>
+  struct Laws {
+    Variants<N> stiffness, damping;  ///< of the contact
+    Variants<N> viscous;             ///< [N s/m]
+    Bristles<N> bristles;
+  };
+  template <int N>
+  [[nodiscard]] Laws<N> laws_at(const Eigen::Matrix<double, kUnknowns, N>& thetas) const {
+    Laws<N> laws;
+    for (int k = 0; k < N; ++k) {
+      const Unknowns theta = thetas.col(k);
+      const HuntCrossley contact = law_at(theta);
+      laws.stiffness[k] = contact.stiffness;
+      laws.damping[k] = contact.damping;
+      laws.viscous[k] = sliding_at(theta)[1];
+      Bristles<N>& bristles = laws.bristles;
+      const double limit = limit_at(theta);
+      const double stiffness =
+          limit / (priors_.presliding * std::pow(priors_.presliding_factor, theta[kLogPresliding]));
+      bristles.coulomb[k] = sliding_at(theta)[0];
+      bristles.excess[k] = limit - sliding_at(theta)[0];
+      bristles.speed[k] =
+          object_.stribeck_speed * std::pow(priors_.stribeck_factor, theta[kLogStribeck]);
+      bristles.stiffness[k] = stiffness;
+      bristles.damping[k] = std::sqrt(stiffness * object_.mass);
+    }
+    return laws;
   }
 
-  /// The contact's force at the samples, from rest under the first one.
-  void simulate(const Unknowns& theta, std::vector<double>& force) const {
-    const HuntCrossley law = law_at(theta);
-    const double viscous = sliding_at(theta)[1];
-    Bristles bristles = bristles_at(theta);
-    double v = 0.0, s = 0.0;
-    double last = tip_at(theta, 0);
-    double contact = elastic_force(law, std::max(0.0, last));
-    bristles.deflected = contact;
-    force.assign(t_.size(), contact);
+  /// The contact's forces at the samples, from rest under the first one, at unknowns in columns.
+  template <int N>
+  [[nodiscard]] std::vector<Variants<N>> simulate(
+      const Eigen::Matrix<double, kUnknowns, N>& thetas) const {
+    const double exponent = object_.contact_law.exponent;
+    Laws<N> laws = laws_at<N>(thetas);
+    PowerAlongPath<N> power(exponent);
+    Variants<N> v = Variants<N>::Zero(), s = Variants<N>::Zero();
+    Variants<N> last = tip_at<N>(thetas, 0);
+    Variants<N> contact = laws.stiffness * power.at(last.max(0.0));
+    laws.bristles.deflected = contact;
+    std::vector<Variants<N>> forces(t_.size(), contact);
     for (std::size_t i = 1; i < t_.size(); ++i) {
-      const double tip = tip_at(theta, i), span = t_[i] - t_[i - 1];
+      const Variants<N> tip = tip_at<N>(thetas, i);
+      const double span = t_[i] - t_[i - 1];
       const int steps = static_cast<int>(std::ceil(span / kMaxStep));
       const double dt = span / steps;
       for (int k = 1; k <= steps; ++k) {
-        const double depth = std::max(0.0, last + (tip - last) * k / steps - s);
-        contact = std::max(0.0, unclamped_contact_force(law, depth, (tip - last) / span - v));
-        v += dt / object_.mass * (contact - bristles.step(v, dt) - viscous * v);
+        const Variants<N> depth =
+            (last + (tip - last) * (static_cast<double>(k) / steps) - s).max(0.0);
+        const Variants<N>& elastic = power.at(depth);
+        const Variants<N> rate = (tip - last) / span - v;
+        if (exponent == 1.0) {
+          contact = (laws.stiffness * elastic + laws.damping * rate).max(0.0);
+        } else {
+          contact = (elastic * (laws.stiffness + laws.damping * rate)).max(0.0);
+        }
+        v += dt / object_.mass * (contact - laws.bristles.step(v, dt) - laws.viscous * v);
         s += dt * v;
       }
-      force[i] = contact;
+      forces[i] = contact;
       last = tip;
     }
+    return forces;
   }
 
-  [[nodiscard]] double misfit(const Unknowns& theta) const {
-    std::vector<double> force;
-    simulate(theta, force);
+  /// Of these forces at these unknowns.
+  [[nodiscard]] double misfit(const Unknowns& theta, const std::vector<Variants<1>>& forces) const {
     double sum = theta.squaredNorm() - std::pow(theta[kPenetration], 2);
-    for (std::size_t i = 0; i < force.size(); ++i)
-      sum += std::pow((force_[i] - force[i]) / noise_, 2);
+    for (std::size_t i = 0; i < forces.size(); ++i)
+      sum += std::pow((force_[i] - forces[i][0]) / noise_, 2);
     return sum;
   }
 
-  void linearise(const Unknowns& theta, Normal& normal, Unknowns& gradient) const {
-    std::vector<double> base;
-    simulate(theta, base);
-    std::array<std::vector<double>, kUnknowns> low, high;
-    for (int k = 0; k < kUnknowns; ++k) {
-      const auto column = static_cast<std::size_t>(k);
-      simulate(theta + kDifference * Unknowns::Unit(k), high[column]);
-      simulate(theta - kDifference * Unknowns::Unit(k), low[column]);
-    }
+  /// `forces`: at these unknowns.
+  void linearise(const Unknowns& theta, const std::vector<Variants<1>>& forces, Normal& normal,
+                 Unknowns& gradient) const {
+    Eigen::Matrix<double, kUnknowns, 2 * kUnknowns> thetas;
+    thetas.colwise() = theta;
+    thetas.template leftCols<kUnknowns>() += kDifference * Normal::Identity();
+    thetas.template rightCols<kUnknowns>() -= kDifference * Normal::Identity();
+    const std::vector<Variants<2 * kUnknowns>> beside = simulate<2 * kUnknowns>(thetas);
     normal.setIdentity();
     gradient = -theta;
     normal(kPenetration, kPenetration) = gradient[kPenetration] = 0.0;
-    for (std::size_t i = 0; i < base.size(); ++i) {
-      Unknowns row;
-      for (int k = 0; k < kUnknowns; ++k) {
-        const auto column = static_cast<std::size_t>(k);
-        row[k] = (high[column][i] - low[column][i]) / (2.0 * kDifference * noise_);
-      }
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      const Unknowns change =
+          beside[i].template head<kUnknowns>() - beside[i].template tail<kUnknowns>();
+      const Unknowns row = change / (2.0 * kDifference * noise_);
       normal += row * row.transpose();
-      gradient += (force_[i] - base[i]) / noise_ * row;
+      gradient += (force_[i] - forces[i][0]) / noise_ * row;
     }
   }
 
-  /// Levenberg-Marquardt; returns the final misfit.
-  double minimise(Unknowns& theta) const {
+  /// Where the search is, and the forces there.
+  struct Place {
+    Unknowns theta;
+    std::vector<Variants<1>> forces;
+    double misfit;
+  };
+  [[nodiscard]] Place at(const Unknowns& theta) const {
+    Place place{theta, simulate<1>(theta), 0.0};
+    place.misfit = misfit(theta, place.forces);
+    return place;
+  }
+
+  /// Levenberg-Marquardt.
+  [[nodiscard]] Place minimise() const {
     Normal normal;
     Unknowns gradient;
-    double damping = 1e-3, sum = misfit(theta);
+    Place place = at(Unknowns::Zero());
+    double damping = 1e-3;
     for (int i = 0; i < kIterations && damping < kMaxDamping; ++i) {
-      linearise(theta, normal, gradient);
+      linearise(place.theta, place.forces, normal, gradient);
       for (; damping < kMaxDamping; damping *= 10.0) {
         Normal damped = normal;
         damped.diagonal() *= 1.0 + damping;
-        const Unknowns candidate = theta + damped.llt().solve(gradient);
-        const double candidate_sum = misfit(candidate);
-        if (!(candidate_sum < sum)) continue;
-        const bool is_done = sum - candidate_sum < kConverged * sum;
-        theta = candidate;
-        sum = candidate_sum;
+        Place candidate = at(place.theta + damped.llt().solve(gradient));
+        if (!(candidate.misfit < place.misfit)) continue;
+        const bool is_done = place.misfit - candidate.misfit < kConverged * place.misfit;
+        place = std::move(candidate);
         damping *= 0.1;
-        if (is_done) return sum;
+        if (is_done) return place;
         break;
       }
     }
-    return sum;
+    return place;
   }
 
   const PushedObject& object_;

@@ -21,6 +21,8 @@ constexpr int kViscousSteps = 40;         // of the prior's range, then again of
 constexpr double kRefinedRange = 5.0;     // in stds of the posterior, on either side
 constexpr int kGuessedViscousSteps = 10;  // while samples are weighed
 constexpr int kScatterSteps = 9;
+constexpr int kCoarseStride =
+    2;  // of the scatters, where only the range of viscous friction counts
 constexpr double kMaxScatterStds = 3.2;  // of the prior's logarithm: tenths of a per cent to 20 %
 constexpr int kDriftSteps = 3;           // of the share of the scatter that is a drift
 constexpr double kNegligibleLogWeight = -30.0;  // of the highest: all together, 1e-9 of the weight
@@ -58,16 +60,16 @@ class Inference {
   [[nodiscard]] FrictionGrid solve() {
     ViscousRange range{0.0, priors_.max_viscous};
     for (int i = 0; i < kFrictionReweightings; ++i) {
-      const Posterior posterior(evaluate_grid(range, kGuessedViscousSteps));
-      reweight(posterior.best());
+      const WeightedGrid guessed = weigh_grid(range, kGuessedViscousSteps);
+      reweight(solve_at(guessed, guessed.best()));
     }
-    const Posterior coarse(evaluate_grid(range, kViscousSteps));
-    const PosteriorMoments viscous = coarse.of(Unknowns::Zero(), 1.0);
+    const PosteriorMoments viscous =
+        viscous_of(weigh_grid(range, kViscousSteps, kCoarseStride).points);
     const double step = priors_.max_viscous / kViscousSteps;
     const double reach = kRefinedRange * std::max(std::sqrt(viscous.variance), 0.3 * step);
     range.low = std::max(range.low, viscous.mean - reach);
     range.high = std::min(range.high, viscous.mean + reach);
-    return {Posterior(evaluate_grid(range, kViscousSteps)), level_, pushes_};
+    return {Posterior(solved(weigh_grid(range, kViscousSteps))), level_, pushes_};
   }
 
  private:
@@ -151,6 +153,23 @@ class Inference {
     double attenuation = 0.0;    ///< squares of the accelerations' noise in the information
     double noise_product = 0.0;  ///< products of that and the force's noise
   };
+  /// The points of a grid, with the sums of as many successive ones each.
+  struct WeightedGrid {
+    std::vector<Totals> totals;
+    std::vector<GridPoint> points;
+
+    [[nodiscard]] std::size_t best() const {
+      const auto highest = std::max_element(points.begin(), points.end(), is_less_likely);
+      return static_cast<std::size_t>(highest - points.begin());
+    }
+    [[nodiscard]] const Totals& totals_of(std::size_t point) const {
+      return totals[point / (points.size() / totals.size())];
+    }
+  };
+  static bool is_less_likely(const GridPoint& a, const GridPoint& b) {
+    return a.log_weight < b.log_weight;
+  }
+
   [[nodiscard]] Totals totals_at(double viscous, double within) const {
     Totals totals;
     const Information prior = prior_information();
@@ -195,17 +214,20 @@ class Inference {
     const double log_information = 2.0 * measured.matrixLLT().diagonal().array().log().sum();
     const double prior_misfit =
         std::pow(scatter_in_stds(point.between), 2) + std::pow(scatter_in_stds(point.within), 2);
-    const Unknowns mean = measured.solve(equations.weighted);
-    const double explained = mean.dot(equations.weighted);
-    const double coulomb_variance = measured.solve(Unknowns::Unit(kCoulomb))[kCoulomb];
-    return log_share_above_zero(mean[kCoulomb] / std::sqrt(coulomb_variance)) -
+    // By the factor's half of the solutions: mean and variance of the Coulomb force, and the
+    // squares that are explained.
+    const Unknowns weighted = measured.matrixL().solve(equations.weighted);
+    const Unknowns coulomb = measured.matrixL().solve(Unknowns(Unknowns::Unit(kCoulomb)));
+    const double explained = weighted.squaredNorm();
+    return log_share_above_zero(coulomb.dot(weighted) / coulomb.norm()) -
            0.5 * (equations.misfit - explained + equations.log_determinant + log_information +
                   prior_misfit);
   }
 
-  [[nodiscard]] Conditional solve_at(const Totals& totals, const GridPoint& at) const {
-    Conditional point{at, {}, {}};
-    NormalEquations equations = equations_of(totals, at);
+  [[nodiscard]] Conditional solve_at(const WeightedGrid& grid, std::size_t at) const {
+    Conditional point{grid.points[at], {}, {}};
+    const Totals& totals = grid.totals_of(at);
+    NormalEquations equations = equations_of(totals, point);
     const Information inverse =
         Eigen::LLT<Information>(equations.information).solve(Information::Identity());
     remove_noise(totals, 1.0 / inverse(kMass, kMass), equations);
@@ -243,38 +265,53 @@ class Inference {
     return {std::hypot(priors_.bias_std, own), all * std::sqrt(drift), priors_.push_correlation};
   }
 
-  /// Without the points that have next to no weight: they are most of them.
-  [[nodiscard]] std::vector<Conditional> evaluate_grid(const ViscousRange& range,
-                                                       int viscous_steps) const {
-    std::vector<Totals> totals;
-    std::vector<GridPoint> grid;
-    for (int w = 0; w < kScatterSteps; ++w) {
+  /// On each `stride`th of the scatters.
+  [[nodiscard]] WeightedGrid weigh_grid(const ViscousRange& range, int viscous_steps,
+                                        int stride = 1) const {
+    WeightedGrid grid;
+    for (int w = 0; w < kScatterSteps; w += stride) {
       for (int b = 0; b < viscous_steps; ++b) {
         const double viscous = range.low + (range.high - range.low) * (b + 0.5) / viscous_steps;
-        totals.push_back(totals_at(viscous, scatter_at(w)));
-        for (int s = 0; s < kScatterSteps * kDriftSteps; ++s) {
-          GridPoint point{viscous, scatter_at(s / kDriftSteps), scatter_at(w)};
-          point.drift = static_cast<double>(s % kDriftSteps) / (kDriftSteps - 1);
-          point.log_weight = log_weight_of(equations_of(totals.back(), point), point);
-          grid.push_back(point);
+        grid.totals.push_back(totals_at(viscous, scatter_at(w)));
+        for (int s = 0; s < kScatterSteps * drift_steps(); ++s) {
+          if (s / drift_steps() % stride != 0) continue;
+          GridPoint point{viscous, scatter_at(s / drift_steps()), scatter_at(w)};
+          point.drift = drift_steps() > 1
+                            ? static_cast<double>(s % drift_steps()) / (drift_steps() - 1)
+                            : 0.0;
+          point.log_weight = log_weight_of(equations_of(grid.totals.back(), point), point);
+          grid.points.push_back(point);
         }
       }
     }
-    return with_weight(totals, grid);
+    return grid;
   }
 
-  /// Solved; `totals`: of as many successive points of the grid each.
-  [[nodiscard]] std::vector<Conditional> with_weight(const std::vector<Totals>& totals,
-                                                     const std::vector<GridPoint>& grid) const {
-    double highest = grid.front().log_weight;
-    for (const GridPoint& point : grid) highest = std::max(highest, point.log_weight);
-    const std::size_t per_totals = grid.size() / totals.size();
+  /// A single push shows no drift.
+  [[nodiscard]] int drift_steps() const { return pushes_ > 1 ? kDriftSteps : 1; }
+
+  /// Without the points that have next to no weight: they are most of them.
+  [[nodiscard]] std::vector<Conditional> solved(const WeightedGrid& grid) const {
+    const double least = grid.points[grid.best()].log_weight + kNegligibleLogWeight;
     std::vector<Conditional> kept;
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-      if (grid[i].log_weight < highest + kNegligibleLogWeight) continue;
-      kept.push_back(solve_at(totals[i / per_totals], grid[i]));
+    for (std::size_t i = 0; i < grid.points.size(); ++i) {
+      if (grid.points[i].log_weight >= least) kept.push_back(solve_at(grid, i));
     }
     return kept;
+  }
+
+  /// [N s/m] Of viscous friction alone, which needs no solution.
+  [[nodiscard]] static PosteriorMoments viscous_of(const std::vector<GridPoint>& points) {
+    const double highest =
+        std::max_element(points.begin(), points.end(), is_less_likely)->log_weight;
+    double sum = 0.0, first = 0.0, second = 0.0;
+    for (const GridPoint& point : points) {
+      const double weight = std::exp(point.log_weight - highest);
+      sum += weight, first += weight * point.viscous,
+          second += weight * point.viscous * point.viscous;
+    }
+    const double mean = first / sum;
+    return {mean, std::max(second / sum - mean * mean, 0.0)};
   }
 
   [[nodiscard]] double scatter_at(int step) const {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "pcavr/inputs/align_with_face.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -68,23 +70,13 @@ class Attribution {
 
  private:
   void set_direction(AttributedContact& contact) {
-    ContactEpisode& episode = contact.episode;
+    const ContactEpisode& episode = contact.episode;
     const std::size_t object = *contact.object;
     const Pose T_base_object = poses_.at(object, episode.begin);
-    Eigen::Vector3d inward = -(T_base_object.rotation() * contact.normal_object);
-    if (inward.dot(episode.direction_base) > kFaceCosine) {
-      // Tracking noise varies a face's direction between contacts: at a lever of half a metre, 0.1
-      // degrees would displace each press's surface by a millimetre.
-      for (const Eigen::Vector3d& known : directions_[object]) {
-        if (known.dot(inward) > kSameDirection) inward = known;
-      }
-      directions_[object].push_back(inward);
-      project_onto(inward, tip_, contact);
-    }
-    const Eigen::Vector3d arm = tip_.at(episode.begin) -
-                                T_base_object * series_.bodies[object].model->centre_of_mass_object;
-    const Eigen::Vector2d along = episode.direction_base.head<2>().normalized();
-    contact.lever = arm.x() * along.y() - arm.y() * along.x();
+    const bool is_on_face =
+        align_with_face(T_base_object, series_.bodies[object].model->centre_of_mass_object, tip_,
+                        directions_[object], contact);
+    if (is_on_face) directions_[object].push_back(episode.direction_base);
     const bool has_moved = episode.kind == ContactKind::slide && series_.bodies[object].is_movable;
     if (has_moved && !poses_.is_tracked(object)) {
       poses_.displace(object, episode.slides.back().end,
@@ -114,6 +106,26 @@ class Attribution {
 };
 
 }  // namespace
+
+bool align_with_face(const Pose& T_base_object, const Eigen::Vector3d& centre_of_mass_object,
+                     const PathView& tip, std::span<const Eigen::Vector3d> directions_base,
+                     AttributedContact& contact) {
+  const ContactEpisode& episode = contact.episode;
+  Eigen::Vector3d inward = -(T_base_object.rotation() * contact.normal_object);
+  const bool is_on_face = inward.dot(episode.direction_base) > kFaceCosine;
+  if (is_on_face) {
+    // Tracking noise varies a face's direction between contacts: at a lever of half a metre, 0.1
+    // degrees would displace each press's surface by a millimetre.
+    for (const Eigen::Vector3d& known : directions_base) {
+      if (known.dot(inward) > kSameDirection) inward = known;
+    }
+    project_onto(inward, tip, contact);
+  }
+  const Eigen::Vector3d arm = tip.at(episode.begin) - T_base_object * centre_of_mass_object;
+  const Eigen::Vector2d along = episode.direction_base.head<2>().normalized();
+  contact.lever = arm.x() * along.y() - arm.y() * along.x();
+  return is_on_face;
+}
 
 double displacement_at(const ContactEpisode& episode, double t) {
   const auto object_position = [&](double at) {

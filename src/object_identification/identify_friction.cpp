@@ -17,6 +17,7 @@
 
 #include "object_identification/breakaway_lever.hpp"
 #include "object_identification/identify_slides.hpp"
+#include "object_identification/known_before.hpp"
 
 namespace pcavr {
 namespace {
@@ -223,17 +224,30 @@ bool is_fast(const Breakaway& breakaway, double mass, const OnsetOptions& option
   return inertial_overshoot(breakaway, mass) > options.max_acceleration_share * breakaway.force;
 }
 
+/// By the push's equation of motion about the breakaway.
+LimitOfMotion limit_in_motion(IdentifiedContact& push, const Breakaway& breakaway,
+                              const PushedObject& object, const BreakawayPriors& priors) {
+  const auto found = [&] {
+    return limit_by_motion(push.episode.series(), breakaway, object, priors);
+  };
+  if (!push.shown) return found();
+  std::optional<ShownByPush::Limit>& shown = push.shown->limit;
+  if (!shown || !is_known_before(shown->object, object))
+    shown = ShownByPush::Limit{object, found()};
+  return shown->found;
+}
+
 /// Of one push: without inertia, which needs the mass; else the force at the peak.
-LimitOfMotion limit_of(const ContactEpisode& episode, std::optional<PushedObject> object,
+LimitOfMotion limit_of(IdentifiedContact& push, std::optional<PushedObject> object,
                        const std::optional<HuntCrossley>& contact_law,
                        const std::optional<ParameterValue>& mass,
                        const IdentificationOptions& options) {
+  const ContactEpisode& episode = push.episode;
   const Breakaway breakaway = with_final_rate(episode);
   if (object && !contact_law) object->contact_law = {breakaway.stiffness, 0.0, 1.0};
   // In a slow push, the little that it can be off by is all that the motion could show.
   if (object && is_fast(breakaway, object->mass, options.onset)) {
-    const LimitOfMotion found =
-        limit_by_motion(episode.series(), breakaway, *object, options.breakaway_priors);
+    const LimitOfMotion found = limit_in_motion(push, breakaway, *object, options.breakaway_priors);
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
@@ -311,7 +325,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
       LimitOfMotion limit =
-          limit_of(push->episode, object, compliance.law, result.parameters.mass, options);
+          limit_of(*push, object, compliance.law, result.parameters.mass, options);
       if (radius.is_excited) limit = limit_with_moment(limit, push->breakaway_lever, radius);
       const IdentifiedParameter hidden = hidden_in(*push, radius.value, result.friction.coulomb,
                                                    limit.limit, options.breakaway_priors);
@@ -403,7 +417,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   };
   // How the object turns depends on its viscous friction, which hardly depends on how it turns.
   SlidesPosterior sliding = infer_sliding();
-  if (!body.tracked.empty()) {
+  if (!body.tracked.empty() && !result.is_turning_known) {
     const FrictionPosterior& first = sliding.joint;
     const ParameterValue viscous = first.is_valid ? as_value(first.viscous) : ParameterValue{};
     identify_turning_of(contacts, object, body, tip, tool_radius, viscous, options, result);

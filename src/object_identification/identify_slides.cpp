@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -13,6 +14,7 @@
 #include "pcavr/prediction/body_physics.hpp"
 #include "pcavr/turning/support.hpp"
 
+#include "object_identification/known_before.hpp"
 #include "object_identification/tracked_motion.hpp"
 
 namespace pcavr {
@@ -210,6 +212,13 @@ void remove_noise(const SmoothSlide& push, std::span<FrictionSample> samples) {
   }
 }
 
+/// [s] Of the tip's samples during a contact; between contacts, its path may have gaps.
+double tip_interval(std::span<const double> t, const ContactEpisode& episode) {
+  const auto first = std::lower_bound(t.begin(), t.end(), episode.t.front());
+  const auto last = std::upper_bound(first, t.end(), episode.t.back());
+  return last - first > 1 ? mean_interval({first, last}) : mean_interval(t);
+}
+
 class Slides {
  public:
   Slides(const BodyMotion& body, const PathView& tip, double tool_radius, const KnownSupport& known)
@@ -229,7 +238,7 @@ class Slides {
     std::vector<FrictionSample> samples;
     const ContactEpisode& episode = contact.episode;
     if (episode.t.size() < 20 || episode.kind == ContactKind::press) return samples;
-    const SmoothSlide push = smooth_slide(contact, compliance, mean_interval(tip_.t()));
+    const SmoothSlide push = smooth_slide(contact, compliance, tip_interval(tip_.t(), episode));
     const double loaded =
         episode.breakaway.is_found ? episode.breakaway.t : end_of_loading(push, episode);
     const double from = loaded + kSlideSettle + push.half_width;
@@ -396,10 +405,15 @@ std::vector<FrictionSample> friction_samples(const std::vector<IdentifiedContact
   std::vector<FrictionSample> samples;
   const Slides slides(body, tip, tool_radius, known);
   for (std::size_t i = 0; i < pushes.size(); ++i) {
-    for (const FrictionSample& sample : slides.of(*pushes[i], compliance)) {
+    std::optional<ShownByPush::Slide> shown;
+    if (pushes[i]->shown) shown = pushes[i]->shown->slide;
+    if (!shown || !is_known_before(*shown, compliance, known))
+      shown = ShownByPush::Slide{compliance, known, slides.of(*pushes[i], compliance)};
+    for (const FrictionSample& sample : shown->samples) {
       samples.push_back(sample);
       samples.back().push = i;
     }
+    if (pushes[i]->shown) pushes[i]->shown->slide = std::move(shown);
   }
   return samples;
 }

@@ -14,7 +14,8 @@ namespace pcavr {
 /// does, less the contact's compression. Samples are one smoothing apart. The support is that of
 /// the CAD body's lowest face, scaled to the friction radius [m] where that is known: three feet
 /// near the centre of mass dissipate less in a rotation than the whole face. The push's height over
-/// the support moves its pressure ahead, by the weight.
+/// the support moves its pressure ahead, by the weight. What pushes have shown before is used
+/// again.
 [[nodiscard]] std::vector<FrictionSample> friction_samples(
     const std::vector<IdentifiedContact*>& pushes, const ContactCompliance& compliance,
     const BodyMotion& body, const PathView& tip, double tool_radius,

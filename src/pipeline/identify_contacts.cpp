@@ -21,13 +21,7 @@ namespace {
 
 /// Pushes on one face have normals this near to each other.
 constexpr double kSameFace = 0.98;
-/// The exponent of a spherical tip on a flat face [Hertz 1882]. Before breakaway a pushed object
-/// creeps, which biases the exponent: on simulated plants fits gave 1.0 to 1.4 where 1.5 was true,
-/// five to ten of their stds off. So it is assumed, with the std of a uniform distribution between
-/// 1 (a flat tip, a layer) and 2 (a cone).
-constexpr double kGivenExponent = 1.5;
-constexpr double kGivenExponentStd = 0.289;  // 1 / sqrt(12)
-/// Relative bias of the stiffness under that exponent by creep: 2 to 4 % on the same plants.
+/// Relative bias of the stiffness under `kExponentOfPushes` by creep: 2 to 4 % on simulated plants.
 constexpr double kCreep = 0.04;
 constexpr double kMinStds = 2.0;        // a stiffness nearer to 0 is not identified
 constexpr double kMaxDepthShare = 2.0;  // of the tip's way: it is pressed in a little at touch
@@ -282,7 +276,7 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
     if (!result.presses.best().is_valid) result.notes.push_back(result.presses.proposal);
   }
   const ParameterValue exponent = result.parameters.contact_exponent.value_or(
-      ParameterValue{kGivenExponent, kGivenExponentStd});
+      ParameterValue{kExponentOfPushes, kExponentStdOfPushes});
   result.is_contact_off_centre = centred.empty() && !pushes.empty();
   result.faces = identify_faces(result.is_contact_off_centre ? pushes : centred, exponent,
                                 options.contact_fit);

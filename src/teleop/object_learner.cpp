@@ -6,22 +6,13 @@
 #include <cmath>
 #include <iterator>
 
-#include <fmt/core.h>
-
 #include "pcavr/contact/hunt_crossley.hpp"
-#include "pcavr/core/median.hpp"
 #include "pcavr/identification/contact_fit.hpp"
-#include "pcavr/identification/friction_posterior.hpp"
-#include "pcavr/identification/inertial_peak.hpp"
-#include "pcavr/identification/limit_of_pushes.hpp"
 #include "pcavr/identification/path_view.hpp"
-#include "pcavr/identification/sliding.hpp"
 
 namespace pcavr {
 namespace {
 
-// A new estimate from more data replaces the old one up to this ratio of standard deviations.
-constexpr double kMaxStdRatio = 1.2;
 // A peak this near to the force at which the sensor saturates is cut off.
 constexpr double kSaturatedRatio = 0.98;
 // [samples] Fewer do not determine the contact law's three parameters.
@@ -30,7 +21,7 @@ constexpr std::size_t kMinContactSamples = 30;
 constexpr double kSamePressDirection = 0.9998;
 // Of the exponent that holds beyond the forces that were seen: a third of what laws range over.
 constexpr double kExponentModelStd = 0.25;
-// Of breakaways: their standard deviation needs more contacts than are fitted together.
+// More than are fitted together: some are too weak to be.
 constexpr std::size_t kMaxStoredContacts = 20;
 
 ParameterValue value_of(const IdentifiedParameter& parameter) {
@@ -52,11 +43,11 @@ ForceMotion part_until(const ContactEpisode& contact, double until) {
           std::span(contact.force).first(count), contact.tool_noise};
 }
 
-/// Coulomb friction where only the whole friction at a speed [m/s] is known: less the viscous
-/// share, of which only the prior is known, and with the relative error of the rest.
-IdentifiedParameter coulomb_of(double force, double speed, double relative_std) {
-  const double viscous = FrictionPriors().max_viscous * std::max(speed, 0.0);
-  return {force - 0.5 * viscous, std::hypot(relative_std * force, viscous / std::sqrt(12.0)), true};
+double largest_force(std::span<const ForceMotion> parts) {
+  double force = 0.0;
+  for (const ForceMotion& part : parts)
+    force = std::max(force, *std::max_element(part.force.begin(), part.force.end()));
+  return force;
 }
 
 /// The linear law of a young contact, whose force has not risen far enough to show an exponent:
@@ -64,36 +55,10 @@ IdentifiedParameter coulomb_of(double force, double speed, double relative_std) 
 /// `force` [N] is part of its std.
 ContactFit preliminary_law(const ContactIdentification& found, double force) {
   ContactFit linear = found.mass_damper_spring;
-  const ContactFit& curved = found.hunt_crossley;
   if (!linear.is_valid) return linear;
-  const double depth = force / linear.stiffness.value;
-  const double other = static_penetration(
-      {.stiffness = curved.stiffness.value, .exponent = curved.exponent.value}, force);
-  linear.penetration_std = std::hypot(linear.penetration_std, other / depth - 1.0);
+  linear.penetration_std = std::hypot(linear.penetration_std, curvature_std(found, linear, force));
   linear.stiffness.std = linear.penetration_std * linear.stiffness.value;
   return linear;
-}
-
-/// What a push's own slides say of Coulomb friction: the median force along the push. With a tenth
-/// for inertia and for a force that does not go through the centre; not excited without a slide.
-IdentifiedParameter friction_in(const ContactEpisode& contact) {
-  constexpr double kForceError = 0.1;
-  constexpr double kMinPath = 5e-4;  // [m] of the tip: over less, the force still settles
-  std::vector<double> forces;
-  double path = 0.0, duration = 0.0;
-  for (const SlideInterval& slide : contact.slides) {
-    const auto from = std::lower_bound(contact.t.begin(), contact.t.end(), slide.begin);
-    const auto to = std::upper_bound(from, contact.t.end(), slide.end);
-    if (to - from < 2) continue;
-    const auto first = static_cast<std::size_t>(from - contact.t.begin());
-    const auto last = static_cast<std::size_t>(to - contact.t.begin()) - 1;
-    path += contact.tool[last] - contact.tool[first];
-    duration += contact.t[last] - contact.t[first];
-    forces.insert(forces.end(), contact.force.begin() + static_cast<std::ptrdiff_t>(first),
-                  contact.force.begin() + static_cast<std::ptrdiff_t>(last) + 1);
-  }
-  if (path < kMinPath) return {};
-  return coulomb_of(median(std::move(forces)), path / duration, kForceError);
 }
 
 /// Whether the tip slides along an inclined face, as in an oblique hole: a press under which the
@@ -140,13 +105,19 @@ bool ObjectLearner::learn(const ContactRecord& record, double begin, const Conta
   if (!is_same) contacts_.emplace_back();
   if (contacts_.size() > kMaxStoredContacts) contacts_.erase(contacts_.begin());
   contacts_.back() = *nearest;
-  if (is_press(contacts_.back())) align_press(record, contacts_.back());
-  learn_contact();
-  if (!is_press(*nearest) && facts.has_slid) {
-    learn_breakaway();
-    learn_sliding();
-    if (record.seen) learn_turning(record, found, facts.is_over);
+  if (is_press(*nearest)) {
+    align_press(record, contacts_.back());
+    learn_contact();
+    return has_changed_;
   }
+  IdentifiedContact contact = attributed(record, found);
+  contacts_.back() = contact.episode;
+  learn_contact();
+  if (!facts.has_slid) return has_changed_;
+  check_limits(contact);
+  assume_friction(contact.episode);
+  store_push(record, contact);
+  if (record.seen) learn_turning(record, contact, facts.is_over);
   return has_changed_;
 }
 
@@ -214,10 +185,7 @@ bool ObjectLearner::accept(std::optional<ParameterValue> ObjectParameters::*fiel
 double ObjectLearner::extrapolation_std(const ContactFit& fit,
                                         std::span<const ForceMotion> parts) const {
   if (!known_.limiting_static_friction) return 0.0;
-  double max_force = 0.0;
-  for (const ForceMotion& part : parts) {
-    max_force = std::max(max_force, *std::max_element(part.force.begin(), part.force.end()));
-  }
+  const double max_force = largest_force(parts);
   const double force = known_.limiting_static_friction->value;
   if (!(max_force > 0.0) || force <= max_force) return 0.0;
   // Of d = (F / K)^(1/n), scaled from the largest force that was seen: d ln d / dn.
@@ -273,6 +241,9 @@ void ObjectLearner::learn_contact() {
         options_.contradiction_stds * combined_std * penetration)
       return;
   }
+  presses_ = has_presses ? identified : ContactIdentification{};
+  penetration_std_ =
+      std::hypot(fit.penetration_std, curvature_std(identified, fit, largest_force(parts)));
   known_.contact_stiffness = value_of(fit.stiffness);
   known_.contact_exponent = value_of(fit.exponent);
   // A single contact's posterior is too narrow for the penetration: with it the positions of the
@@ -284,109 +255,6 @@ void ObjectLearner::learn_contact() {
   }
   given_.contact_stiffness.reset();
   has_changed_ = true;
-}
-
-void ObjectLearner::learn_breakaway() {
-  const std::optional<HuntCrossley> contact_law = contact_law_of(known_);
-  std::vector<Breakaway> breakaways;
-  double noise = 0.0;
-  bool has_inertial_peak = false;
-  for (const ContactEpisode& contact : contacts_) {
-    if (!contact.breakaway.is_found || contact.slides.empty()) continue;
-    Breakaway breakaway = contact.breakaway;
-    const IdentifiedParameter sliding = friction_in(contact);
-    if (contact_law && known_.mass) {
-      const IdentifiedParameter own = limit_of_push(contact.series(), breakaway, *contact_law,
-                                                    known_.mass->value, options_.onset);
-      if (own.is_excited && own.value > 0.0) {
-        breakaway.force = own.value;
-        breakaway.std = own.std;
-      }
-    }
-    if (is_inertial_peak(breakaway, sliding)) {
-      has_inertial_peak = true;
-      continue;
-    }
-    // A peak of the load before the object slides at all: the tip slipped, or left and came again.
-    const double std = std::max(breakaway.std, options_.single_breakaway_std * breakaway.force);
-    if (!limit_above_sliding({breakaway.force, std, true}, sliding).is_excited) {
-      if (&contact == &contacts_.back()) contradict(breakaway.force, sliding.value);
-      withdraw_limit_below(sliding);
-      continue;
-    }
-    noise = std::max(noise, breakaway.std);
-    breakaways.push_back(breakaway);
-  }
-  if (breakaways.empty()) {
-    if (has_inertial_peak) discard_learned_limit();
-    return;
-  }
-  const LimitingFriction limit = limiting_friction(breakaways, options_.limiting_friction);
-  const double spread = limit.pushes > 1
-                            ? std::max(limit.std, noise)
-                            : std::max(noise, options_.single_breakaway_std * limit.mean);
-  const IdentifiedParameter bounded = limit_above_sliding({limit.mean, spread, true}, coulomb_);
-  if (!bounded.is_excited) return contradict(limit.mean, coulomb_.value);
-  accept(&ObjectParameters::limiting_static_friction, {bounded.value, spread});
-  known_.loading_rate = ParameterValue{limit.loading_rate};
-  if (limit.pushes > 1) known_.loading_rate->std = limit.loading_rate_std;
-}
-
-void ObjectLearner::contradict(double limit, double sliding) {
-  contradiction_ = fmt::format(
-      "a breakaway at {:.2f} N is below the sliding friction, {:.2f} N: it is not used to identify",
-      limit, sliding);
-}
-
-void ObjectLearner::withdraw_limit_below(const IdentifiedParameter& sliding) {
-  std::optional<ParameterValue>& limit = known_.limiting_static_friction;
-  if (!limit || given_.limiting_static_friction) return;
-  const double std = limit->std.value_or(options_.default_relative_std * limit->value);
-  if (limit_above_sliding({limit->value, std, true}, sliding).is_excited) return;
-  contradict(limit->value, sliding.value);
-  discard_learned_limit();
-}
-
-void ObjectLearner::discard_learned_limit() {
-  std::optional<ParameterValue>& limit = known_.limiting_static_friction;
-  if (!limit || given_.limiting_static_friction) return;
-  limit.reset();
-  has_changed_ = true;
-}
-
-void ObjectLearner::learn_sliding() {
-  const std::optional<HuntCrossley> identified = contact_law_of(known_);
-  // A slide's friction needs the penetration's changes only. An error of theirs appears as mass.
-  const std::optional<HuntCrossley>& contact_law = identified ? identified : assumed_law_;
-  if (!contact_law || (!identified && !known_.mass)) return;
-  std::vector<ForceMotion> pushes;
-  for (const ContactEpisode& contact : contacts_) {
-    if (!contact.slides.empty()) pushes.push_back(contact.series());
-  }
-  if (pushes.empty()) return;
-  if (std::ssize(pushes) > options_.max_fitted_contacts)
-    pushes.erase(pushes.begin(), pushes.end() - options_.max_fitted_contacts);
-  SlidingOptions options = options_.sliding;
-  if (known_.mass) options.mass = known_.mass->value;
-  const SlidingIdentification found = identify_sliding(pushes, *contact_law, options);
-  if (!found.is_valid || !found.coulomb.is_excited) return;
-  // The slides of few pushes: friction varies by more than their noise.
-  coulomb_ = coulomb_of(found.coulomb.value, found.viscous.is_excited ? 0.0 : found.speed,
-                        options_.model_error);
-  withdraw_limit_below(coulomb_);
-  if (found.mass.is_excited && identified) accept(&ObjectParameters::mass, value_of(found.mass));
-  if (!known_.mass) return;
-  double coulomb = found.coulomb.value;
-  if (found.viscous.is_excited && found.viscous.value >= 0.0 && identified) {
-    accept(&ObjectParameters::viscous_friction, value_of(found.viscous));
-  }
-  // The total friction at this speed is known; its split depends on the viscous friction.
-  if (found.viscous.is_excited) coulomb += found.viscous.value * found.speed;
-  if (known_.viscous_friction) coulomb -= known_.viscous_friction->value * found.speed;
-  const double weight = known_.mass->value * options_.sliding.gravity;
-  if (coulomb <= 0.0) return;
-  accept(&ObjectParameters::sliding_friction_coefficient,
-         {coulomb / weight, found.coulomb.std / weight});
 }
 
 }  // namespace pcavr

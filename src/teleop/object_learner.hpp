@@ -20,6 +20,8 @@
 #include "pcavr/turning/body_motion.hpp"
 #include "pcavr/turning/turning.hpp"
 
+#include "teleop/friction_search.hpp"
+
 namespace pcavr {
 
 /// The object in a contact, by tracking.
@@ -39,10 +41,10 @@ struct ContactRecord {
 };
 
 /// Online identification of one object's parameters, contact by contact, with the methods of
-/// `identification`: the contact law from presses, or without any from pushes while the object is
-/// static; F_M from each breakaway; M, mu and B from sliding; where the object is tracked, the
-/// friction radius and limit surface from its turning, and the tip's friction from its slip along a
-/// face. Parameters without excitation keep their values.
+/// `pcavr identify`: the contact law from presses, or without any from pushes while the object is
+/// static; F_M, M, mu and B from the pushes so far, as `identify_friction_of` finds them; where the
+/// object is tracked, the friction radius and limit surface from its turning, and the tip's
+/// friction from its slip along a face. Parameters without excitation keep their values.
 ///
 /// An estimate replaces a previous one that was based on less data, or that the data contradict: by
 /// more than some standard deviations and a model error. So noise does not degrade given
@@ -63,14 +65,17 @@ class ObjectLearner {
   /// contact in which the object has not slid yet has no information on friction: a tool that stops
   /// looks like a breakaway. A push that moved the object although no slide was found in it has
   /// none at all: a slow slide looks like a soft contact; nor one along an inclined face. True if a
-  /// parameter has changed.
+  /// parameter has changed: of the contact, or by tracking. Friction follows by `next_search`.
   bool learn(const ContactRecord& record, double begin, const ContactFacts& facts);
+
+  /// For the friction of the pushes so far, if one was added since the last search. The bodies in
+  /// the records must outlive it.
+  [[nodiscard]] std::optional<FrictionSearch> next_search();
+  /// What a search has found, of the pushes up to then. True if a parameter has changed.
+  bool accept(const FrictionSearch::Findings& findings);
 
   /// [N] at which the sensor saturates: contacts that reach it are not used.
   void set_force_ceiling(std::optional<double> ceiling) { force_ceiling_ = ceiling; }
-
-  /// By which the slides are identified until the contact law is.
-  void set_assumed_law(const HuntCrossley& law) { assumed_law_ = law; }
 
   /// The object was static at `friction` [N], beyond its supposed limit F_M: discards its friction
   /// parameters, unless breakaways have identified them here. Until the next breakaway, F_M is that
@@ -87,6 +92,8 @@ class ObjectLearner {
  private:
   /// [s] The estimated start of a new contact may still change by this much with more data.
   static constexpr double kSameContact = 0.25;
+  /// A new estimate from more data replaces a learned one up to this ratio of their stds.
+  static constexpr double kMaxStdRatio = 1.2;
 
   [[nodiscard]] bool is_press(const ContactEpisode& contact) const;
   /// Gives a press the direction of an earlier one on the same face, so that both meet the surface
@@ -100,17 +107,27 @@ class ObjectLearner {
   [[nodiscard]] std::optional<double> usable_std(const ContactFit& fit,
                                                  std::span<const ForceMotion> parts) const;
   void learn_contact();
-  /// F_M of the breakaways, with what the slides say of it by the rule of `pcavr identify`: no less
-  /// than Coulomb friction, and withheld where the two contradict each other.
-  void learn_breakaway();
-  /// Discards an F_M that was identified before the slides contradicted it.
-  void withdraw_limit_below(const IdentifiedParameter& sliding);
+  /// The newest contact, along the touched face where the object is tracked.
+  [[nodiscard]] IdentifiedContact attributed(const ContactRecord& record,
+                                             const Segmentation& found) const;
+  /// Discards F_M, and the push's breakaway, where they are below what the push slides under.
+  void check_limits(IdentifiedContact& push);
+  void store_push(const ContactRecord& record, IdentifiedContact contact);
+  /// Until a search has found mu and B: by the push's own slides, and the prior of B.
+  void assume_friction(const ContactEpisode& push);
+  /// Until a search has found F_M, which pushes off the centre do not show: by the prior of its
+  /// excess over Coulomb friction [N].
+  void assume_limit(double coulomb);
+  void accept_limit(const ObjectIdentification& found);
+  /// By what the newest push slid under, of `mass` [kg].
+  [[nodiscard]] bool is_sliding_contradicted(const std::vector<FrictionSample>& samples,
+                                             double mass) const;
+  /// mu and B together: only both give the friction at the speeds of the pushes.
+  void accept_sliding(const ObjectIdentification& found);
   void discard_learned_limit();
-  void contradict(double limit, double sliding);
-  void learn_sliding();
   /// By the newest contact, and those before it. The radius of many once a contact `is_over`: it
   /// takes tens of milliseconds.
-  void learn_turning(const ContactRecord& record, const Segmentation& found, bool is_over);
+  void learn_turning(const ContactRecord& record, const IdentifiedContact& contact, bool is_over);
   void learn_tool_friction(std::span<const TrackedPose> tracked);
   void learn_radius(const BodyMotion& body);
   bool accept(std::optional<ParameterValue> ObjectParameters::*field, const ParameterValue& found);
@@ -122,11 +139,17 @@ class ObjectLearner {
   ObjectParameters known_;
   ObjectParameters given_;
   std::optional<double> force_ceiling_;
-  std::optional<HuntCrossley> assumed_law_;
   std::optional<double> conservative_limit_;  ///< [N]
-  IdentifiedParameter coulomb_;               ///< [N] of the slides so far
   std::optional<std::string> contradiction_;
   std::vector<ContactEpisode> contacts_;
+  std::deque<FrictionSearch::Push> pushes_;
+  bool has_new_push_ = false;        ///< since the last search
+  const CadModel* model_ = nullptr;  ///< of a tracked object
+  double tool_radius_ = 0.0;         ///< [m]
+  ContactIdentification presses_;    ///< that gave the contact law
+  double penetration_std_ = 0.0;     ///< relative, by the learned contact law
+  bool is_friction_assumed_ = false, is_limit_assumed_ = false;
+  double sliding_force_std_ = 0.0;  ///< relative, of the learned mu and B
   /// What tracking shows in a contact.
   struct SeenSamples {
     double begin = 0.0;  ///< [s]

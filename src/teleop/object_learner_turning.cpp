@@ -24,22 +24,6 @@ constexpr std::size_t kMinTurningPushes = 3;
 // Stds within which the radius of few pushes is that of even pressure, which the prediction has.
 constexpr double kSameRadius = 2.0;
 
-AttributedContact attributed(const ContactRecord& record, const Segmentation& found,
-                             const ContactEpisode& episode) {
-  AttributedContact contact;
-  contact.episode = episode;
-  const auto first =
-      std::lower_bound(record.t_force.begin(), record.t_force.end(), episode.t.front());
-  const auto begin = found.force_base.begin() + (first - record.t_force.begin());
-  contact.force_base.assign(begin, begin + std::ssize(episode.t));
-  const PathView tip(record.t_tool, record.p_base_tip);
-  contact.normal_object = record.seen->surface
-                              .touch(pose_at(record.seen->body.tracked, episode.begin),
-                                     tip.at(episode.begin), record.seen->tool_radius)
-                              .normal_object;
-  return contact;
-}
-
 /// [N s/m] Uniform from 0 to what some push leaves no Coulomb friction beside, or to the prior's.
 ParameterValue viscous_prior(const SamplesOfPushes& pushes) {
   double most = FrictionPriors().max_viscous;
@@ -52,14 +36,13 @@ ParameterValue viscous_prior(const SamplesOfPushes& pushes) {
 
 }  // namespace
 
-void ObjectLearner::learn_turning(const ContactRecord& record, const Segmentation& found,
+void ObjectLearner::learn_turning(const ContactRecord& record, const IdentifiedContact& contact,
                                   bool is_over) {
-  const ContactEpisode& episode = contacts_.back();
+  const ContactEpisode& episode = contact.episode;
   const SeenMotion& seen = *record.seen;
   if (seen_samples_.empty() || std::abs(seen_samples_.back().begin - episode.begin) >= kSameContact)
     seen_samples_.emplace_back();
   if (seen_samples_.size() > kMaxSeenContacts) seen_samples_.pop_front();
-  const AttributedContact contact = attributed(record, found, episode);
   const PathView tip(record.t_tool, record.p_base_tip);
   std::optional<double> weight;
   if (known_.mass) weight = known_.mass->value * options_.sliding.gravity;

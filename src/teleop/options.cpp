@@ -153,9 +153,6 @@ constexpr auto kLearningFields = std::to_array<OptionField<Learning>>({
     {"model_error", &Learning::model_error, 0.05, 0.0, 1.0, "",
      "relative difference up to which data never contradict a parameter",
      "lower: the model's own errors replace given parameters; higher: wrong ones are kept"},
-    {"single_breakaway_std", &Learning::single_breakaway_std, 0.03, 0.0, 1.0, "",
-     "relative std of the limiting friction after a single breakaway",
-     "lower: one push fixes a limit that varies from push to push; higher: it is critical early"},
     {"max_fit_error", &Learning::max_fit_error, 0.1, 0.0, 10.0, "",
      "relative force residual above which a contact law is rejected",
      "lower: layered materials have no law; higher: fits of disturbed contacts are used"},
@@ -384,6 +381,8 @@ std::vector<OptionSection> sections_of(TeleopOptions& options) {
           section_of(learning.onset),
           section_of(learning.limiting_friction),
           section_of(learning.sliding),
+          section_of(learning.friction_priors),
+          section_of(learning.breakaway_priors),
           section_of(learning.limit_surface)};
 }
 

@@ -84,4 +84,26 @@ class PendingIdentification {
   DelayedResult<std::shared_ptr<ObjectLearner>> result_;
 };
 
+/// The search for friction in all pushes of an object by a thread. What is found applies from a
+/// fixed time of the data on, as that of `PendingIdentification`. Not thread-safe.
+class PendingSearch {
+ public:
+  PendingSearch(std::launch policy, double t, FrictionSearch search)
+      : result_(policy, t + duration(search.pushes.size()), [search = std::move(search)] {
+          return std::make_shared<const FrictionSearch::Findings>(search.run());
+        }) {}
+
+  [[nodiscard]] bool is_due(double t) const { return result_.is_due(t); }
+  [[nodiscard]] bool would_wait(double t) const { return result_.would_wait(t); }
+  /// Waits for the thread.
+  [[nodiscard]] const FrictionSearch::Findings& get() const { return *result_.get(); }
+
+ private:
+  /// [s] of the data, until the result applies: twice the longest CPU time of 583 searches. One
+  /// push takes 17 ms, at most 44; six take 78, at most 206.
+  static double duration(std::size_t pushes) { return 0.1 + 0.05 * static_cast<double>(pushes); }
+
+  DelayedResult<std::shared_ptr<const FrictionSearch::Findings>> result_;
+};
+
 }  // namespace pcavr

@@ -51,7 +51,6 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
       unknown_objects_(options.unknown_objects),
       surface_(object.model),
       limit_surface_(assumed.limit_surface),
-      assumed_law_(assumed.contact),
       tool_radius_(tool_radius),
       latest_{start, object.T_base_object, std::sqrt(3.0) * options.pose.initial_std, 0.0},
       T_base_object_(object.T_base_object),
@@ -62,13 +61,13 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
                         object.T_base_object.rotation().inverse() * Eigen::Vector3d::UnitZ()) {
   acknowledged.contact_surface_offset = object.parameters.contact_surface_offset;
   unknown_objects_.stribeck_speed = assumed.stribeck_speed;
-  learner.set_assumed_law(assumed_law_);
 }
 
 void RobotObject::forget_learned() {
   identification.reset();
+  // Its thread takes longer than a cycle may wait.
+  if (search) search->is_obsolete = true;
   learner = ObjectLearner(source_->parameters, learning_, source_->is_movable);
-  learner.set_assumed_law(assumed_law_);
   learned.clear();
   seen_contacts_.clear();
 }

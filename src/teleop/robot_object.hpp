@@ -183,7 +183,6 @@ class RobotObject {
   BodySurface surface_;
   /// As completed at the start: its shape stays constant, and is expensive to compute.
   std::optional<LimitSurface> limit_surface_;
-  HuntCrossley assumed_law_;  ///< as completed at the start
   double tool_radius_;
   std::deque<TrackedPose> waiting_;  ///< arrived and not processed
   std::deque<TrackedPose> seen_;     ///< those processed last
@@ -212,8 +211,17 @@ class RobotObject {
   std::size_t measured_frame_ = 0;  ///< the last of `frames_` in it
 
  public:
-  /// In progress, for `learner`. Last: its thread uses the surface.
+  /// In progress, for `learner`. Last: their threads use surface and model.
   std::optional<PendingIdentification> identification = {};
+  /// For `learner`; of pushes by a clock that was wrong where it `is_obsolete`.
+  struct Search {
+    PendingSearch pending;
+    bool is_obsolete = false;
+  };
+  std::optional<Search> search = {};
+
+  /// A contact is being identified, or will be.
+  [[nodiscard]] bool is_identifying() const { return learn_at || identification; }
 };
 
 }  // namespace pcavr

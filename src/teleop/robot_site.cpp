@@ -150,7 +150,8 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
 
 bool RobotSite::would_wait(double now) const {
   const auto waits = [now](const RobotObject& object) {
-    return object.identification && object.identification->would_wait(now);
+    return (object.identification && object.identification->would_wait(now)) ||
+           (object.search && object.search->pending.would_wait(now));
   };
   return watch_.would_wait(now) || (pending_trial_ && pending_trial_->would_wait(now)) ||
          std::any_of(objects_.begin(), objects_.end(), waits);
@@ -319,6 +320,8 @@ void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log
     if (object.identification && object.identification->is_due(sample.t)) {
       apply_identification(object);
     }
+    // Each begins from the learner, and the contact's replaces it.
+    if (!object.identification) search_friction(object, sample.t);
     // What is being identified is of the data before: it is not waited for, but used first.
     if (!object.identification && object.learn_at && *object.learn_at <= sample.t) {
       learn(object, sample.t);

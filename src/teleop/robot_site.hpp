@@ -96,6 +96,9 @@ class RobotSite {
                                                        const RobotObject::LearnedContact& contact);
   /// What was identified of it applies from now on. Waits for the thread.
   void apply_identification(RobotObject& object);
+  /// Uses what was found of friction when it is due, and begins the next search.
+  void search_friction(RobotObject& object, double t);
+  void apply_search(RobotObject& object);
   void note_contradiction(RobotObject& object, double begin);
   [[nodiscard]] const UnusableInterval* unusable_in(double begin, double end) const;
   void process_time(const TouchSample& sample, const PredictionLog& log);

@@ -165,15 +165,13 @@ void RobotSite::send_tried(const TouchSample& sample) {
 std::optional<CorrectionCase> RobotSite::take_unfinished_law(RobotObject& object,
                                                              const SiteComparison& seen) {
   const bool is_touched = object.monitor.is_touched() || seen.operator_touches;
-  const bool is_identifying = object.learn_at || object.identification;
-  if (is_touched || object.in_flight || is_identifying) return std::nullopt;
+  if (is_touched || object.in_flight || object.is_identifying()) return std::nullopt;
   return std::exchange(object.unfinished_law, std::nullopt);
 }
 
 bool RobotSite::is_release_due(const RobotObject& object, double t) {
   if (!object.kept_off_since) return false;
-  const bool is_identified =
-      !object.monitor.is_touched() && !object.learn_at && !object.identification;
+  const bool is_identified = !object.monitor.is_touched() && !object.is_identifying();
   return is_identified || t - *object.kept_off_since > kMaxKeptOff;
 }
 

@@ -97,8 +97,29 @@ void RobotSite::apply_identification(RobotObject& object) {
   note_contradiction(object, begin);
 }
 
+void RobotSite::apply_search(RobotObject& object) {
+  if (!object.search) return;
+  if (!object.search->is_obsolete) {
+    object.learner.accept(object.search->pending.get());
+    note_contradiction(object, object.monitor.contact_begin());
+  }
+  object.search.reset();
+}
+
+void RobotSite::search_friction(RobotObject& object, double t) {
+  if (object.search && object.search->pending.is_due(t)) apply_search(object);
+  if (object.search) return;
+  if (std::optional<FrictionSearch> search = object.learner.next_search())
+    object.search.emplace(RobotObject::Search{PendingSearch(background_, t, std::move(*search))});
+}
+
 void RobotSite::apply_identifications() {
-  for (RobotObject& object : objects_) apply_identification(object);
+  for (RobotObject& object : objects_) {
+    apply_identification(object);
+    apply_search(object);
+    search_friction(object, now_);
+    apply_search(object);
+  }
 }
 
 void RobotSite::learn(RobotObject& object, double t) {

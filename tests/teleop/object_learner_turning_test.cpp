@@ -13,7 +13,7 @@
 #include "pcavr/turning/turning.hpp"
 
 #include "support/meshes.hpp"
-#include "teleop/object_learner.hpp"
+#include "teleop/learned_friction.hpp"
 #include "teleop/sent_parameters.hpp"
 
 namespace pcavr {
@@ -24,8 +24,9 @@ constexpr double kFriction = 5.0;       // [N] of the object on its support
 constexpr double kRadius = 0.025;       // [m] of that friction: feet near the centre of mass
 constexpr double kEvenRadius = 0.0383;  // [m] of a square of 0.1 m under even pressure
 constexpr double kToolFriction = 0.2;
-constexpr double kStep = 0.002;  // [s]
-constexpr double kSpeed = 0.03;  // [m/s]
+constexpr double kStep = 0.002;    // [s]
+constexpr double kSpeed = 0.03;    // [m/s]
+constexpr double kGravity = 9.81;  // [m/s^2]
 
 CadModel block() {
   return make_cad_model(test::box_mesh({0.1F, 0.1F, 0.05F}), "block", "test").value();
@@ -88,6 +89,11 @@ ObjectParameters learnt_from(const std::vector<double>& places, double lateral, 
   ObjectParameters given;
   given.mass = ParameterValue{1.5};
   given.viscous_friction = viscous;
+  // With the force of these slides at their speed, so that they contradict none of both.
+  if (viscous) {
+    given.sliding_friction_coefficient =
+        ParameterValue{(kFriction - viscous->value * kSpeed) / (1.5 * kGravity)};
+  }
   ObjectLearner learner(given);
   double start = 0.0;
   std::uint64_t seed = 1;
@@ -97,7 +103,8 @@ ObjectParameters learnt_from(const std::vector<double>& places, double lateral, 
     for (TrackedPose& pose : push.tracked) pose.t += start;
     ContactRecord record{push.t, push.force, push.t, push.tip};
     if (is_tracked) record.seen.emplace(SeenMotion{{model, push.tracked}, surface, kTip});
-    learner.learn(record, start, {.has_slid = true, .has_moved = true, .is_over = true});
+    learn_with_friction(learner, record, start,
+                        {.has_slid = true, .has_moved = true, .is_over = true});
     start += 10.0;
   }
   return learner.known();

@@ -7,7 +7,9 @@
 
 #include "pcavr/friction/limit_surface_fit.hpp"
 #include "pcavr/identification/breakaway.hpp"
+#include "pcavr/identification/breakaway_motion.hpp"
 #include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/identification/friction_posterior.hpp"
 #include "pcavr/identification/segmentation.hpp"
 #include "pcavr/identification/sliding.hpp"
 #include "pcavr/inputs/input_options.hpp"
@@ -84,7 +86,6 @@ struct LearningOptions {
   double default_relative_std;  ///< of a parameter without a stated std
   double contradiction_stds;    ///< difference at which data contradict a parameter
   double model_error;           ///< relative difference that is never a contradiction
-  double single_breakaway_std;  ///< relative, of F_M by one breakaway
   double max_fit_error;         ///< of a contact law: relative force residual
   double max_penetration_std;   ///< of a contact law: relative
   double max_radius_std;        ///< of a friction radius: relative
@@ -103,6 +104,8 @@ struct LearningOptions {
   OnsetOptions onset;
   LimitingFrictionOptions limiting_friction;
   SlidingOptions sliding;  ///< its gravity is that of both sites
+  FrictionPriors friction_priors;
+  BreakawayPriors breakaway_priors;
   LimitSurfaceFitOptions limit_surface;
 };
 
