@@ -291,6 +291,41 @@ TEST(FrictionPosterior, IsLessSureOfTheMassWhereTheComplianceIsNotKnown) {
   EXPECT_NEAR(unsure.mass.std, std::hypot(sure.mass.std, change), 0.3 * change);
 }
 
+// The swing after a breakaway, behind a tip at an even speed: all acceleration is the contact's
+// compression, by a compliance that is 1.6 of its stds off. Friction that recovers by a twentieth
+// meanwhile seems to separate mass and compliance.
+TEST(FrictionPosterior, KnowsNoMassBetterThanTheComplianceBehindASteadyTip) {
+  constexpr double kComplianceStd = 0.25, kTrueCompliance = 0.6;  // shares of the supposed one
+  constexpr double kSwing = 0.012, kRate = 30.0, kDecay = 1.0 / 0.06;
+  const Body body{.viscous = 10.0};
+  std::vector<FrictionSample> samples;
+  for (std::size_t push = 0; push < 4; ++push) {
+    const double tip_speed = 0.035 + 0.006 * static_cast<double>(push);
+    for (int i = 0; i < 25; ++i) {
+      const double t = 0.04 * i, left = std::exp(-kDecay * t);
+      const double swing = kSwing * left * std::cos(kRate * t);
+      const double acceleration = -kDecay * swing - kSwing * left * kRate * std::sin(kRate * t);
+      samples.push_back({.t = t,
+                         .force = body.coulomb * (1.0 - 0.05 * left) +
+                                  body.mass * kTrueCompliance * acceleration +
+                                  body.viscous * (tip_speed + kTrueCompliance * swing),
+                         .speed = tip_speed + swing,
+                         .acceleration = acceleration,
+                         .force_std = 1e-3,
+                         .speed_std = 1e-5,
+                         .acceleration_std = 1e-4,
+                         .speed_change = -kComplianceStd * swing,
+                         .acceleration_change = -kComplianceStd * acceleration,
+                         .travel = 0.04 * tip_speed,
+                         .push = push});
+    }
+  }
+  const FrictionPosterior found = infer_friction(samples);
+  EXPECT_GE(found.mass.std, 0.99 * kComplianceStd * found.mass.value);
+  EXPECT_FALSE(found.mass.is_excited);
+  EXPECT_NEAR(found.covariance(0, 0), std::pow(found.mass.std, 2), 1e-9);
+}
+
 TEST(FrictionPosterior, WidensTheCoulombFrictionByAViscousFrictionThatIsNotExcited) {
   Random random(73);
   const Body body;
