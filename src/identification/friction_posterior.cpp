@@ -59,7 +59,7 @@ double mass_change(std::span<const FrictionSample> samples) {
 }
 
 /// The mass is not known better than the compliance that it goes with. By the slides alone it would
-/// seem to be: how friction changes in the swing after the breakaway would tell them apart, if it
+/// seem to be: how friction changes in the swing after the breakaway would separate them, if it
 /// were known to a thousandth. So the slides don't narrow the compliance's prior here [a cut:
 /// Plummer 2015, Cuts in Bayesian graphical models].
 void widen_mass(std::span<const FrictionSample> samples, FrictionPosterior& result) {

@@ -293,7 +293,7 @@ TEST(FrictionPosterior, IsLessSureOfTheMassWhereTheComplianceIsNotKnown) {
 
 // The swing after a breakaway, behind a tip at an even speed: all acceleration is the contact's
 // compression, by a compliance that is 1.6 of its stds off. Friction that recovers by a twentieth
-// meanwhile seems to tell mass and compliance apart.
+// meanwhile seems to separate mass and compliance.
 TEST(FrictionPosterior, KnowsNoMassBetterThanTheComplianceBehindASteadyTip) {
   constexpr double kComplianceStd = 0.25, kTrueCompliance = 0.6;  // shares of the supposed one
   constexpr double kSwing = 0.012, kRate = 30.0, kDecay = 1.0 / 0.06;

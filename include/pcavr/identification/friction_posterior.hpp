@@ -99,8 +99,9 @@ inline constexpr double kIdentifiedFactor = 3.0;
 /// friction and scatter on a grid, all that is linear in closed form, one random effect per push
 /// [Gelman et al. 2013, Bayesian Data Analysis, ch. 5]. Values and stds are moments of the whole
 /// posterior, so that what is not excited widens the std of its neighbours. Errors of speed and
-/// acceleration count as errors of force (effective variance), outliers are weighed down. Pure
-/// function; deterministic.
+/// acceleration count as errors of force (effective variance), outliers are weighed down. A mass
+/// without `priors.mass` is not known better than the compliance by which the accelerations were
+/// found. Pure function; deterministic.
 [[nodiscard]] FrictionPosterior infer_friction(std::span<const FrictionSample> samples,
                                                const FrictionPriors& priors = {});
 
