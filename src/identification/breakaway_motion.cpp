@@ -13,6 +13,7 @@
 #include <Eigen/Cholesky>
 
 #include "pcavr/core/check.hpp"
+#include "pcavr/friction/stribeck.hpp"
 #include "pcavr/identification/signals.hpp"
 
 namespace pcavr {
@@ -205,8 +206,7 @@ class BreakawayFit {
     double deflected = 0.0;  ///< [N]
 
     double step(double v, double dt) {
-      const double ratio = v / speed;
-      const double level = coulomb + (limit - coulomb) * std::exp(-ratio * ratio);
+      const double level = coulomb + (limit - coulomb) * stribeck_share(v, speed);
       const double before = deflected;
       deflected = (deflected + stiffness * dt * v) / (1.0 + stiffness * dt * std::abs(v) / level);
       const double fade = std::exp(-std::pow(v / kDampedSpeed, 2));
