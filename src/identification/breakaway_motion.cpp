@@ -246,7 +246,7 @@ class BreakawayFit {
     Variants<N> damping;                          ///< [N s/m]
     Variants<N> deflected = Variants<N>::Zero();  ///< [N]
 
-    Variants<N> step(const Variants<N>& v, double dt) {
+    Variants<N> step(const Variants<N>& v, double dt) {  // level: by stribeck_share of each
       const Variants<N> level = coulomb + excess * (-(v / speed).square()).exp();
       const Variants<N> before = deflected, scale = stiffness * dt;
       deflected = (deflected + scale * v) * level / (level + scale * v.abs());

@@ -9,6 +9,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
+#include "pcavr/friction/stribeck.hpp"
 
 #include "identification/derivative_noise.hpp"
 #include "identification/expected_speeds.hpp"
@@ -76,7 +77,8 @@ class Inference {
   [[nodiscard]] Unknowns row_of(const FrictionSample& sample, double viscous) const {
     Unknowns row;
     row << 1.0, sample.is_turning ? 0.0 : sample.acceleration,
-        level_ * std::exp(-sample.speed / priors_.stribeck_speed), level_ * sample.rotation_share,
+        level_ * stribeck_share(sample.speed, priors_.stribeck_speed),
+        level_ * sample.rotation_share,
         mass_guess_ * sample.acceleration_change + viscous * sample.speed_change,
         mass_guess_ * sample.damping_acceleration_change + viscous * sample.damping_speed_change;
     return row;

@@ -7,6 +7,7 @@
 
 #include "pcavr/core/check.hpp"
 #include "pcavr/core/median.hpp"
+#include "pcavr/friction/stribeck.hpp"
 
 #include "identification/friction_grid.hpp"
 
@@ -92,7 +93,7 @@ void set_forces(std::span<const FrictionSample> samples, const FrictionGrid& gri
     }
     const double speed = sum / static_cast<double>(end - begin);
     Unknowns by = Unknowns::Unit(kCoulomb);
-    by[kStribeck] = grid.level * std::exp(-speed / priors.stribeck_speed);
+    by[kStribeck] = grid.level * stribeck_share(speed, priors.stribeck_speed);
     const PosteriorMoments force = grid.posterior.of(by, speed);
     const double force_std = std::sqrt(force.variance);
     // As of the coefficient: a body that hardly slides, or a force that is mostly inertia.

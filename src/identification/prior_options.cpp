@@ -36,7 +36,7 @@ constexpr auto kFrictionPriorFields = std::to_array<OptionField<FrictionPriors>>
      "share by which friction at rest exceeds that of fast sliding, with the same as its std",
      "lower: slow pushes overestimate Coulomb friction; higher: slow pushes say less of it"},
     {"stribeck_speed", &FrictionPriors::stribeck_speed, 0.003, 1e-5, 1.0, "m/s",
-     "speed over which that excess falls off, as exp(-v / this) [Stribeck 1902]",
+     "speed over which that excess falls off, as exp(-(v / this)^2) [Stribeck 1902]",
      "lower: slow pushes count as fast ones; higher: fast ones count as slow"},
     {"support_size_share", &FrictionPriors::support_size_share, 0.25, 1e-3, 10.0, "",
      "std of the support's size about that of the CAD body's lowest face",

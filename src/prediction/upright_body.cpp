@@ -11,6 +11,7 @@
 
 #include "pcavr/contact/hunt_crossley.hpp"
 #include "pcavr/core/check.hpp"
+#include "pcavr/friction/stribeck.hpp"
 
 #include "prediction/shifted_surface.hpp"
 
@@ -184,8 +185,8 @@ PlanarFriction UprightBody::friction_under(const Eigen::Vector3d& force, const E
 double UprightBody::stribeck_factor(const Eigen::Vector3d& twist) const noexcept {
   if (!(physics_.stribeck_speed > 0.0)) return 1.0;
   const double speed = std::hypot(twist.x(), twist.y(), physics_.friction_radius * twist.z());
-  const double ratio = speed / physics_.stribeck_speed;
-  return 1.0 + (friction_.static_to_kinetic_ratio - 1.0) * std::exp(-ratio * ratio);
+  return 1.0 +
+         (friction_.static_to_kinetic_ratio - 1.0) * stribeck_share(speed, physics_.stribeck_speed);
 }
 
 PlanarStep UprightBody::step(const PlanarFriction& friction, const PlanarState& state,

@@ -63,7 +63,7 @@ struct FrictionPriors {
   double correlation_path;     ///< [m] of travel over which friction varies with the place
   double bias_std;             ///< [N] of the force's bias in one push
   double stribeck_share;       ///< by which friction at rest exceeds that of fast sliding, +- it
-  double stribeck_speed;       ///< [m/s] over which it falls off, as exp(-v / stribeck_speed)
+  double stribeck_speed;       ///< [m/s] over which it falls off, see stribeck_share
   double support_size_share;   ///< std of the support's size about the supposed one
   double mass_share;           ///< std of the weighed mass, as a share
   double min_coefficient;      ///< of friction: a mass that would need less is not identified
