@@ -227,13 +227,10 @@ bool is_fast(const Breakaway& breakaway, double mass, const OnsetOptions& option
 /// By the push's equation of motion about the breakaway.
 LimitOfMotion limit_in_motion(IdentifiedContact& push, const Breakaway& breakaway,
                               const PushedObject& object, const BreakawayPriors& priors) {
-  const auto found = [&] {
-    return limit_by_motion(push.episode.series(), breakaway, object, priors);
-  };
-  if (!push.shown) return found();
-  std::optional<ShownByPush::Limit>& shown = push.shown->limit;
+  std::optional<ShownByPush::Limit> shown = push.shown ? push.shown->limit : std::nullopt;
   if (!shown || !is_known_before(shown->object, object))
-    shown = ShownByPush::Limit{object, found()};
+    shown = {object, limit_by_motion(push.episode.series(), breakaway, object, priors)};
+  if (push.shown) push.shown->limit = shown;
   return shown->found;
 }
 
