@@ -24,12 +24,6 @@ constexpr std::uint32_t kLinkRejections = 5;
 constexpr std::uint32_t kLinkStops = 4;
 constexpr std::uint32_t kKnownLimits = 31;
 constexpr float kMaxCorrectionDelay = 60.0F;  // [s]
-// Of an arm's tip.
-constexpr double kMaxToolCompliance = 0.1;  // [m/N]
-constexpr double kMaxToolRate = 1e4;        // [rad/s]
-constexpr double kMaxToolDampingRatio = 100.0;
-constexpr double kMaxToolLag = 1.0;              // [s], either sign: a setpoint may be ahead
-constexpr double kMaxToolAccelerationLag = 1.0;  // [s^2]
 
 void write_link_text(std::string_view text, ByteWriter& writer) {
   PCAVR_REQUIRE(text.size() <= kMaxLinkTextBytes, text.size());
@@ -49,17 +43,12 @@ void write_response(const TipResponse& response, ByteWriter& writer) {
   }
 }
 TipResponse read_response(LinkReader& reader) {
-  const auto next = [&reader](double min, double max) {
-    const double value = static_cast<double>(reader.f32());
-    if (!(value >= min && value <= max)) reader.reject("a tool's response out of range");
-    return value;
-  };
   TipResponse response;
-  response.compliance = next(0.0, kMaxToolCompliance);
-  response.rate = next(0.0, kMaxToolRate);
-  response.damping_ratio = next(0.0, kMaxToolDampingRatio);
-  response.lag = next(-kMaxToolLag, kMaxToolLag);
-  response.acceleration_lag = next(-kMaxToolAccelerationLag, kMaxToolAccelerationLag);
+  for (double* value : {&response.compliance, &response.rate, &response.damping_ratio,
+                        &response.lag, &response.acceleration_lag}) {
+    *value = static_cast<double>(reader.f32());
+  }
+  if (!is_plausible(response)) reader.reject("a tool's response out of range");
   return response;
 }
 void write_count(std::size_t count, ByteWriter& writer) {

@@ -171,6 +171,8 @@ void ToolResponse::add_rows(const Eigen::Vector3d& shortfall, double speed, doub
 
 void ToolResponse::solve() {
   double min_left = std::numeric_limits<double>::infinity();
+  TipResponse best;
+  double std = 0.0;  // of the compliance
   for (const Oscillator& oscillator : oscillators_) {
     Eigen::Matrix3d normal = oscillator.normal;
     normal(1, 1) += kMinSpeed * kMinSpeed * time_;
@@ -180,11 +182,12 @@ void ToolResponse::solve() {
     const double left = squares_ - found.dot(oscillator.right);
     if (left >= min_left) continue;
     min_left = left;
+    best = {found.x(), oscillator.rate, oscillator.damping_ratio, found.y(), found.z()};
     const double variance = std::max(left, 0.0) / (3.0 * time_);
-    const double std = std::sqrt(variance * kCorrelationTime * inverse(0, 0));
-    if (!(found.x() > 0.0 && std < kMaxRelativeStd * found.x())) continue;
-    value_ = {found.x(), oscillator.rate, oscillator.damping_ratio, found.y(), found.z()};
+    std = std::sqrt(variance * kCorrelationTime * inverse(0, 0));
   }
+  const bool is_known = best.compliance > 0.0 && std < kMaxRelativeStd * best.compliance;
+  if (is_known && is_plausible(best)) value_ = best;
 }
 
 }  // namespace pcavr

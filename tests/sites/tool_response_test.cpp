@@ -72,6 +72,13 @@ TEST(ToolResponse, IsNotTakenForALag) {
   EXPECT_NEAR(found.value()->compliance, 2e-5, 1e-6);
 }
 
+// A tip that something else moves; every message with such a response would be rejected.
+TEST(ToolResponse, IsNotThatOfNoArm) {
+  ToolResponse found;
+  push({.compliance = 0.2}, 2, found);
+  EXPECT_FALSE(found.value());
+}
+
 // Of the sensor: a force without a shortfall.
 TEST(ToolResponse, IsNotTakenForStifferByAForcesSpikes) {
   ToolResponse found;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 namespace pcavr {
 
 /// How the tip of a position-controlled arm follows its setpoint: it falls short of it as a damped
@@ -16,5 +18,19 @@ struct TipResponse {
   double lag = 0.0;               ///< [s]
   double acceleration_lag = 0.0;  ///< [s^2]
 };
+
+/// Whether an arm can be such, in the single precision of messages; beyond, data or the sender are
+/// at fault. False for NaN.
+[[nodiscard]] inline bool is_plausible(const TipResponse& response) noexcept {
+  const auto is_within = [](double value, float max) {
+    return std::abs(static_cast<float>(value)) <= max;
+  };
+  return response.compliance >= 0.0 && response.rate >= 0.0 && response.damping_ratio >= 0.0 &&
+         is_within(response.compliance, 0.1F) &&  // [m/N]
+         is_within(response.rate, 1e4F) &&        // [rad/s]
+         is_within(response.damping_ratio, 100.0F) &&
+         is_within(response.lag, 1.0F) &&             // [s], either sign: a setpoint may be ahead
+         is_within(response.acceleration_lag, 1.0F);  // [s^2]
+}
 
 }  // namespace pcavr
