@@ -120,11 +120,14 @@ TEST_F(ServerTest, AScriptedPagePushesTheBoxAndReceivesItsMotion) {
   ASSERT_TRUE(state);
   const float before = state->objects.at(0).position.x();
   LiveTool tool{.p_base_tip = state->p_base_hip};
-  // The clutch closes at the start pose; then the hand moves at 0.15 m/s into the box, by the
-  // server's clock, until the box has moved.
+  // The clutch closes at the start pose; then the hand moves at 0.15 m/s into the box until the box
+  // has moved. By the clock: states that a loaded machine sends late arrive together.
+  const double start_x = tool.p_base_tip.x();
+  double start = LiveWorld::clock();
   for (int i = 0; i < 2000 && state->objects[0].position.x() < before + 0.02F; ++i) {
     tool.is_engaged = i > 5;
-    if (tool.is_engaged) tool.p_base_tip.x() += 0.15F / 72.0F;
+    if (!tool.is_engaged) start = LiveWorld::clock();
+    tool.p_base_tip.x() = static_cast<float>(start_x + 0.15 * (LiveWorld::clock() - start));
     ASSERT_TRUE(page.send_message(tool));
     state = page.receive_next<LiveState>();
     ASSERT_TRUE(state);
