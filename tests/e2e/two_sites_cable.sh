@@ -20,6 +20,15 @@ fail() {
   exit 1
 }
 
+# until_said FILE TEXT OTHERWISE: waits for a line of a site.
+until_said() {
+  for _ in $(seq 300); do
+    if grep -q "$2" "$1"; then return; fi
+    sleep 0.1
+  done
+  fail "$3"
+}
+
 "$pcavr" simulate push --no-images --seed 3 -o recording > /dev/null
 "$pcavr" build recording -o scene > /dev/null
 "$pcavr" keygen robot -o keys > /dev/null
@@ -50,11 +59,12 @@ done
 at_operator "$pcavr" operator-site scene --trace recording --host 10.77.0.1 --port 5670 \
   --key keys/alice.key --robot-key keys/robot.pub --json > operator.json 2> operator.err &
 site=$!
-sleep 4
+until_said robot.err "operator's site connected" "no session"
+sleep 2
 ip link set robot down
-sleep 1.5
-grep -q "nothing from the operator's site" robot.err || fail "the robot's site does not hold"
-grep -q "nothing from the robot's site" operator.err || fail "the operator's clutch is not open"
+until_said robot.err "nothing from the operator's site" "the robot's site does not hold"
+until_said operator.err "nothing from the robot's site" "the operator's clutch is not open"
+sleep 1
 ip link set robot up
 wait $site || fail "operator-site"
 wait $robot || fail "robot-site"

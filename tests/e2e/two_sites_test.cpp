@@ -95,6 +95,13 @@ class RunningCommand {
   }
   std::string output() const { return text_of(output_); }
   std::string errors() const { return text_of(errors_); }
+  /// Waits until it has printed a line with `text` on standard error; false after a minute.
+  bool has_said(const std::string& text) const {
+    for (int i = 0; i < 1200 && errors().find(text) == std::string::npos; ++i) {
+      std::this_thread::sleep_for(milliseconds(50));
+    }
+    return errors().find(text) != std::string::npos;
+  }
 
  private:
   fs::path output_;
@@ -401,7 +408,6 @@ TEST_F(TwoSites, OfOtherVersionsAreRejected) {
   EXPECT_EQ(rejected->reason, pcavr::LinkRejection::other_version);
 }
 
-// The operator's site is stopped for a second: the robot holds, and a new session follows.
 // The simulated plant has a camera; its pictures are as old as the delay when they arrive.
 TEST_F(TwoSites, ShowThePicturesOfTheRobotsCamera) {
   std::vector<std::string> robot_site = robot_arguments();
@@ -415,9 +421,7 @@ TEST_F(TwoSites, ShowThePicturesOfTheRobotsCamera) {
   std::vector<std::string> arguments = operator_arguments(port, "alice");
   arguments.insert(arguments.end(), {"--forward-delay", "0.2", "--backward-delay", "0.2"});
   RunningCommand site(arguments, folder(), "operator_camera");
-  std::this_thread::sleep_for(milliseconds(6000));
-  site.signal(SIGINT);
-  EXPECT_EQ(site.wait(), 0) << site.errors();
+  EXPECT_EQ(site.wait(), 0) << site.errors();  // the whole trace: a loaded machine has few pictures
   robot.signal(SIGINT);
   EXPECT_EQ(robot.wait(), 0) << robot.errors();
   const json at_operator = json::parse(site.output(), nullptr, false);
@@ -429,16 +433,17 @@ TEST_F(TwoSites, ShowThePicturesOfTheRobotsCamera) {
   EXPECT_EQ(at_operator["invalid_messages"], 0);
 }
 
+// The operator's site is stopped for a time: the robot holds, and a new session follows.
 TEST_F(TwoSites, HoldAndResumeAfterAnInterruption) {
   RunningCommand robot(robot_arguments(), folder(), "robot_hold");
   const int port = port_of(robot);
   ASSERT_GT(port, 0) << robot.errors();
   RunningCommand site(operator_arguments(port, "alice"), folder(), "operator_hold");
-  std::this_thread::sleep_for(milliseconds(4000));
+  ASSERT_TRUE(robot.has_said("operator's site connected")) << robot.errors();
+  std::this_thread::sleep_for(milliseconds(2000));
   site.signal(SIGSTOP);
-  std::this_thread::sleep_for(milliseconds(1000));
-  EXPECT_NE(robot.errors().find("nothing from the operator's site"), std::string::npos)
-      << robot.errors();
+  EXPECT_TRUE(robot.has_said("nothing from the operator's site")) << robot.errors();
+  std::this_thread::sleep_for(milliseconds(500));
   site.signal(SIGCONT);
   EXPECT_EQ(site.wait(), 0) << site.errors();
   EXPECT_EQ(robot.wait(), 0) << robot.errors();

@@ -12,7 +12,7 @@ import { until } from './support/live.mjs';
 import { makeScene } from './support/pcavr.mjs';
 import { startOperator, startRobot } from './support/sites.mjs';
 
-const limit = { timeout: 120_000 };
+const limit = { timeout: 240_000 };
 const delay = ['--forward-delay', '0.2', '--backward-delay', '0.2'];
 
 /// A busy machine delays the sites and the page by more than a silent network: only the test of
@@ -65,16 +65,35 @@ async function openSites(...options) {
 
 const stateOf = (page) => page.evaluate(() => window.__pcavr.state);
 
-/// Moves the mouse so that it shows points of base, from one to the other in `seconds`.
-async function move(page, from, to, seconds) {
+/// Moves the mouse so that it shows points of base, from one to the other in `seconds`, or longer
+/// where a busy machine is late: by at most `maxStep` [m] at once.
+async function move(page, from, to, seconds, maxStep = 0.05) {
+  const maxShare = maxStep / Math.hypot(...to.map((value, i) => value - from[i]));
   const begin = performance.now();
   for (let share = 0; share < 1;) {
-    share = Math.min(1, (performance.now() - begin) / (1000 * seconds));
+    share = Math.min(1, share + maxShare, (performance.now() - begin) / (1000 * seconds));
     const point = from.map((value, i) => value + share * (to[i] - value));
     const { x, y } = await onScreen(page, point);
     await page.mouse.move(x, y);
     await page.waitForTimeout(20);
   }
+}
+
+/// The maximum of the force [N] on the hand over all frames from now on: between two requests of a
+/// busy machine a push may begin and end.
+async function watchForce(page) {
+  await page.evaluate(() => {
+    window.maxForce = 0;
+    const look = () => {
+      window.maxForce = Math.max(
+        window.maxForce,
+        Math.hypot(...(window.__pcavr.state?.force ?? [])),
+      );
+      requestAnimationFrame(look);
+    };
+    look();
+  });
+  return () => page.evaluate(() => window.maxForce);
 }
 
 const near = (a, b, limit) => Math.hypot(...a.map((value, i) => value - b[i])) < limit;
@@ -92,30 +111,45 @@ test('a box of the live plant is pushed, and shown where the robot sees it', lim
   const above = [x - 0.14, y, first.proxy[2]];
   const beside = [x - 0.14, y, z];
   await move(page, first.proxy, above, 1);
-  await until(async () => near((await stateOf(page)).proxy, above, 0.03), 'the place');
+  await until(async () => near((await stateOf(page)).proxy, above, 0.03), 'the place', 60_000);
   await page.keyboard.down('Shift');
   await move(page, above, beside, 1);
   await page.keyboard.up('Shift');
-  await until(async () => near((await stateOf(page)).proxy, beside, 0.03), 'the height');
-  const pushed = move(page, beside, [x, y, z], 4);
-  await until(async () => {
-    const { link, force } = await stateOf(page);
-    return Math.hypot(...force) > 0.5 && link.robot.objects[0].position[0] > start[0] + 0.02;
-  }, "the robot's box pushed, and a force on the hand");
+  await until(async () => near((await stateOf(page)).proxy, beside, 0.03), 'the height', 60_000);
+  const maxForce = await watchForce(page);
+  const pushed = move(page, beside, [x, y, z], 4, 0.003); // does not hit it
+  await until(
+    async () => {
+      const { link } = await stateOf(page);
+      return (await maxForce()) > 0.5 && link.robot.objects[0].position[0] > start[0] + 0.02;
+    },
+    "the robot's box pushed, and a force on the hand",
+    60_000,
+  );
   await screenshot(page, 'link-pushing');
   await pushed;
   await page.mouse.up();
   await page.waitForTimeout(1500); // a round trip, and the last corrections
-  const { objects, link } = await stateOf(page);
-  const tracked = link.robot.objects[0].position;
-  const apart = Math.hypot(...tracked.map((value, i) => value - objects[0].position[i]));
-  assert.ok(apart < 0.003, `shown and tracked differ by ${1000 * apart} mm`);
+  await until(
+    async () => {
+      const { objects, link } = await stateOf(page);
+      return near(link.robot.objects[0].position, objects[0].position, 0.003);
+    },
+    'the box shown within 3 mm of where it is tracked',
+    60_000,
+  );
   // What the robot's camera sees, with its age: the delay back, at least.
   await page.locator('#camera-toggle').click();
   await page.waitForFunction(() => document.querySelector('#picture img').naturalWidth > 0);
-  const caption = await page.locator('#picture .caption').textContent();
-  const [, age] = caption.match(/^Robot's camera, ([\d.]+) s ago/);
-  assert.ok(Number(age) >= 0.2 && Number(age) < 2, caption);
+  const caption = () => page.locator('#picture .caption').textContent();
+  await until(
+    async () => {
+      const age = Number((await caption()).match(/^Robot's camera, ([\d.]+) s ago$/)?.[1]);
+      return age >= 0.2 && age < 2;
+    },
+    "a picture that is as old as the link's delay",
+    60_000,
+  );
   const { picture } = (await stateOf(page)).link;
   await until(async () => (await stateOf(page)).link.picture > picture + 2, 'newer pictures');
   await screenshot(page, 'link-camera');

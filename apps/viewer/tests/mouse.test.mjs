@@ -74,6 +74,27 @@ test(
   },
 );
 
+// Frames of a busy machine are far apart: the pointer moves and Shift is pressed between two of them.
+test('a drag counts up to where Shift begins another', limit, async () => {
+  const { page, seen } = await stage.open();
+  await loaded(page);
+  await grab(page);
+  await until(() => world.state.isEngaged, 'the clutch closed');
+  const [x, y, z] = world.state.proxy;
+  const target = [x - 0.1, y, z];
+  const pointer = await onScreen(page, target);
+  await page.evaluate(({ x: clientX, y: clientY }) => {
+    const handle = document.getElementById('handle');
+    for (const shiftKey of [false, true])
+      handle.dispatchEvent(new PointerEvent('pointermove', { clientX, clientY, shiftKey }));
+  }, pointer);
+  await until(() => distance(world.state.hip, target) < 0.02, 'the tool at the pointer');
+  await page.mouse.up();
+  await until(() => !world.state.isEngaged, 'the clutch open');
+  assert.deepEqual(seen.errors, []);
+  await page.close();
+});
+
 test('starting over can be undone until a body is touched', limit, async () => {
   const { page, seen } = await stage.open();
   await loaded(page);

@@ -110,8 +110,9 @@ export class DesktopTool {
   private updateDrag(event: PointerEvent): void {
     if (!this.drag) return;
     this.pointer = { x: event.clientX, y: event.clientY };
-    if (this.dragKind !== (event.shiftKey ? 'vertical' : this.planeKind))
-      this.startPlane(event.shiftKey);
+    if (this.dragKind === (event.shiftKey ? 'vertical' : this.planeKind)) return;
+    if (this.tip) this.moveByPointer(); // up to here on the old plane: the last frame may be long ago
+    this.startPlane(event.shiftKey);
   }
 
   private endDrag(): void {
