@@ -3,10 +3,8 @@
 #include "tool_response.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -33,12 +31,45 @@ constexpr double kMaxRelativeStd = 0.3;
 
 // Servos: 5 to 40 Hz.
 constexpr double kMinFrequency = 5.0;  // [Hz]
-constexpr double kFrequencyFactor = 1.2;
-constexpr int kFrequencies = 12;
-constexpr std::array<double, 4> kDampingRatios{0.5, 0.7, 0.9, 1.2};
+constexpr double kFrequencyFactor = 1.12;
+constexpr int kFrequencies = 20;
+constexpr double kMinDampingRatio = 0.5;
+constexpr double kDampingFactor = 1.2;
+constexpr int kDampingRatios = 6;
 
 double median(double a, double b, double c) {
   return std::max(std::min(a, b), std::min(std::max(a, b), c));
+}
+
+/// A function's values on 3 x 3 points of a grid, as its Taylor series about the middle one, by
+/// central differences; in steps of the grid.
+template <typename Value>
+struct Quadratic {
+  Value middle, du, dv, duu, duv, dvv;
+
+  /// `at(i, j)`, i and j from -1 to 1.
+  template <typename At>
+  explicit Quadratic(const At& at)
+      : middle(at(0, 0)),
+        du((at(1, 0) - at(-1, 0)) / 2.0),
+        dv((at(0, 1) - at(0, -1)) / 2.0),
+        duu(at(1, 0) - 2.0 * middle + at(-1, 0)),
+        duv((at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1)) / 4.0),
+        dvv(at(0, 1) - 2.0 * middle + at(0, -1)) {}
+
+  [[nodiscard]] Value at(const Eigen::Vector2d& p) const {
+    const double u = p.x(), v = p.y();
+    return middle + u * du + v * dv + 0.5 * u * u * duu + u * v * duv + 0.5 * v * v * dvv;
+  }
+};
+
+/// Within the grid's points; the middle one where the function has no minimum.
+Eigen::Vector2d minimum_of(const Quadratic<double>& function) {
+  Eigen::Matrix2d hessian;
+  hessian << function.duu, function.duv, function.duv, function.dvv;
+  if (!(function.duu > 0.0) || !(hessian.determinant() > 0.0)) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d minimum = -hessian.inverse() * Eigen::Vector2d(function.du, function.dv);
+  return minimum.cwiseMax(-1.0).cwiseMin(1.0);
 }
 
 }  // namespace
@@ -46,7 +77,8 @@ double median(double a, double b, double c) {
 ToolResponse::ToolResponse() {
   double frequency = kMinFrequency;
   for (int i = 0; i < kFrequencies; ++i, frequency *= kFrequencyFactor) {
-    for (const double ratio : kDampingRatios) {
+    double ratio = kMinDampingRatio;
+    for (int j = 0; j < kDampingRatios; ++j, ratio *= kDampingFactor) {
       oscillators_.push_back({2.0 * std::numbers::pi * frequency, ratio});
     }
   }
@@ -169,25 +201,47 @@ void ToolResponse::add_rows(const Eigen::Vector3d& shortfall, double speed, doub
   time_ = keep * time_ + dt;
 }
 
+ToolResponse::Fit ToolResponse::fit(const Oscillator& oscillator) const {
+  Eigen::Matrix3d normal = oscillator.normal;
+  normal(1, 1) += kMinSpeed * kMinSpeed * time_;
+  normal(2, 2) += kMinAcceleration * kMinAcceleration * time_;
+  Fit fit;
+  fit.inverse = normal.inverse();
+  fit.found = fit.inverse * oscillator.right;
+  fit.left = squares_ - fit.found.dot(oscillator.right);
+  return fit;
+}
+
+/// Between the grid's points by one step of Newton's method.
 void ToolResponse::solve() {
-  double min_left = std::numeric_limits<double>::infinity();
-  TipResponse best;
-  double std = 0.0;  // of the compliance
-  for (const Oscillator& oscillator : oscillators_) {
-    Eigen::Matrix3d normal = oscillator.normal;
-    normal(1, 1) += kMinSpeed * kMinSpeed * time_;
-    normal(2, 2) += kMinAcceleration * kMinAcceleration * time_;
-    const Eigen::Matrix3d inverse = normal.inverse();
-    const Eigen::Vector3d found = inverse * oscillator.right;
-    const double left = squares_ - found.dot(oscillator.right);
-    if (left >= min_left) continue;
-    min_left = left;
-    best = {found.x(), oscillator.rate, oscillator.damping_ratio, found.y(), found.z()};
-    const double variance = std::max(left, 0.0) / (3.0 * time_);
-    std = std::sqrt(variance * kCorrelationTime * inverse(0, 0));
-  }
-  const bool is_known = best.compliance > 0.0 && std < kMaxRelativeStd * best.compliance;
-  if (is_known && is_plausible(best)) value_ = best;
+  std::vector<Fit> fits;
+  for (const Oscillator& oscillator : oscillators_) fits.push_back(fit(oscillator));
+  const auto best = std::min_element(fits.begin(), fits.end(),
+                                     [](const Fit& a, const Fit& b) { return a.left < b.left; }) -
+                    fits.begin();
+  const auto index = static_cast<int>(best);
+  const int row = std::clamp(index / kDampingRatios, 1, kFrequencies - 2);
+  const int column = std::clamp(index % kDampingRatios, 1, kDampingRatios - 2);
+  const auto position = [&](int i, int j) {
+    return static_cast<std::size_t>((row + i) * kDampingRatios + column + j);
+  };
+  const auto fit_at = [&](int i, int j) -> const Fit& { return fits[position(i, j)]; };
+  const Eigen::Vector2d minimum =
+      minimum_of(Quadratic<double>([&](int i, int j) { return fit_at(i, j).left; }));
+  const Eigen::Vector3d found =
+      Quadratic<Eigen::Vector3d>([&](int i, int j) { return fit_at(i, j).found; }).at(minimum);
+  const Oscillator& middle = oscillators_[position(0, 0)];
+  const TipResponse response{
+      .compliance = found.x(),
+      .rate = middle.rate * std::pow(kFrequencyFactor, minimum.x()),
+      .damping_ratio = middle.damping_ratio * std::pow(kDampingFactor, minimum.y()),
+      .lag = found.y(),
+      .acceleration_lag = found.z()};
+  const Fit& nearest = fits[static_cast<std::size_t>(best)];
+  const double variance = std::max(nearest.left, 0.0) / (3.0 * time_);
+  const double std = std::sqrt(variance * kCorrelationTime * nearest.inverse(0, 0));
+  const bool is_known = response.compliance > 0.0 && std < kMaxRelativeStd * response.compliance;
+  if (is_known && is_plausible(response)) value_ = response;
 }
 
 }  // namespace pcavr

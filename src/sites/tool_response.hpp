@@ -15,10 +15,11 @@ namespace pcavr {
 /// Identifies how the tip of an arm follows its setpoints, from its motion and the forces that it
 /// exerts. For given rate and damping ratio the shortfall is linear in the other parameters of
 /// TipResponse, with force and setpoint passed through the oscillator: least squares for each pair
-/// of a grid, of which the best is taken (separable least squares; Golub & Pereyra 1973). Force and
-/// setpoint are known well beside the tip, whose noise is the residual's; so there is no bias by
-/// noisy derivatives. All signals are taken without their mean over the last second: a constant
-/// offset of tip or force does not matter. Newer contacts replace older ones. Not thread-safe.
+/// of a grid, and the minimum between its points (separable least squares; Golub & Pereyra 1973).
+/// Force and setpoint are known well beside the tip, whose noise is the residual's; so there is no
+/// bias by noisy derivatives. All signals are taken without their mean over the last second: a
+/// constant offset of tip or force does not matter. Newer contacts replace older ones. Not
+/// thread-safe.
 class ToolResponse {
  public:
   ToolResponse();
@@ -56,10 +57,18 @@ class ToolResponse {
     [[nodiscard]] Eigen::Matrix3d regressors() const;
   };
 
+  /// The least squares of one pair.
+  struct Fit {
+    Eigen::Vector3d found = Eigen::Vector3d::Zero();  ///< compliance and both lags
+    Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
+    double left = 0.0;  ///< of the squares [m^2 s]
+  };
+
   static std::optional<Eigen::Vector3d> at(const std::deque<Timed>& signal, double t);
   void process(const Timed& tip, const Eigen::Vector3d& setpoint, const Eigen::Vector3d& force);
   void restart(const Eigen::Vector3d& setpoint, const Eigen::Vector3d& force);
   void add_rows(const Eigen::Vector3d& shortfall, double speed, double dt);
+  [[nodiscard]] Fit fit(const Oscillator& oscillator) const;
   void solve();
 
   std::deque<Timed> setpoints_, forces_, tips_;  ///< tips: that wait for the others

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -124,7 +125,7 @@ TEST(ToolResponse, IsNotTakenForStifferByAnObjectThatSticksAndSlips) {
 }
 
 // A damped spring between setpoint and tip, which is led to and fro and pressed in between, with a
-// real sensor's noise: rate and damping within a step of their grid.
+// real sensor's noise.
 TEST(ToolResponse, IsThatOfASpringBetweenSetpointAndTip) {
   for (const auto& [compliance, frequency, ratio] :
        {std::array{1.1e-5, 11.0, 0.8}, std::array{3e-5, 17.0, 0.8}, std::array{2e-5, 8.0, 1.1}}) {
@@ -161,6 +162,50 @@ TEST(ToolResponse, IsThatOfASpringBetweenSetpointAndTip) {
     EXPECT_NEAR(found.value()->lag, 0.0, 5e-4) << frequency;
     EXPECT_NEAR(found.value()->acceleration_lag, 1.0 / (rate * rate), 0.3 / (rate * rate))
         << frequency;
+  }
+}
+
+/// An arm at rest that pushes an object which sticks and slips six times a second: the force rises,
+/// and falls within 20 ms. A damped spring in substeps, with a real sensor's noise.
+std::optional<TipResponse> response_to_slips(double compliance, double frequency, double ratio) {
+  constexpr double kStep = 0.001;  // [s]
+  constexpr int kSubsteps = 20;
+  constexpr double kPeriod = 0.16, kFall = 0.02;  // [s]
+  const double rate = 2.0 * std::numbers::pi * frequency;
+  const auto force_at = [](double t) {
+    const double phase = std::fmod(t, kPeriod);
+    return 20.0 + 16.0 * std::min(phase / (kPeriod - kFall), (kPeriod - phase) / kFall);
+  };
+  ToolResponse found;
+  Random random(7);
+  double shortfall = 0.0, v = 0.0;
+  for (int k = 0; k < 20'000; ++k) {
+    const double t = kStep * k;
+    found.add_setpoint(t, {0.5, 0.0, 0.1});
+    if (k % 2 == 0) {
+      const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
+      found.add_force(t, Eigen::Vector3d(0.0, force_at(t), 0.0) + 0.2 * noise.reverse());
+      found.add_tip(t, Eigen::Vector3d(0.5, -shortfall, 0.1) + 5e-5 * noise);
+    }
+    for (int i = 0; i < kSubsteps; ++i) {
+      const double dt = kStep / kSubsteps;
+      const double force = force_at(t + (i + 0.5) * dt);
+      v += dt * (rate * rate * (compliance * force - shortfall) - 2.0 * ratio * rate * v);
+      shortfall += dt * v;
+    }
+  }
+  return found.value();
+}
+
+// The grid's neighbours are 12 % and 20 % apart.
+TEST(ToolResponse, HasRateAndDampingBetweenThoseOfItsGrid) {
+  for (const double frequency : {9.3, 10.9, 11.4, 13.6, 16.3}) {
+    const std::optional<TipResponse> found = response_to_slips(3e-5, frequency, 0.8);
+    ASSERT_TRUE(found);
+    const double rate = 2.0 * std::numbers::pi * frequency;
+    EXPECT_NEAR(found->rate, rate, 0.05 * rate) << frequency;
+    EXPECT_NEAR(found->damping_ratio, 0.8, 0.05) << frequency;
+    EXPECT_NEAR(found->compliance, 3e-5, 6e-7) << frequency;
   }
 }
 
