@@ -76,8 +76,10 @@ void RobotObject::add_tracked(const TrackedPose& pose) { waiting_.push_back(pose
 
 void RobotObject::update_tracking(double t, double camera_offset) {
   for (; !waiting_.empty() && waiting_.front().t - camera_offset <= t; waiting_.pop_front()) {
-    TrackedPose seen = waiting_.front();
+    TrackedPose seen = noise_.at_least(waiting_.front());
     seen.t -= camera_offset;
+    // Slides start and stop between frames.
+    if (!slides(monitor.phase())) noise_.add(seen);
     measure_interval(seen.t);
     const bool has_seen_before = frames_ > 0;
     const TrackedPose before = seen_.size() > 1 ? seen_[seen_.size() - 2] : latest_;
@@ -197,13 +199,27 @@ void RobotObject::measure_interval(double t) {
   frame_interval_ = median(std::vector<double>(gaps_.begin(), gaps_.end()));
 }
 
+bool RobotObject::is_apart(const TrackedPose& a, const TrackedPose& b) const {
+  const double position_std = std::hypot(a.position_std, b.position_std) / std::sqrt(3.0);
+  const double rotation_std = std::hypot(a.rotation_std, b.rotation_std);
+  const Pose moved = a.T_base_object.inverse() * b.T_base_object;
+  return moved.translation().norm() > options_.moved_stds * position_std ||
+         std::abs(heading_of(moved)) > options_.moved_stds * rotation_std;
+}
+
 TrackedPose RobotObject::averaged_at_rest(const TrackedPose& seen) {
-  const Pose moved = latest_.T_base_object.inverse() * seen.T_base_object;
-  const double position_limit = options_.moved_stds * seen.position_std / std::sqrt(3.0);
-  const double rotation_limit = options_.moved_stds * seen.rotation_std;
+  const bool is_apart_from_mean = frames_ > 0 && is_apart(latest_, seen);
   const bool rests = frames_ > 0 && !is_seen_moving_ && monitor.phase() != MotionPhase::sliding &&
-                     moved.translation().norm() <= position_limit &&
-                     std::abs(heading_of(moved)) <= rotation_limit;
+                     !is_apart_from_mean;
+  // Of a frame far from the others, the noise is what it is far by: what nothing touches has moved
+  // if the next one is away, too.
+  const bool is_alone = averaged_frames_ > 1 && !monitor.is_touched() && !was_apart_;
+  was_apart_ = !rests;
+  if (!rests && is_alone) {
+    TrackedPose mean = latest_;
+    mean.t = seen.t;
+    return mean;
+  }
   averaged_frames_ = rests ? std::min(averaged_frames_ + 1, kMaxAveragedFrames) : 1;
   TrackedPose mean = seen;
   if (monitor.is_slow_slide()) {

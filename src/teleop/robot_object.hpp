@@ -22,6 +22,7 @@
 #include "teleop/phase_monitor.hpp"
 #include "teleop/slow_slide.hpp"
 #include "teleop/surface_offset.hpp"
+#include "teleop/tracking_noise.hpp"
 
 namespace pcavr {
 
@@ -155,6 +156,8 @@ class RobotObject {
   [[nodiscard]] double displacement_since_frame(double t) const;
   /// The mean of the newest frames while the object rests: their noise is no motion.
   [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
+  /// By more than their noise.
+  [[nodiscard]] bool is_apart(const TrackedPose& a, const TrackedPose& b) const;
   void end_average();
   void compare_with_before_contact();
   void record_contact(const TrackedPose& seen);
@@ -186,11 +189,13 @@ class RobotObject {
   double tool_radius_;
   std::deque<TrackedPose> waiting_;  ///< arrived and not processed
   std::deque<TrackedPose> seen_;     ///< those processed last
+  TrackingNoise noise_ = {};
   /// Empty while it does not turn: it moves with the contact.
   std::optional<PushedMotion> motion_ = {};
   std::deque<double> gaps_;  ///< [s] between the newest frames
   std::size_t frames_ = 0;   ///< processed
   int averaged_frames_ = 0;  ///< in `latest_`
+  bool was_apart_ = false;   ///< the frame before, from that mean
   TrackedPose latest_;       ///< or the mean of the latest; the scene's pose before the first frame
   Pose T_base_object_;       ///< latest frame, or the estimate while it is lost
   double yaw_rate_ = 0.0;    ///< [rad/s]

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/core/random.hpp"
 #include "pcavr/prediction/body_physics.hpp"
 
 #include "teleop/plant_input.hpp"
@@ -125,6 +126,63 @@ TEST(RobotObject, IsWhereTheTipMeetsItWhereTheLawsPenetrationIsKnown) {
   EXPECT_LT(std::abs(estimated_x_under_a_resting_tip(0.999)), 1.5e-4);
   // Stiffness and exponent that are known one by one only say little of the penetration.
   EXPECT_GT(estimated_x_under_a_resting_tip(0.0), 2e-4);
+}
+
+/// Frames of an untouched box at `x` [m] with noise of 0.2 mm along each axis, of which the tracker
+/// states `position_std` [m].
+class RestingBox {
+ public:
+  explicit RestingBox(double position_std) : position_std_(position_std) {}
+
+  /// The object's estimated position after `frames` more of them, the first of which is `outlier`
+  /// [m] off along x.
+  Eigen::Vector3d estimate_after(int frames, double x, double outlier = 0.0) {
+    for (int i = 0; i < frames; ++i, t_ += kSlowFrameInterval) {
+      const Eigen::Vector3d noise(random_.normal(), random_.normal(), random_.normal());
+      const Eigen::Vector3d shift(x + (i == 0 ? outlier : 0.0), 0.0, 0.03);
+      object_.add_tracked({t_, Pose::from_translation(shift + 2e-4 * noise), position_std_, 0.002});
+      object_.update_tracking(t_, 0.0);
+    }
+    return object_.estimate_pose({t_, {-1.0, 0.0, 0.03}, Eigen::Vector3d::Zero()}, {})
+               .T_base_object.translation() -
+           Eigen::Vector3d(0.0, 0.0, 0.03);
+  }
+  [[nodiscard]] const TrackedPose& latest() const { return object_.latest(); }
+
+ private:
+  TeleopObject box_ = slow_box();
+  RobotObject object_ = object_of(box_);
+  Random random_{5};
+  double position_std_, t_ = 0.0;
+};
+
+TEST(RobotObject, AveragesAtRestWhatIsNoisierThanTheTrackerStates) {
+  RestingBox box(2e-4);
+  box.estimate_after(60, 0.0);
+  double squares = 0.0;
+  constexpr int kTimes = 200;
+  for (int i = 0; i < kTimes; ++i) squares += box.estimate_after(1, 0.0).squaredNorm();
+  EXPECT_LT(std::sqrt(squares / (3.0 * kTimes)), 1e-4);
+}
+
+TEST(RobotObject, MeasuresTheTrackersNoise) {
+  RestingBox box(2e-4);
+  box.estimate_after(100, 0.0);
+  // Half of a frame's: an average of thirty.
+  EXPECT_NEAR(box.latest().position_std, 0.5 * std::sqrt(3.0) * 2e-4, 4e-5);
+}
+
+TEST(RobotObject, IsNotWhereASingleFrameShowsItAtRest) {
+  RestingBox box(3.5e-4);
+  box.estimate_after(60, 0.0);
+  EXPECT_LT(box.estimate_after(1, 0.0, 0.004).norm(), 2e-4);
+  EXPECT_LT(box.estimate_after(1, 0.0).norm(), 2e-4);
+}
+
+TEST(RobotObject, IsWhereTwoFramesShowThatItWasMoved) {
+  RestingBox box(3.5e-4);
+  box.estimate_after(60, 0.0);
+  EXPECT_NEAR(box.estimate_after(2, 0.004).x(), 0.004, 8e-4);
 }
 
 TEST(RobotObject, KeepsTheStribeckSpeedOfTheGivenParameters) {
