@@ -221,6 +221,7 @@ void ObjectLearner::learn_contact() {
   options.is_surface_shared = has_presses;
   const ContactIdentification identified =
       identify_contact(has_presses ? presses : static_parts, options);
+  if (has_presses && identified.best().is_valid) presses_ = identified;
   const std::optional<HuntCrossley> old = contact_law_of(known_);
   const std::vector<ForceMotion>& parts = has_presses ? presses : static_parts;
   ContactFit fit = identified.best();
@@ -241,7 +242,6 @@ void ObjectLearner::learn_contact() {
         options_.contradiction_stds * combined_std * penetration)
       return;
   }
-  presses_ = has_presses ? identified : ContactIdentification{};
   penetration_std_ =
       std::hypot(fit.penetration_std, curvature_std(identified, fit, largest_force(parts)));
   known_.contact_stiffness = value_of(fit.stiffness);

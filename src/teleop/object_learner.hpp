@@ -146,8 +146,8 @@ class ObjectLearner {
   bool has_new_push_ = false;        ///< since the last search
   const CadModel* model_ = nullptr;  ///< of a tracked object
   double tool_radius_ = 0.0;         ///< [m]
-  ContactIdentification presses_;    ///< that gave the contact law
-  double penetration_std_ = 0.0;     ///< relative, by the learned contact law
+  ContactIdentification presses_;  ///< the newest that fit; the law may be too uncertain to be felt
+  double penetration_std_ = 0.0;   ///< relative, by the learned contact law
   bool is_friction_assumed_ = false, is_limit_assumed_ = false;
   double sliding_force_std_ = 0.0;  ///< relative, of the learned mu and B
   /// What tracking shows in a contact.

@@ -83,6 +83,19 @@ ParameterValue sliding_force(const ObjectParameters& known, double weight, doubl
   return {force, std};
 }
 
+/// The contact law of presses as `pcavr identify` has it: also one that is too uncertain to be
+/// felt, since the linear law which is felt meanwhile is far off beyond the presses' forces.
+void take_law(const ContactIdentification& presses, FrictionSearch& search) {
+  const ContactFit& law = presses.best();
+  search.known.contact_stiffness = as_value(law.stiffness);
+  search.known.contact_exponent = as_value(law.exponent);
+  search.known.contact_damping.reset();
+  if (law.damping.is_excited && law.damping.value > 0.0)
+    search.known.contact_damping = as_value(law.damping);
+  const double peak = search.press_peaks.empty() ? 0.0 : std::ranges::max(search.press_peaks);
+  search.penetration_std = std::hypot(law.penetration_std, curvature_std(presses, law, peak));
+}
+
 }  // namespace
 
 void ObjectLearner::check_limits(IdentifiedContact& push) {
@@ -189,7 +202,9 @@ std::optional<FrictionSearch> ObjectLearner::next_search() {
   }
   // A mass that was learned is identified again, with what the newest pushes add.
   search.known.mass = given_.mass;
-  const bool is_by_pushes = !given_.contact_stiffness && !presses_.best().is_valid;
+  const bool is_by_presses = !given_.contact_stiffness && presses_.best().is_valid;
+  if (is_by_presses) take_law(presses_, search);
+  const bool is_by_pushes = !given_.contact_stiffness && !is_by_presses;
   if (is_by_pushes && search.known.contact_exponent) {
     // The law that predicts these pushes best, but creep biases its exponent and its damping.
     search.known.contact_exponent->std = kExponentStdOfPushes;

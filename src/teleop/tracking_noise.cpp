@@ -35,8 +35,8 @@ void TrackingNoise::add(const TrackedPose& seen) {
                           2.0 * M_PI);
   };
   const double turned = (turned_to(middle) - share * turned_to(after)) / gain;
-  residuals_.push_back({{std::abs(residual.x()), std::abs(residual.y()), std::abs(residual.z())},
-                        std::abs(turned)});
+  residuals_.push_back(
+      {{std::abs(residual.x()), std::abs(residual.y()), std::abs(residual.z())}, std::abs(turned)});
   if (residuals_.size() > kMaxFrames) residuals_.pop_front();
   if (residuals_.size() < kMinFrames) return;
   std::vector<double> positions, headings;

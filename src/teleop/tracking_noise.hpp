@@ -10,10 +10,10 @@
 namespace pcavr {
 
 /// The noise of an object's tracked poses from frame to frame. A tracker states its accuracy, and
-/// often one that is too good (or that of one axis for that of all): then the switch corrects noise.
-/// From what a pose differs from the line through its neighbours, which is no motion while the
-/// object rests or goes steadily; errors that are the same in neighbouring frames are not in it.
-/// Not thread-safe.
+/// often one that is too good (or that of one axis for that of all): then the switch corrects
+/// noise. From what a pose differs from the line through its neighbours, which is no motion while
+/// the object rests or goes steadily; errors that are the same in neighbouring frames are not in
+/// it. Not thread-safe.
 class TrackingNoise {
  public:
   /// The next pose of an object that does not start or stop; stamps ascend.
@@ -27,10 +27,10 @@ class TrackingNoise {
     std::array<double, 3> position;
     double heading;
   };
-  std::deque<TrackedPose> newest_;    ///< up to three
-  std::deque<Residual> residuals_;    ///< the newest
-  double position_std_ = 0.0;         ///< over all axes [m]; 0: not known yet
-  double rotation_std_ = 0.0;         ///< about the vertical [rad]
+  std::deque<TrackedPose> newest_;  ///< up to three
+  std::deque<Residual> residuals_;  ///< the newest
+  double position_std_ = 0.0;       ///< over all axes [m]; 0: not known yet
+  double rotation_std_ = 0.0;       ///< about the vertical [rad]
 };
 
 }  // namespace pcavr

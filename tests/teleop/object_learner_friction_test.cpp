@@ -32,12 +32,11 @@ std::span<const T> part(const std::vector<double>& t, const std::vector<T>& valu
 
 /// Learns an object from the contacts that `identify` uses, one after the other.
 ObjectParameters learned(const IdentificationInput& input, const Identification& found,
-                         std::size_t index) {
+                         std::size_t index, LearningOptions options = {}) {
   const IdentifiableObject& object = input.objects[index];
   const BodySurface surface(object.model);
   ObjectParameters given;
   if (object.mass) given.mass = ParameterValue{*object.mass};
-  LearningOptions options;
   options.max_fitted_contacts = 20;
   ObjectLearner learner(given, options);
   for (const IdentifiedContact& contact : found.contacts) {
@@ -90,6 +89,21 @@ TEST(ObjectLearnerFriction, FindsWhatIdentifyFindsInTheSameContacts) {
       expect_same(online.contact_stiffness, offline.contact_stiffness, "stiffness" + at);
       expect_same(online.contact_exponent, offline.contact_exponent, "exponent" + at);
     }
+  }
+}
+
+TEST(ObjectLearnerFriction, UsesALawOfPressesThatIsTooUncertainToBeFelt) {
+  const IdentifiedCase made = identified_case(ToolTask::probe, 71, 600.0);
+  const auto found = identify(made.input, IdentificationGoal::friction);
+  ASSERT_TRUE(found.has_value()) << found.error().to_string();
+  LearningOptions options;
+  options.max_penetration_std = 0.0;
+  for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
+    const ObjectParameters online = learned(made.input, *found, i, options);
+    EXPECT_FALSE(online.contact_stiffness);
+    expect_same(online.limiting_static_friction,
+                found->objects[i].parameters.limiting_static_friction,
+                "F_M of box " + std::to_string(i));
   }
 }
 
