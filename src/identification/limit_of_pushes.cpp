@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <vector>
 
 #include "pcavr/core/check.hpp"
 
@@ -16,55 +15,8 @@ namespace {
 
 constexpr int kScatterGrid = 25;
 constexpr double kScatterReach = 3.0;  // in stds of the scatter's prior
-constexpr double kExcessReach = 4.0;   // in stds of the excess's prior
-
-constexpr int kMeasuredGrid = 9;
-constexpr double kMeasuredReach = 3.0;  // in stds
-constexpr int kHiddenGrid = 24;
-
-/// Of a quantity that was measured.
-double grid_stds(int i) { return kMeasuredReach * (2.0 * i / (kMeasuredGrid - 1) - 1.0); }
-
-struct WeightedValue {
-  double value, weight;
-};
-
-/// Every F_M [N] of which `shown` [N] > 0 can be seen above Coulomb friction, with weights whose
-/// sum is `weight`.
-void add_excesses(double shown, double coulomb, double hidden, double weight,
-                  const BreakawayPriors& priors, std::vector<WeightedValue>& values) {
-  const double width = std::log(priors.excess_factor);
-  // ln(e / shown), to where s or the prior ends.
-  const double median = std::log(priors.excess * coulomb / shown);
-  const double last = std::max(0.0, median) + kExcessReach * width;
-  const double end = hidden < 1.0 ? std::min(last, -std::log1p(-hidden)) : last;
-  double total = 0.0;
-  for (int g = 0; g < kHiddenGrid; ++g) {
-    const double log_ratio = end * (g + 0.5) / kHiddenGrid;
-    // The density of `shown` for this e and uniform s is constant over e, which is 1 / e.
-    const double in_stds = (log_ratio - median) / width;
-    values.push_back(
-        {coulomb + shown * std::exp(log_ratio), std::exp(-0.5 * in_stds * in_stds - log_ratio)});
-    total += values.back().weight;
-  }
-  for (auto one = values.end() - kHiddenGrid; one != values.end(); ++one)
-    one->weight *= total > 0.0 ? weight / total : 0.0;
-}
-
-/// Not excited without any weight.
-IdentifiedParameter median_and_std(std::vector<WeightedValue>& values) {
-  std::sort(values.begin(), values.end(),
-            [](const WeightedValue& a, const WeightedValue& b) { return a.value < b.value; });
-  double total = 0.0, below = 0.0, squares = 0.0;
-  for (const WeightedValue& one : values) total += one.weight;
-  if (!(total > 0.0)) return {};
-  const auto middle = std::find_if(values.begin(), values.end(), [&](const WeightedValue& one) {
-    return (below += one.weight) >= 0.5 * total;
-  });
-  for (const WeightedValue& one : values)
-    squares += one.weight * std::pow(one.value - middle->value, 2);
-  return {middle->value, std::sqrt(squares / total), true};
-}
+constexpr int kExcessGrid = 100;
+constexpr double kExcessReach = 4.0;  // in stds of the excess's prior
 
 }  // namespace
 
@@ -125,25 +77,29 @@ IdentifiedParameter limit_above_sliding(const IdentifiedParameter& limit,
   return {limit.value + gain * shift, std::sqrt(limit.std * limit.std - narrowing), true};
 }
 
-IdentifiedParameter limit_of_turning(const IdentifiedParameter& limit,
-                                     const IdentifiedParameter& coulomb, double turning,
-                                     const BreakawayPriors& priors) {
-  PCAVR_REQUIRE(turning > 0.0 && priors.turning_onset > 0.0, turning, priors.turning_onset);
-  if (!(coulomb.value > 0.0)) return {};
+IdentifiedParameter hidden_by_turning(double excess, double coulomb, double turning,
+                                      const BreakawayPriors& priors) {
+  PCAVR_REQUIRE(turning >= 0.0 && priors.turning_onset > 0.0, turning, priors.turning_onset);
   const double hidden = std::min(1.0, turning / priors.turning_onset);
-  std::vector<WeightedValue> values;
-  values.reserve(kMeasuredGrid * kMeasuredGrid * kHiddenGrid);
-  for (int i = 0; i < kMeasuredGrid; ++i) {
-    for (int j = 0; j < kMeasuredGrid; ++j) {
-      const double limit_in_stds = grid_stds(i), coulomb_in_stds = grid_stds(j);
-      const double friction = coulomb.value + coulomb_in_stds * coulomb.std;
-      const double shown = limit.value + limit_in_stds * limit.std - friction;
-      if (!(shown > 0.0) || !(friction > 0.0)) continue;
-      const double squares = limit_in_stds * limit_in_stds + coulomb_in_stds * coulomb_in_stds;
-      add_excesses(shown, friction, hidden, std::exp(-0.5 * squares), priors, values);
-    }
+  if (!(excess > 0.0) || !(coulomb > 0.0) || !(hidden > 0.0)) return {};
+  const double width = std::log(priors.excess_factor);
+  // ln(e / excess), to where s or the prior ends.
+  const double median = std::log(priors.excess * coulomb / excess);
+  const double last = std::max(0.0, median) + kExcessReach * width;
+  const double end = hidden < 1.0 ? std::min(last, -std::log1p(-hidden)) : last;
+  double total = 0.0, sum = 0.0, squares = 0.0;
+  for (int g = 0; g < kExcessGrid; ++g) {
+    const double log_ratio = end * (g + 0.5) / kExcessGrid;
+    // The density of `excess` for this e and uniform s is constant over e, which is 1 / e.
+    const double in_stds = (log_ratio - median) / width;
+    const double weight = std::exp(-0.5 * in_stds * in_stds - log_ratio);
+    total += weight;
+    sum += weight * std::expm1(log_ratio);
+    squares += weight * std::pow(std::expm1(log_ratio), 2);
   }
-  return median_and_std(values);
+  if (!(total > 0.0)) return {};
+  const double mean = sum / total;
+  return {excess * mean, excess * std::sqrt(std::max(0.0, squares / total - mean * mean)), true};
 }
 
 }  // namespace pcavr

@@ -52,14 +52,12 @@ Breakaway with_final_rate(const ContactEpisode& episode) {
   return breakaway;
 }
 
-/// Raises an F_M that is uncertain, or that `turning` (limit_of_turning) hides, to what sliding
-/// says of it, and withholds one that contradicts it: false then.
-bool bound_by_sliding(double turning, const BreakawayPriors& priors, ObjectIdentification& result) {
+/// Raises an F_M that is uncertain to what sliding says of it, and withholds one that contradicts
+/// it: false then.
+bool bound_by_sliding(ObjectIdentification& result) {
   IdentifiedParameter& limit = result.limit_of_pushes.limit;
   const IdentifiedParameter& coulomb = result.friction.coulomb;
-  IdentifiedParameter bounded = limit_above_sliding(limit, coulomb);
-  if (turning > 0.0 && coulomb.is_excited && bounded.is_excited)
-    bounded = limit_of_turning(limit, coulomb, turning, priors);
+  const IdentifiedParameter bounded = limit_above_sliding(limit, coulomb);
   // A push that breaks away clearly below the sliding friction turns the object under its load.
   constexpr double kClearStds = 2.0;
   const double below = coulomb.value - limit.value;
@@ -146,16 +144,14 @@ LimitOfMotion limit_of(IdentifiedContact& push, std::optional<PushedObject> obje
   return found;
 }
 
-/// [N] Of F_M by one push that turns the object as it breaks away, by what the turning hides.
-double hidden_std(const LimitOfMotion& found, const IdentifiedParameter& coulomb, double turning,
-                  const BreakawayPriors& priors) {
-  if (!(turning > 0.0) || !coulomb.is_excited) return 0.0;
-  const double std = std::hypot(found.limit.std, found.shared_std);
-  const IdentifiedParameter limit =
-      limit_of_turning({found.limit.value, std, true}, coulomb, turning, priors);
-  // A push that breaks away clearly below the sliding friction: that far off at least.
-  if (!limit.is_excited) return std::abs(coulomb.value - found.limit.value);
-  return std::hypot(limit.value - found.limit.value, limit.std);
+/// [N] Of F_M, in a push that turns the object as it breaks away.
+IdentifiedParameter hidden_in(const IdentifiedContact& push, double radius,
+                              const IdentifiedParameter& coulomb, const IdentifiedParameter& limit,
+                              const BreakawayPriors& priors) {
+  if (!(radius > 0.0) || !coulomb.is_excited) return {};
+  // What is within the noise may be an excess.
+  const double excess = std::max(limit.value - coulomb.value, std::hypot(limit.std, coulomb.std));
+  return hidden_by_turning(excess, coulomb.value, radius * push.breakaway_turning, priors);
 }
 
 }  // namespace
@@ -201,10 +197,8 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
                  ObjectIdentification& result) {
   const std::optional<PushedObject> object =
       pushed_object(compliance, options.friction_priors, result);
-  const IdentifiedParameter& coulomb = result.friction.coulomb;
   std::vector<Breakaway> breakaways;
-  std::vector<double> shared;    // stds that do not average out over the pushes
-  std::vector<double> turnings;  // of the rim, over the centre's travel
+  std::vector<double> shared;  // stds that do not average out over the pushes
   for (IdentifiedContact* push : pushes) {
     widen_smoothing(push->episode, options.inputs.segmentation.breakaway);
     Breakaway breakaway = push->episode.breakaway;
@@ -212,13 +206,16 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
       LimitOfMotion limit =
           limit_of(*push, object, compliance.law, result.parameters.mass, options);
       if (radius.is_excited) limit = limit_with_moment(limit, push->breakaway_lever, radius);
-      shared.push_back(limit.shared_std);
-      turnings.push_back(radius.value * push->breakaway_turning);
+      const IdentifiedParameter hidden = hidden_in(*push, radius.value, result.friction.coulomb,
+                                                   limit.limit, options.breakaway_priors);
+      // The share varies too much from body to body to be added: added, it worsened pushes that
+      // hardly turn.
+      limit.shared_std = std::hypot(limit.shared_std, hidden.value, hidden.std);
       push->limit = limit.limit;
-      push->limit_shared_std = std::hypot(
-          limit.shared_std, hidden_std(limit, coulomb, turnings.back(), options.breakaway_priors));
+      push->limit_shared_std = limit.shared_std;
+      shared.push_back(limit.shared_std);
       breakaway.force = push->limit.value;
-      breakaway.std = std::hypot(push->limit.std, push->limit_shared_std);
+      breakaway.std = std::hypot(push->limit.std, limit.shared_std);
     }
     breakaways.push_back(breakaway);
   }
@@ -238,7 +235,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
   result.limit_of_pushes = combine_limits(limits, priors.scatter, priors.scatter_factor);
   IdentifiedParameter& mean = result.limit_of_pushes.limit;
   mean.std = std::hypot(mean.std, median(std::move(shared)));
-  if (!bound_by_sliding(median(std::move(turnings)), options.breakaway_priors, result)) return;
+  if (!bound_by_sliding(result)) return;
   ObjectParameters& parameters = result.parameters;
   parameters.limiting_static_friction = as_value(result.limit_of_pushes.limit);
   parameters.limiting_static_friction_scatter = ParameterValue{result.limit_of_pushes.scatter, {}};

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/median.hpp"
 #include "pcavr/core/random.hpp"
 #include "pcavr/identification/inertial_peak.hpp"
 
@@ -81,52 +80,43 @@ TEST(LimitOfPushes, APeakUnderFastLoadingFarAboveTheSlidingFrictionIsInertia) {
   EXPECT_FALSE(is_inertial_peak(peak, {}));
 }
 
-TEST(LimitOfTurning, IsTheMedianOfWhatDrawnPeaksMayHide) {
+TEST(HiddenByTurning, IsNothingWhereTheObjectDoesNotTurn) {
+  EXPECT_EQ(hidden_by_turning(2.0, 10.0, 0.0).value, 0.0);
+  EXPECT_EQ(hidden_by_turning(2.0, 10.0, 0.0).std, 0.0);
+  EXPECT_EQ(hidden_by_turning(0.0, 10.0, 0.2).std, 0.0);
+  EXPECT_LT(hidden_by_turning(2.0, 10.0, 0.01).value, 0.3);
+  EXPECT_GT(hidden_by_turning(2.0, 10.0, 0.06).std, hidden_by_turning(2.0, 10.0, 0.04).std);
+}
+
+TEST(HiddenByTurning, ASmallExcessSaysLittleWhereTurningMayHideAllOfIt) {
+  BreakawayPriors priors;
+  // The excess's own size does not bound what is hidden: the prior's median is 2 N.
+  const IdentifiedParameter hidden = hidden_by_turning(0.2, 10.0, 0.2);
+  EXPECT_GT(hidden.value, 0.4);
+  EXPECT_GT(hidden.std, 0.4);
+  priors.turning_onset = 0.4;
+  EXPECT_LT(hidden_by_turning(0.2, 10.0, 0.2, priors).std, 0.1);
+}
+
+TEST(HiddenByTurning, IsWhatDrawnPeaksLack) {
   const BreakawayPriors priors;
-  const IdentifiedParameter limit{10.6, 0.02, true}, coulomb{10.0, 0.01, true};
-  const double share = 0.8;
+  const double coulomb = 10.0, excess = 1.0, share = 0.6;
   Random random(3);
-  std::vector<double> limits;
-  for (int i = 0; i < 2000000; ++i) {
-    const double friction = coulomb.value + coulomb.std * random.normal();
-    const double excess =
-        priors.excess * friction * std::pow(priors.excess_factor, random.normal());
-    const double shown = friction + excess * (1.0 - random.uniform(0.0, share));
-    if (std::abs(shown + limit.std * random.normal() - limit.value) > 0.01) continue;
-    limits.push_back(friction + excess);
+  double count = 0.0, sum = 0.0, squares = 0.0;
+  for (int i = 0; i < 1000000; ++i) {
+    const double true_excess =
+        priors.excess * coulomb * std::pow(priors.excess_factor, random.normal());
+    const double seen = true_excess * (1.0 - random.uniform(0.0, share));
+    if (std::abs(seen - excess) > 0.02) continue;
+    count += 1.0;
+    sum += true_excess - seen;
+    squares += std::pow(true_excess - seen, 2);
   }
-  const double middle = median(limits);
-  double squares = 0.0;
-  for (const double one : limits) squares += std::pow(one - middle, 2);
-  const IdentifiedParameter found =
-      limit_of_turning(limit, coulomb, share * priors.turning_onset, priors);
-  EXPECT_NEAR(found.value, middle, 0.02);
-  EXPECT_NEAR(found.std, std::sqrt(squares / static_cast<double>(limits.size())), 0.03);
-}
-
-// What may be hidden is above the peak only: a std that counted it on both sides, cut off below
-// Coulomb friction, raised a limit that hardly exceeds it by as much as the prior is wide.
-TEST(LimitOfTurning, RaisesASmallExcessByLessThanThePriorsMedian) {
-  const IdentifiedParameter limit{10.4, 0.05, true}, coulomb{10.0, 0.05, true};
-  const IdentifiedParameter found = limit_of_turning(limit, coulomb, 0.2);
-  EXPECT_GT(found.value, 10.6);
-  EXPECT_LT(found.value, 11.4);
-  EXPECT_GT(found.std, 0.5 * (found.value - limit.value));
-}
-
-TEST(LimitOfTurning, IsThePeakWhereTheObjectHardlyTurns) {
-  const IdentifiedParameter limit{12.0, 0.05, true}, coulomb{10.0, 0.05, true};
-  const IdentifiedParameter found = limit_of_turning(limit, coulomb, 1e-6);
-  EXPECT_NEAR(found.value, limit.value, 0.03);
-  EXPECT_NEAR(found.std, limit.std, 0.02);
-  EXPECT_LT(limit_of_turning(limit, coulomb, 0.01).value, 12.3);
-  // However uncertain: the prior's median of 12 N is no observation.
-  EXPECT_NEAR(limit_of_turning({14.0, 0.9, true}, coulomb, 1e-6).value, 14.0, 0.05);
-}
-
-TEST(LimitOfTurning, IsNotExcitedFarBelowSlidingFriction) {
-  EXPECT_FALSE(limit_of_turning({9.0, 0.1, true}, {10.0, 0.1, true}, 0.1).is_excited);
-  EXPECT_FALSE(limit_of_turning({9.0, 0.1, true}, {0.0, 0.1, true}, 0.1).is_excited);
+  const double mean = sum / count;
+  const IdentifiedParameter hidden =
+      hidden_by_turning(excess, coulomb, share * priors.turning_onset, priors);
+  EXPECT_NEAR(hidden.value, mean, 0.02);
+  EXPECT_NEAR(hidden.std, std::sqrt(squares / count - mean * mean), 0.02);
 }
 
 }  // namespace

@@ -30,19 +30,15 @@ struct LimitOfPushes {
                                                       const IdentifiedParameter& coulomb);
 inline constexpr double kLimitContradiction = 3.0;
 
-/// F_M of pushes that turn the object as it breaks away, by the `limit` [N] that their peaks show.
-/// The places of the support then slip one after the other, and the first have fallen to sliding
-/// friction before the last ones hold their most: of e, what F_M exceeds Coulomb friction `coulomb`
-/// [N] by, the peaks show only e (1 - s), with s uniform from 0 to the share that turning allows,
-/// and e log-normal (BreakawayPriors::excess). What the peaks show is Gaussian, cut off at Coulomb
-/// friction; the prior decides what is hidden, not what is seen: how a fast push's limit was found
-/// has used it. Median of that distribution, by quadrature: it has a long tail, which draws the
-/// mean above most values. The std is about the median. `turning`: travel of the support's rim, at
-/// the friction radius, by the rotation over that of the centre, > 0. Not excited without a
-/// positive Coulomb friction, or where the peak is more than three stds below it.
-[[nodiscard]] IdentifiedParameter limit_of_turning(const IdentifiedParameter& limit,
-                                                   const IdentifiedParameter& coulomb,
-                                                   double turning,
-                                                   const BreakawayPriors& priors = {});
+/// [N] What F_M is above the peak where the object turns as it breaks away, with its std, which all
+/// pushes of a body share. The places of the support then slip one after the other, and the first
+/// have fallen to sliding friction before the last ones hold their most: of what F_M exceeds
+/// Coulomb friction `coulomb` [N] by, e, the peak has shown only `excess` = e (1 - s) [N] > 0, with
+/// s uniform from 0 to the share that turning allows, and e log-normal (BreakawayPriors::excess):
+/// the posterior of e by quadrature. Where all of it may be hidden, a small excess says little, so
+/// that the prior decides. `turning`: travel of the support's rim, at the friction radius, by the
+/// rotation over that of the centre, >= 0. Not excited where nothing is hidden: 0 then.
+[[nodiscard]] IdentifiedParameter hidden_by_turning(double excess, double coulomb, double turning,
+                                                    const BreakawayPriors& priors = {});
 
 }  // namespace pcavr

@@ -217,7 +217,7 @@ inline constexpr double kExponentStdOfPushes = 0.289;  // 1 / sqrt(12)
 
 /// A push with a larger lever arm about the centre meets less friction, because the object also
 /// rotates: 1.5 % at a friction radius of 60 mm. Its limit is less certain by far:
-/// limit_of_turning.
+/// hidden_by_turning.
 inline constexpr double kMaxCentredLever = 0.010;  // [m]
 [[nodiscard]] bool is_centred(const IdentifiedContact* push);
 
