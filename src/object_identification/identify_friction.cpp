@@ -9,7 +9,6 @@
 
 #include <Eigen/Core>
 
-
 #include "object_identification/breakaway_lever.hpp"
 #include "object_identification/identify_limits.hpp"
 #include "object_identification/identify_slides.hpp"

@@ -131,6 +131,15 @@ void note_contacts(Identification& result, const IdentificationInput& input) {
                          " more contacts are not used, counted by reason below");
 }
 
+/// [s] In all slides of the pushes with an object.
+double sliding_duration(std::vector<IdentifiedContact>& contacts, std::size_t object) {
+  double duration = 0.0;
+  for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
+    for (const SlideInterval& slide : push->episode.slides) duration += slide.end - slide.begin;
+  }
+  return duration;
+}
+
 }  // namespace
 
 std::optional<Error> missing_streams(const IdentificationInput& input) {
@@ -203,7 +212,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
     withhold_contact_off_centre(found);
     if (object.is_movable) assume_contact_by_loading(result.contacts, i, found);
     state_penetration(options.contact_fit, found);
-    state_findings(goal, object, found);
+    state_findings(goal, object, sliding_duration(result.contacts, i), found);
   }
   note_contacts(result, input);
   return result;

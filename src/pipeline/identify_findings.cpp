@@ -135,7 +135,17 @@ void state_tool_friction(const ObjectIdentification& found, Findings& findings) 
                "slide the pressed tip 20 mm along a face, with tracking");
 }
 
-void state_friction(const IdentifiableObject& object, ObjectIdentification& found,
+/// How to identify friction of which no sample was found, after `slid` [s] of sliding.
+std::string better_sliding(double slid) {
+  constexpr double kEnough = 1.0;  // [s]
+  if (slid < kEnough) return "slide the object for a second or more at 40 mm/s";
+  return fmt::format(
+      "it slid for {:.1f} s, but at no time steadily and clearly faster than the noise of its "
+      "speed: push at 40 mm/s without stopping, or with less noise of tool and force",
+      slid);
+}
+
+void state_friction(const IdentifiableObject& object, double slid, ObjectIdentification& found,
                     Findings& findings) {
   const ObjectParameters& p = found.parameters;
   const SlidingIdentification& sliding = found.sliding;
@@ -160,7 +170,7 @@ void state_friction(const IdentifiableObject& object, ObjectIdentification& foun
                !found.is_mass_given ? "with the identified mass"
                : object.mass        ? "with the given mass"
                                     : "with the mass known before",
-               !sliding.is_valid ? "slide the object for a second or more at 40 mm/s"
+               !sliding.is_valid ? better_sliding(slid)
                : p.mass          ? std::string("not excited: ") + kBetterSlide
                                  : "the friction is known, the mass is not: weigh the object");
   ParameterFinding& viscous =
@@ -189,14 +199,14 @@ void list_given(ObjectIdentification& found) {
 
 }  // namespace
 
-void state_findings(IdentificationGoal goal, const IdentifiableObject& object,
+void state_findings(IdentificationGoal goal, const IdentifiableObject& object, double slid,
                     ObjectIdentification& found) {
   Findings findings(found.findings);
   state_contact(found, findings);
   state_restitution(found, findings);
   state_tool_friction(found, findings);
   if (goal == IdentificationGoal::friction && object.is_movable) {
-    state_friction(object, found, findings);
+    state_friction(object, slid, found, findings);
   }
   list_given(found);
 }

@@ -7,8 +7,8 @@
 namespace pcavr {
 
 /// Fills the table of parameters: value, std, and where a parameter is not identified, the motion
-/// that would identify it.
-void state_findings(IdentificationGoal goal, const IdentifiableObject& object,
+/// that would identify it. `slid` [s]: how long pushes moved the object.
+void state_findings(IdentificationGoal goal, const IdentifiableObject& object, double slid,
                     ObjectIdentification& found);
 
 }  // namespace pcavr
