@@ -111,6 +111,10 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
   const Manifest& manifest = recording->manifest;
   checks.push_back({"recording.yaml", count(manifest.markers.size(), " markers, ") +
                                           count(manifest.objects.size(), " objects")});
+  for (const ObjectEntry& object : manifest.objects) {
+    if (!object.mesh.empty()) continue;
+    checks.push_back({"objects: " + object.name, "warning: no CAD mesh; build needs one (mesh:)"});
+  }
   if (recording->has_depth) {
     checks.push_back({"frames", count(frames, " pairs, ") +
                                     count(recording->unpaired_color, " colour and ") +
@@ -153,12 +157,27 @@ Expected<std::vector<SceneCheck>> inspect_run(const fs::path& folder) {
   return checks;
 }
 
+/// Of a path that is none of what `inspect` reads; names the first bag in a folder of bags.
+Error unknown_input(const fs::path& path) {
+  Error error{.message = "is no recording, scene, run or bag",
+              .file = path.string(),
+              .hint = "give the folder of a recording, a scene or a run, or a bag"};
+  if (!fs::is_directory(path)) return error;
+  error.message = "contains no recording.yaml, scene.yaml or run.yaml, and is no bag";
+  std::vector<fs::path> bags;
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(path, code)) {
+    if (is_bag(entry.path())) bags.push_back(entry.path());
+  }
+  if (bags.empty()) return error;
+  error.hint = fmt::format("it holds bags: give one, such as {}",
+                           std::min_element(bags.begin(), bags.end())->string());
+  return error;
+}
+
 Expected<CommandResult> inspect(const fs::path& folder, const Configuration& configuration,
                                 const Observer& observer) {
-  Expected<std::vector<SceneCheck>> checks =
-      Error{.message = "contains no recording.yaml, scene.yaml or run.yaml, and is no bag",
-            .file = folder.string(),
-            .hint = "give the folder of a recording, a scene or a run, or a bag"};
+  Expected<std::vector<SceneCheck>> checks = unknown_input(folder);
   bool is_output = false;
   for (const char* manifest : {"scene.yaml", "recording.yaml", "run.yaml"}) {
     // A bag may be a file: no folder has these files then.

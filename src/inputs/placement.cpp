@@ -193,6 +193,7 @@ std::optional<InputFault> quaternion_fault(const std::string& name, const BodyPl
 
 void BodyPlacement::add(const BodyPlacement& later) {
   touches += later.touches;
+  min_distance = std::min(min_distance, later.min_distance);
   for (std::size_t k = 0; k < by_mesh.size(); ++k) by_mesh[k] += later.by_mesh[k];
   for (std::size_t k = 0; k < by_poses.size(); ++k) by_poses[k] += later.by_poses[k];
   if (!is_tracked && later.is_tracked) {
@@ -223,6 +224,8 @@ BodyPlacements placement_of(const InputSeries& series, std::span<const Attribute
     bool is_elsewhere = true;
     for (std::size_t i = 0; i < series.bodies.size(); ++i) {
       const Touch touch = poses.touch(i, contact.episode.begin, p_base_tip, series.tool_radius);
+      double& min_distance = result.bodies[i].min_distance;
+      min_distance = std::min(min_distance, std::abs(touch.gap));
       if (std::abs(touch.gap) >= kMaxGapAtTouch) continue;
       ++result.bodies[i].touches;
       is_elsewhere = false;
@@ -245,6 +248,22 @@ std::optional<InputFault> placement_fault(const std::vector<InputBody>& bodies,
   return mesh_fault(bodies, placement);
 }
 
+namespace {
+
+/// ", 0.231 m from the nearest, box"; empty without bodies.
+std::string nearest_text(const std::vector<InputBody>& bodies, const BodyPlacements& placement) {
+  const auto nearest = std::min_element(placement.bodies.begin(), placement.bodies.end(),
+                                        [](const BodyPlacement& a, const BodyPlacement& b) {
+                                          return a.min_distance < b.min_distance;
+                                        });
+  if (nearest == placement.bodies.end() || !std::isfinite(nearest->min_distance)) return "";
+  const auto index = static_cast<std::size_t>(nearest - placement.bodies.begin());
+  return fmt::format(", at the closest {:.3f} m from {}", nearest->min_distance,
+                     bodies[index].name);
+}
+
+}  // namespace
+
 std::vector<std::string> placement_notes(const std::vector<InputBody>& bodies,
                                          const BodyPlacements& placement) {
   std::vector<std::string> notes;
@@ -258,9 +277,10 @@ std::vector<std::string> placement_notes(const std::vector<InputBody>& bodies,
   }
   if (placement.contacts > 0 && placement.elsewhere == placement.contacts) {
     notes.push_back(fmt::format(
-        "when the force begins, the tip is at an object's surface in none of {} contact{}: poses, "
+        "when the force begins, the tip is at an object's surface in none of {} contact{}{}: "
+        "poses, "
         "meshes and the tool's positions disagree, or an unknown object was touched",
-        placement.contacts, placement.contacts == 1 ? "" : "s"));
+        placement.contacts, placement.contacts == 1 ? "" : "s", nearest_text(bodies, placement)));
   }
   return notes;
 }

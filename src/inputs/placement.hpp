@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,6 +32,8 @@ struct BodyPlacement {
   double turn_at_start = 0.0;      ///< [rad] from the pose before to the first tracked one
   double turn_if_w_first = 0.0;    ///< [rad]
   double distance_at_start = 0.0;  ///< [m] between the same
+  /// [m] minimum distance between the tip's surface and the body's over all contacts.
+  double min_distance = std::numeric_limits<double>::infinity();
 
   void add(const BodyPlacement& later);
 };

@@ -10,6 +10,7 @@
 #include "pcavr/recording/frame_reader.hpp"
 
 #include "assess_consistency.hpp"
+#include "recorded_arm.hpp"
 #include "survey.hpp"
 
 namespace pcavr {
@@ -195,6 +196,8 @@ std::vector<ConsistencyFinding> sorted(std::vector<ConsistencyFinding> findings)
 
 Expected<std::vector<ConsistencyFinding>> inspect_consistency(const Recording& recording,
                                                               const PerceptionOptions& options) {
+  const Expected<std::optional<RecordedArm>> arm = read_recorded_joints(recording);
+  if (!arm) return arm.error();
   const Expected<std::vector<MovableBody>> bodies = bodies_with_mesh(recording, options.cad);
   if (!bodies) return bodies.error();
   std::vector<SurfaceQuery> surfaces;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <numeric>
 #include <optional>
@@ -32,6 +33,28 @@ std::string listed(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+/// Without what differs between a controller's names and a description's: letter case, `_`, `-`.
+std::string plain(const std::string& name) {
+  std::string text;
+  for (const char c : name) {
+    if (c != '_' && c != '-')
+      text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return text;
+}
+
+/// The only one of `names` that is `name` but for case and separators; nothing where several are.
+std::optional<std::size_t> similar_joint(const std::string& name,
+                                         const std::vector<std::string>& names) {
+  std::optional<std::size_t> similar;
+  for (std::size_t joint = 0; joint < names.size(); ++joint) {
+    if (plain(names[joint]) != plain(name)) continue;
+    if (similar) return std::nullopt;
+    similar = joint;
+  }
+  return similar;
+}
+
 /// Which of `names` each of the log's joints is; an Error where one is none of them.
 Expected<std::vector<std::size_t>> joints_of(const JointLog& log,
                                              const std::vector<std::string>& names) {
@@ -49,11 +72,15 @@ Expected<std::vector<std::size_t>> joints_of(const JointLog& log,
     const auto found = std::find(names.begin(), names.end(), name);
     std::size_t joint = static_cast<std::size_t>(found - names.begin());
     if (is_numbered && !is_named) joint = *number_of(name) - first;
+    if (joint == names.size()) joint = similar_joint(name, names).value_or(joint);
     if (joint >= names.size()) {
-      return Error{.message = fmt::format("the robot has no movable joint '{}'", name),
-                   .line = 1,
-                   .place = "q_" + name,
-                   .hint = "its joints are " + listed(names) + "; numbers count along the chain"};
+      return Error{
+          .message = fmt::format("the robot has no movable joint '{}'", name),
+          .line = 1,
+          .place = "q_" + name,
+          .hint = fmt::format("rename the log's columns: the robot's joints are {}; numbers "
+                              "count along the chain",
+                              listed(names))};
     }
     joints.push_back(joint);
   }

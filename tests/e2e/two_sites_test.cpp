@@ -97,10 +97,9 @@ class RunningCommand {
   std::string errors() const { return text_of(errors_); }
   /// Waits until it has printed a line with `text` on standard error; false after a minute.
   bool has_said(const std::string& text) const {
-    for (int i = 0; i < 1200 && errors().find(text) == std::string::npos; ++i) {
-      std::this_thread::sleep_for(milliseconds(50));
-    }
-    return errors().find(text) != std::string::npos;
+    const auto is_there = [&] { return errors().find(text) != std::string::npos; };
+    for (int i = 0; i < 1200 && !is_there(); ++i) std::this_thread::sleep_for(milliseconds(50));
+    return is_there();
   }
 
  private:
@@ -439,10 +438,10 @@ TEST_F(TwoSites, HoldAndResumeAfterAnInterruption) {
   const int port = port_of(robot);
   ASSERT_GT(port, 0) << robot.errors();
   RunningCommand site(operator_arguments(port, "alice"), folder(), "operator_hold");
-  ASSERT_TRUE(robot.has_said("operator's site connected")) << robot.errors();
+  ASSERT_TRUE(robot.has_said("operator's site connected"));
   std::this_thread::sleep_for(milliseconds(2000));
   site.signal(SIGSTOP);
-  EXPECT_TRUE(robot.has_said("nothing from the operator's site")) << robot.errors();
+  EXPECT_TRUE(robot.has_said("nothing from the operator's site"));
   std::this_thread::sleep_for(milliseconds(500));
   site.signal(SIGCONT);
   EXPECT_EQ(site.wait(), 0) << site.errors();

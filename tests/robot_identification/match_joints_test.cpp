@@ -44,6 +44,21 @@ TEST(MatchJoints, LocksJointsThatTheLogDoesNotHave) {
   ASSERT_EQ(matched->notes.size(), 1U);
 }
 
+TEST(MatchJoints, IgnoresCaseAndSeparatorsWhereThatIsUnambiguous) {
+  RobotModel model = pa10();
+  std::vector<std::string> names;
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    model.joints[j].name = "joint_" + std::to_string(j + 1);
+    names.push_back("Joint" + std::to_string(j + 1));
+  }
+  std::swap(names[0], names[3]);
+  const auto matched = match_joints(log_of(names), model);
+  ASSERT_TRUE(matched) << matched.error().to_string();
+  EXPECT_EQ(matched->columns, (std::vector<std::size_t>{3, 1, 2, 0, 4, 5, 6}));
+  model.joints[1].name = "joint-1";
+  EXPECT_FALSE(match_joints(log_of(names), model)) << "joint_1 or joint-1";
+}
+
 TEST(MatchJoints, NamesAnUnknownJoint) {
   const auto matched = match_joints(log_of({"elbow_of_another_arm"}), pa10());
   ASSERT_FALSE(matched);

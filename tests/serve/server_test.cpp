@@ -120,8 +120,7 @@ TEST_F(ServerTest, AScriptedPagePushesTheBoxAndReceivesItsMotion) {
   ASSERT_TRUE(state);
   const float before = state->objects.at(0).position.x();
   LiveTool tool{.p_base_tip = state->p_base_hip};
-  // The clutch closes at the start pose; then the hand moves at 0.15 m/s into the box until the box
-  // has moved. By the clock: states that a loaded machine sends late arrive together.
+  // The clutch closes at the start; then the hand moves at 0.15 m/s, by the clock, into the box.
   const double start_x = tool.p_base_tip.x();
   double start = LiveWorld::clock();
   for (int i = 0; i < 2000 && state->objects[0].position.x() < before + 0.02F; ++i) {

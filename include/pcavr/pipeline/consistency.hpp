@@ -41,8 +41,8 @@ struct ConsistencyFinding {
                                         const std::vector<ConsistencyFinding>& findings);
 
 /// Cross-checks a recording's inputs on a few of its frames: sizes of tags, depth scale, focal
-/// lengths, CAD bodies, camera poses. Contradictions come first. An Error where a
-/// frame or a CAD file can't be read.
+/// lengths, CAD bodies, camera poses. Contradictions come first. An Error where a frame, a CAD file
+/// or the robot's description can't be read, or its joints are not those of the log.
 [[nodiscard]] Expected<std::vector<ConsistencyFinding>> inspect_consistency(
     const Recording& recording, const PerceptionOptions& options = {});
 

@@ -17,9 +17,10 @@ namespace pcavr {
 /// Findings name the column or joint as `place` and the row as `line`; `file` is left empty.
 
 /// The model with the log's joints alone, in the log's order where that is the chain's order; all
-/// others are locked at 0 (a gripper). Names are matched; names that are all numbers count along
-/// the chain, from 0 or 1. Fails where a name is not in the model, and where the log's columns are
-/// not in the order of the chain and can't be brought into it.
+/// others are locked at 0 (a gripper). Names are matched, without regard to letter case, `_` and
+/// `-` where that is unambiguous; names that are all numbers count along the chain, from 0 or 1.
+/// Fails where a name is not in the model, and where the log's columns are not in the order of the
+/// chain and can't be brought into it.
 struct MatchedRobot {
   RobotModel model;
   std::vector<std::size_t> columns;  ///< column of the log of each coordinate
