@@ -120,10 +120,12 @@ constexpr auto kFusionFields = std::to_array<OptionField<Fusion>>({
     {"untracked_drift", &Fusion::untracked_drift, 0.05, 0.0, 10.0, "m/m",
      "growth of the position's std of an object that moves untracked, per displacement",
      "lower: contact overrules tracking after a gap; higher: tracking's noise returns too early"},
-    // Calibration of the tip, its smoothing and the face's curvature.
+    // Calibration of the tip, its smoothing and the face's curvature: the offset of a surface. They
+    // are no error of where the tip meets an object: at both sites it does so where it is measured.
     {"contact_std", &Fusion::contact_std, 1e-4, 1e-6, 0.1, "m",
-     "std of the face's position by contact, without that of the penetration",
-     "lower: a badly calibrated tip shifts the objects; higher: contact improves nothing"},
+     "std of a touched surface's distance from the tip: calibration of tip and tracking",
+     "lower: noise counts as an offset of the surface; higher: a badly calibrated tip is noticed "
+     "late"},
     {"default_penetration_std", &Fusion::default_penetration_std, 0.1, 1e-3, 10.0, "",
      "relative std of the penetration by a contact law that states none",
      "lower: a wrong law shifts the objects; higher: contact improves nothing"},

@@ -54,6 +54,7 @@ class PhaseMonitor {
 
   /// While no contact lasts.
   void set_sensors(const SensorProperties& sensors) { sensors_ = sensors; }
+  [[nodiscard]] const SensorProperties& sensors() const { return sensors_; }
   /// Ends a contact of which no more samples come.
   void lose_force();
   /// `damping`: damping over stiffness of the contact, chi in k d^n (1 + chi d') [s/m]; 0 if it is

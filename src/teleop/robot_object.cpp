@@ -341,7 +341,7 @@ std::optional<RobotObject::ContactOffset> RobotObject::offset_by_contact(
   const double penetration =
       static_penetration({.stiffness = stiffness, .exponent = exponent}, force);
   const double touch_std =
-      std::hypot(options_.contact_std, std::min(relative_std, kMaxPenetrationStd) * penetration);
+      std::hypot(filtered_tip_noise(), std::min(relative_std, kMaxPenetrationStd) * penetration);
   const Touch tip = surface_.touch(estimate.T_base_object, sample.p_base_tip, tool_radius_);
   if (!std::isfinite(tip.gap) || !is_pressed(tip)) return std::nullopt;
   const std::optional<Eigen::Vector3d> offset =
@@ -351,6 +351,11 @@ std::optional<RobotObject::ContactOffset> RobotObject::offset_by_contact(
   const double weight = variance / (variance + touch_std * touch_std);
   return ContactOffset{weight * error * monitor.direction_base(),
                        estimate.std * std::sqrt(1.0 - weight)};
+}
+
+double RobotObject::filtered_tip_noise() const {
+  const double gain = options_.offset_gain;
+  return monitor.sensors().tip_noise * std::sqrt(gain / (2.0 - gain));
 }
 
 bool RobotObject::is_pressed(const Touch& tip) const {

@@ -148,6 +148,8 @@ class RobotObject {
                                                                const PoseEstimate& estimate) const;
   /// Whether the force along the push is that on the face which the tip is nearest to.
   [[nodiscard]] bool is_pressed(const Touch& tip) const;
+  /// [m] Std of the tip behind the low-pass filter of the offset from camera to contact.
+  [[nodiscard]] double filtered_tip_noise() const;
   /// Where the tip meets the tracked body, once for each frame.
   void measure_surface(const TouchSample& sample, const PoseEstimate& estimate);
   /// As it was measured here, else as given.

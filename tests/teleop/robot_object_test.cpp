@@ -86,21 +86,27 @@ TEST(RobotObject, TakesTheNewestFrameWhenASlowSlideIsNoticed) {
   FAIL() << "no slide";
 }
 
-/// x [m] at which a box at the origin is estimated while a tip rests against it with 8 N; its
-/// tracked pose is 0.3 mm off. `correlation`: of the law's stiffness and exponent.
-double estimated_x_under_a_resting_tip(double correlation) {
+struct RestingTip {
+  double correlation = 0.999;    ///< of the law's stiffness and exponent
+  double exponent_std = 0.045;   ///< of the law
+  double tracked_offset = 3e-4;  ///< [m]
+  double tracked_std = 2e-3;     ///< [m] as stated
+};
+
+/// x [m] at which a box at the origin is estimated while a tip rests against it with 8 N.
+double estimated_x(const RestingTip& given) {
   constexpr double kFoamStiffness = 20600.0, kFoamExponent = 1.5;
-  constexpr double kFoamStiffnessStd = 3090.0, kFoamExponentStd = 0.045;
-  constexpr double kRestingForce = 8.0, kTrackedOffset = 3e-4;
+  constexpr double kFoamStiffnessStd = 3090.0;
+  constexpr double kRestingForce = 8.0;
   TeleopObject box = slow_box();
   box.parameters.mass = ParameterValue{3.0};
   box.parameters.limiting_static_friction = ParameterValue{20.0};
   box.parameters.contact_stiffness = {kFoamStiffness, kFoamStiffnessStd};
-  box.parameters.contact_exponent = {kFoamExponent, kFoamExponentStd};
-  const double mixed = correlation * kFoamStiffnessStd * kFoamExponentStd;
+  box.parameters.contact_exponent = {kFoamExponent, given.exponent_std};
+  const double mixed = given.correlation * kFoamStiffnessStd * given.exponent_std;
   Eigen::Matrix2d covariance;
   covariance << kFoamStiffnessStd * kFoamStiffnessStd, mixed, mixed,
-      kFoamExponentStd * kFoamExponentStd;
+      given.exponent_std * given.exponent_std;
   set_correlation({"contact.stiffness", "contact.exponent"}, covariance, box.parameters.sources);
   RobotObject object = object_of(box);
   const double max_depth = std::pow(kRestingForce / kFoamStiffness, 1.0 / kFoamExponent);
@@ -108,7 +114,8 @@ double estimated_x_under_a_resting_tip(double correlation) {
   for (double t = 0.0; t < 4.0; t += kSlowInterval) {
     depth = std::min(depth + kTipSpeed * kSlowInterval, max_depth);
     if (t >= next_frame) {
-      object.add_tracked({t, Pose::from_translation({kTrackedOffset, 0.0, 0.03}), 0.002, 0.010});
+      object.add_tracked(
+          {t, Pose::from_translation({given.tracked_offset, 0.0, 0.03}), given.tracked_std, 0.010});
       next_frame += kSlowFrameInterval;
     }
     object.update_tracking(t, 0.0);
@@ -123,9 +130,16 @@ double estimated_x_under_a_resting_tip(double correlation) {
 }
 
 TEST(RobotObject, IsWhereTheTipMeetsItWhereTheLawsPenetrationIsKnown) {
-  EXPECT_LT(std::abs(estimated_x_under_a_resting_tip(0.999)), 1.5e-4);
+  EXPECT_LT(std::abs(estimated_x({})), 1.5e-4);
   // Stiffness and exponent that are known one by one only say little of the penetration.
-  EXPECT_GT(estimated_x_under_a_resting_tip(0.0), 2e-4);
+  EXPECT_GT(estimated_x({.correlation = 0.0}), 2e-4);
+}
+
+// 0.1 mm is several newtons on a stiff face: too little for a good tracker to show, and too little
+// to be an offset of the surface. Here the law's stds cancel.
+TEST(RobotObject, IsWhereTheTipMeetsItWithinTheTrackersStd) {
+  const RestingTip fine{.exponent_std = 0.0286, .tracked_offset = 1e-4, .tracked_std = 2e-4};
+  EXPECT_LT(std::abs(estimated_x(fine)), 3e-5);
 }
 
 /// Frames of an untouched box at `x` [m] with noise of 0.2 mm along each axis, of which the tracker

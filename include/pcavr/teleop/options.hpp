@@ -71,7 +71,7 @@ struct PoseFusionOptions {
   double min_displacement;         ///< [m] ... and at least this
   double min_speed;                ///< [m/s] ... and this
   double untracked_drift;          ///< growth of the std per displacement without tracking
-  double contact_std;              ///< [m] of the face's position by contact
+  double contact_std;              ///< [m] of a touched surface's distance from the tip
   double default_penetration_std;  ///< relative, if the contact law states none
   double min_force;                ///< [N] below, contact gives no position
   double offset_gain;              ///< of the low-pass filter from camera to contact, per sample
