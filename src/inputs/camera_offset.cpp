@@ -15,8 +15,10 @@ namespace {
 // [m]: with a larger lever arm, a push rotates the object, and the tip may slide along it.
 constexpr double kMaxLever = 0.010;
 constexpr double kSameNormal = 0.98;  // cosine
-/// [m/s] of a slide: slower, a tenth of a millimetre of the contact's compression is 20 ms.
-constexpr double kMinSlideSpeed = 0.005;
+// [m] by which the contact's compression while it slides is not known: a delay of this over the
+// speed, which a push at one speed does not tell apart.
+constexpr double kCompressionStd = 1e-4;
+constexpr double kMinSlideSpeed = 0.005;  // [m/s] slower, that alone is 20 ms
 constexpr double kRestBefore = 0.2;  // [s] included: a slide at constant speed alone fits any delay
 constexpr double kSpeedStep = 0.02;  // [s] of the central difference for the speed
 constexpr double kMaxOffset = 0.25;  // [s] as for the force
@@ -79,11 +81,46 @@ class PushedFace {
   Eigen::Vector3d p_object_, inward_object_;
 };
 
+double slide_speed(const ContactEpisode& episode) {
+  double duration = 0.0;
+  for (const SlideInterval& slide : episode.slides) duration += slide.end - slide.begin;
+  return displacement_at(episode, episode.slides.back().end) / std::max(duration, 1e-6);
+}
+
+double lagged_product(const std::vector<double>& values, std::size_t lag) {
+  double sum = 0.0;
+  for (std::size_t i = lag; i < values.size(); ++i) sum += values[i - lag] * values[i];
+  return sum;
+}
+
+/// Variance of a regression of values with these residuals over that with independent ones of
+/// their mean square: 1 + 2 sum r(k) s(k), with the autocorrelations r of the residuals and s of
+/// the regressor [Bartlett 1935], as far as r is positive [initial sequence: Geyer 1992]. Their
+/// mean and the regression have taken off residuals of 1 + 2 sum r(k) and of this many samples.
+double variance_inflation(const std::vector<double>& residuals,
+                          const std::vector<double>& regressor) {
+  const double of_residuals = lagged_product(residuals, 0);
+  const double of_regressor = lagged_product(regressor, 0);
+  if (!(of_residuals > 0.0) || !(of_regressor > 0.0)) return 1.0;
+  double of_mean = 1.0, of_slope = 1.0;
+  for (std::size_t lag = 1; lag < residuals.size(); ++lag) {
+    const double correlation = lagged_product(residuals, lag) / of_residuals;
+    if (!(correlation > 0.0)) break;
+    of_mean += 2.0 * correlation;
+    of_slope += 2.0 * correlation * lagged_product(regressor, lag) / of_regressor;
+  }
+  of_slope = std::max(of_slope, 1.0);
+  const auto count = static_cast<double>(residuals.size());
+  return of_slope * count / std::max(count - of_mean - of_slope, 1.0);
+}
+
 /// Sums of a linear least-squares fit of the gap on the speed, about each contact's means: one
 /// Gauss-Newton step of the offset.
 struct Sums {
   double speed_squares = 0.0;     ///< [m^2/s^2]
+  double correlated = 0.0;        ///< [m^2/s^2] the same, each contact's times its inflation
   double gradient = 0.0;          ///< [m^2/s]
+  double bias = 0.0;              ///< [m^2/s] std of the gradient by the contacts' compression
   double residual_squares = 0.0;  ///< [m^2]
   double count = 0.0;
 
@@ -104,19 +141,18 @@ struct Sums {
       mean_speed += speed[i] / n;
     }
     for (std::size_t i = 0; i < residual.size(); ++i) {
-      speed_squares += std::pow(speed[i] - mean_speed, 2);
-      gradient -= (speed[i] - mean_speed) * (residual[i] - mean);
-      residual_squares += std::pow(residual[i] - mean, 2);
+      residual[i] -= mean;
+      speed[i] -= mean_speed;
+      gradient -= speed[i] * residual[i];
     }
+    const double squares = lagged_product(speed, 0);
+    speed_squares += squares;
+    correlated += variance_inflation(residual, speed) * squares;
+    bias += kCompressionStd * squares / slide_speed(contact.episode);
+    residual_squares += lagged_product(residual, 0);
     count += n;
   }
 };
-
-double slide_speed(const ContactEpisode& episode) {
-  double duration = 0.0;
-  for (const SlideInterval& slide : episode.slides) duration += slide.end - slide.begin;
-  return displacement_at(episode, episode.slides.back().end) / std::max(duration, 1e-6);
-}
 
 /// [s] Std of a slide's ends where samples are so few that the smoothing, which needs three
 /// intervals, is wider than `half_width`: they lie anywhere in that excess.
@@ -198,7 +234,10 @@ TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurfac
     if (sums.count < kMinPoses || sums.speed_squares <= 0.0) return result;
     result.offset +=
         std::clamp(sums.gradient / sums.speed_squares, -kMaxOffsetStep, kMaxOffsetStep);
-    result.std = std::sqrt(sums.residual_squares / sums.count / sums.speed_squares);
+    // What the contact gives way, and where the object sticks, lasts for many frames.
+    result.std =
+        std::sqrt(sums.residual_squares / sums.count * sums.correlated) / sums.speed_squares;
+    result.std = std::hypot(result.std, sums.bias / sums.speed_squares);
     result.std = std::hypot(result.std, kMotionBias, end_std);
     result.is_known = std::abs(result.offset) < kMaxOffset && result.std < 0.1 * kMaxOffset;
   }
