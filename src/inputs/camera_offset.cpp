@@ -15,10 +15,8 @@ namespace {
 // [m]: with a larger lever arm, a push rotates the object, and the tip may slide along it.
 constexpr double kMaxLever = 0.010;
 constexpr double kSameNormal = 0.98;  // cosine
-// [m] by which the contact's compression while it slides is not known: a delay of this over the
-// speed, which a push at one speed does not tell apart.
-constexpr double kCompressionStd = 1e-4;
-constexpr double kMinSlideSpeed = 0.005;  // [m/s] slower, that alone is 20 ms
+/// [m/s] of a slide: slower, a tenth of a millimetre of the contact's compression is 20 ms.
+constexpr double kMinSlideSpeed = 0.005;
 constexpr double kRestBefore = 0.2;  // [s] included: a slide at constant speed alone fits any delay
 constexpr double kSpeedStep = 0.02;  // [s] of the central difference for the speed
 constexpr double kMaxOffset = 0.25;  // [s] as for the force
@@ -120,7 +118,7 @@ struct Sums {
   double speed_squares = 0.0;     ///< [m^2/s^2]
   double correlated = 0.0;        ///< [m^2/s^2] the same, each contact's times its inflation
   double gradient = 0.0;          ///< [m^2/s]
-  double bias = 0.0;              ///< [m^2/s] std of the gradient by the contacts' compression
+  double bias = 0.0;              ///< [m^2/s] std of the gradient by errors that last for a slide
   double residual_squares = 0.0;  ///< [m^2]
   double count = 0.0;
 
@@ -148,7 +146,10 @@ struct Sums {
     const double squares = lagged_product(speed, 0);
     speed_squares += squares;
     correlated += variance_inflation(residual, speed) * squares;
-    bias += kCompressionStd * squares / slide_speed(contact.episode);
+    // What lasts from frame to frame may last for the slide, as a compression of the contact that
+    // differs from its law's: at one speed, that is a delay.
+    const double lasting = std::sqrt(std::max(0.0, lagged_product(residual, 1)) / n);
+    bias += lasting * squares / slide_speed(contact.episode);
     residual_squares += lagged_product(residual, 0);
     count += n;
   }

@@ -250,13 +250,16 @@ std::optional<InputFault> placement_fault(const std::vector<InputBody>& bodies,
 
 namespace {
 
-/// ", 0.231 m from the nearest, box"; empty without bodies.
+/// ", at the closest 0.131 m from box"; empty without bodies.
 std::string nearest_text(const std::vector<InputBody>& bodies, const BodyPlacements& placement) {
   const auto nearest = std::min_element(placement.bodies.begin(), placement.bodies.end(),
                                         [](const BodyPlacement& a, const BodyPlacement& b) {
                                           return a.min_distance < b.min_distance;
                                         });
-  if (nearest == placement.bodies.end() || !std::isfinite(nearest->min_distance)) return "";
+  if (nearest == placement.bodies.end()) return "";
+  if (!std::isfinite(nearest->min_distance)) {
+    return fmt::format(", but farther than {} m from each", kTouchSearchRadius);
+  }
   const auto index = static_cast<std::size_t>(nearest - placement.bodies.begin());
   return fmt::format(", at the closest {:.3f} m from {}", nearest->min_distance,
                      bodies[index].name);

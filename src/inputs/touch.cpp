@@ -5,7 +5,6 @@
 namespace pcavr {
 namespace {
 
-constexpr float kSearchRadius = 0.2F;  // [m]
 /// Of the tip's radius: penetration and pose errors together are less than the rest.
 constexpr double kMinDistance = 0.3;
 /// Near an edge the sign of a distance is subject to rounding; inside, the closest point lies on a
@@ -17,7 +16,8 @@ constexpr double kInsideCosine = -0.1;
 Touch BodySurface::touch(const Pose& T_base_object, const Eigen::Vector3d& p_base_tip,
                          double tool_radius) const {
   const Eigen::Vector3d p_object = T_base_object.inverse() * p_base_tip;
-  const auto closest = surface_.closest(p_object.cast<float>(), kSearchRadius);
+  const auto closest =
+      surface_.closest(p_object.cast<float>(), static_cast<float>(kTouchSearchRadius));
   if (!closest) return {};
   const Eigen::Vector3d outward = p_object - closest->point.cast<double>();
   const Eigen::Vector3d normal = closest->normal.cast<double>();

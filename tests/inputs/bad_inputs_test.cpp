@@ -67,8 +67,10 @@ void write_tool_in_kilometres(IdentificationInput& input) {
   for (Eigen::Vector3d& p : input.p_base_tip) p *= 1e-3;
 }
 
-void raise_tool(IdentificationInput& input) {
-  for (Eigen::Vector3d& p : input.p_base_tip) p.z() += 0.35;
+Change raise_tool(double height) {
+  return [height](IdentificationInput& input) {
+    for (Eigen::Vector3d& p : input.p_base_tip) p.z() += height;
+  };
 }
 
 Change scale_meshes(float factor) {
@@ -139,7 +141,10 @@ const std::vector<BadInput>& bad_inputs() {
        .apply = write_tool_in_kilometres,
        .fault = "in kilometres",
        .is_replayed = false},
-      {.name = "tool too high", .apply = raise_tool, .note = "at the closest 0.3"},
+      {.name = "tool too high", .apply = raise_tool(0.19), .note = "at the closest 0.1"},
+      {.name = "tool far too high",
+       .apply = raise_tool(0.35),
+       .note = "but farther than 0.2 m from each"},
       {"force in kilonewtons", scale_force(1e-3), "another unit"},
       {"force in grams-force", scale_force(1e3 / kStandardGravity), "another unit"},
       {.name = "force 3 s late",

@@ -15,9 +15,11 @@
 
 namespace pcavr {
 
+inline constexpr double kTouchSearchRadius = 0.2;  // [m] about the tip's centre
+
 /// Distance and direction from the tool's tip to a body.
 struct Touch {
-  /// [m] between their surfaces, negative inside; infinite where the body is farther than 0.2 m.
+  /// [m] between their surfaces, negative inside; infinite where the body is farther than that.
   double gap = std::numeric_limits<double>::infinity();
   Eigen::Vector3d normal_object = Eigen::Vector3d::Zero();  ///< of the closest face, outward
   /// Unit, from the tip's centre to the closest point of the surface: into the body; at an edge,
