@@ -221,6 +221,7 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
   }
   result.limit = limiting_friction(breakaways, options.limiting_friction);
   std::vector<IdentifiedParameter> limits;
+  limits.reserve(pushes.size());
   for (const IdentifiedContact* push : pushes) limits.push_back(push->limit);
   for (const std::size_t i : result.limit.left_out) {
     limits[i].is_excited = false;

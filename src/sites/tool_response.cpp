@@ -223,7 +223,8 @@ void ToolResponse::solve() {
   const int row = std::clamp(index / kDampingRatios, 1, kFrequencies - 2);
   const int column = std::clamp(index % kDampingRatios, 1, kDampingRatios - 2);
   const auto position = [&](int i, int j) {
-    return static_cast<std::size_t>((row + i) * kDampingRatios + column + j);
+    const int at = (row + i) * kDampingRatios + column + j;
+    return static_cast<std::size_t>(at);
   };
   const auto fit_at = [&](int i, int j) -> const Fit& { return fits[position(i, j)]; };
   const Eigen::Vector2d minimum =

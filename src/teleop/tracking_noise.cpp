@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pcavr/core/median.hpp"
+#include "pcavr/prediction/body_physics.hpp"
 
 namespace pcavr {
 namespace {
