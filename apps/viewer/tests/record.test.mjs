@@ -59,6 +59,7 @@ test('a recorded live session is read by replay, evaluate and the page', limit, 
   try {
     const { page, seen } = await openPage(browser.context, shown.url);
     await loaded(page);
+    await page.waitForFunction(() => window.__pcavr.replay);
     const [duration, poses] = await page.evaluate(() => {
       const { replay } = window.__pcavr;
       replay.seek(replay.timeline.duration);
