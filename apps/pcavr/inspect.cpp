@@ -177,25 +177,22 @@ Error unknown_input(const fs::path& path) {
 
 Expected<CommandResult> inspect(const fs::path& folder, const Configuration& configuration,
                                 const Observer& observer) {
-  Expected<std::vector<SceneCheck>> checks = unknown_input(folder);
-  bool is_output = false;
   for (const char* manifest : {"scene.yaml", "recording.yaml", "run.yaml"}) {
     // A bag may be a file: no folder has these files then.
     const Expected<bool> is_there =
         fs::is_directory(folder) ? is_present(folder / manifest) : Expected<bool>(false);
     if (!is_there) return is_there.error();
     if (!*is_there) continue;
-    is_output = true;
     const std::string name = manifest;
-    checks = name == "scene.yaml"       ? inspect_scene(folder)
-             : name == "recording.yaml" ? inspect_recording(folder, configuration, observer)
-                                        : inspect_run(folder);
-    break;
+    const Expected<std::vector<SceneCheck>> checks =
+        name == "scene.yaml"       ? inspect_scene(folder)
+        : name == "recording.yaml" ? inspect_recording(folder, configuration, observer)
+                                   : inspect_run(folder);
+    if (!checks) return checks.error();
+    return describe_checks(*checks);
   }
-  if (!is_output && (has_csv_series(folder) || is_bag(folder)))
-    return inspect_bag(folder, observer);
-  if (!checks) return checks.error();
-  return describe_checks(*checks);
+  if (has_csv_series(folder) || is_bag(folder)) return inspect_bag(folder, observer);
+  return unknown_input(folder);
 }
 
 }  // namespace
