@@ -24,12 +24,12 @@
 #include <open3d/geometry/TriangleMesh.h>
 #include <open3d/pipelines/integration/ScalableTSDFVolume.h>
 
-#include "pcavr/evaluation/surface_errors.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/reconstruction/depth_filter.hpp"
-#include "pcavr/reconstruction/tsdf_volume.hpp"
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/perception/reconstruction/depth_filter.hpp"
+#include "pcavr/perception/reconstruction/tsdf_volume.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/results/evaluation/surface_errors.hpp"
 
 #include "arguments.hpp"
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/options.hpp"
 
 namespace pcavr::bench {
 

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an arm costs in a cycle of 1 ms: its distance to itself, to a scan of 300 000 triangles,
-// with and without the previous cycle's nearest triangle, and a whole step of the follower.
+// The time that an arm takes of a cycle of 1 ms: its distance to itself, to a scan of 300 000
+// triangles, with and without the previous cycle's nearest triangle, and a whole step of the
+// follower.
 //
 //     pcavr_bench_arm calib/robots/pa10/pa10.urdf
 #include <cmath>
@@ -11,10 +12,10 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot/arm_follower.hpp"
-#include "pcavr/robot/link_meshes.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot/arm_follower.hpp"
+#include "pcavr/robots/robot/link_meshes.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "robot/wavy_ground.hpp"
 

@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "pcavr/devices/simulated_force_device.hpp"
-#include "pcavr/devices/trace_device.hpp"
+#include "pcavr/teleoperation/devices/simulated_force_device.hpp"
+#include "pcavr/teleoperation/devices/trace_device.hpp"
 
 #include "devices/jittered_hand.hpp"
 

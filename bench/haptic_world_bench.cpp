@@ -31,7 +31,7 @@ pcavr::HapticWorldModel ten_boxes(double noise) {
   return model;
 }
 
-/// Down to 3 mm into the table, and on into the row at 0.1 m/s, oscillating sideways.
+/// The tip goes down to 3 mm into the table, and on into the row at 0.1 m/s, oscillating sideways.
 Eigen::Vector3d tip_at(int cycle) {
   const double t = cycle * kCycle;
   return {-0.12 + 0.1 * t, 0.02 * std::sin(4.0 * t), std::max(0.007, 0.03 - 0.1 * t)};

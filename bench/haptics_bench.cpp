@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/haptics/haptic_tool.hpp"
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/teleoperation/haptics/haptic_tool.hpp"
 
 #include "haptics/scanned_bumps.hpp"
 

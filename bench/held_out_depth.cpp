@@ -21,15 +21,15 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/evaluation/surface_errors.hpp"
-#include "pcavr/geometry/depth_grid.hpp"
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/geometry/depth_grid.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/perception/reconstruction/depth_filter.hpp"
+#include "pcavr/perception/reconstruction/mesh_cleanup.hpp"
+#include "pcavr/perception/reconstruction/tsdf_volume.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
-#include "pcavr/reconstruction/depth_filter.hpp"
-#include "pcavr/reconstruction/mesh_cleanup.hpp"
-#include "pcavr/reconstruction/tsdf_volume.hpp"
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/results/evaluation/surface_errors.hpp"
 
 #include "arguments.hpp"
 

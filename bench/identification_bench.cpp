@@ -11,13 +11,13 @@
 #include <Eigen/Core>
 #include <benchmark/benchmark.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/friction/patch.hpp"
-#include "pcavr/friction/planar_slider.hpp"
-#include "pcavr/friction/point_push.hpp"
-#include "pcavr/friction/slider.hpp"
-#include "pcavr/identification/estimator.hpp"
-#include "pcavr/identification/signals.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/friction/patch.hpp"
+#include "pcavr/physics/friction/planar_slider.hpp"
+#include "pcavr/physics/friction/point_push.hpp"
+#include "pcavr/physics/friction/slider.hpp"
+#include "pcavr/physics/identification/estimator.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 
 namespace {
 

@@ -20,8 +20,8 @@
 #include <benchmark/benchmark.h>
 #include <sched.h>
 
-#include "pcavr/link/link_message.hpp"
-#include "pcavr/link/link_transport.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
+#include "pcavr/teleoperation/link/link_transport.hpp"
 
 #include "link/every_message.hpp"
 #include "support/temporary_folder.hpp"

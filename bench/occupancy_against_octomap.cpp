@@ -12,8 +12,8 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "support/octomap_reference.hpp"
 

@@ -5,7 +5,7 @@
 // 100 us, rollback and re-simulation of 400 ms at 1 kHz 20 ms.
 #include <benchmark/benchmark.h>
 
-#include "pcavr/prediction/predictor.hpp"
+#include "pcavr/physics/prediction/predictor.hpp"
 
 #include "prediction/scan_clutter.hpp"
 #include "prediction/worlds.hpp"

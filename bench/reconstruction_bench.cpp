@@ -5,10 +5,10 @@
 // frames in which nothing new comes into view; for whole recordings see against_open3d.
 #include <benchmark/benchmark.h>
 
-#include "pcavr/model/mesh_simplification.hpp"
-#include "pcavr/reconstruction/depth_filter.hpp"
-#include "pcavr/reconstruction/mesh_cleanup.hpp"
-#include "pcavr/reconstruction/tsdf_volume.hpp"
+#include "pcavr/base/model/mesh_simplification.hpp"
+#include "pcavr/perception/reconstruction/depth_filter.hpp"
+#include "pcavr/perception/reconstruction/mesh_cleanup.hpp"
+#include "pcavr/perception/reconstruction/tsdf_volume.hpp"
 
 #include "reconstruction/depth_scenes.hpp"
 

@@ -17,9 +17,9 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "robot/bullet_peer.hpp"
 #include "robot/kdl_peer.hpp"

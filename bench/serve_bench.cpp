@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/random.hpp"
 #include "pcavr/serve/server.hpp"
 
 #include "serve/a_world.hpp"

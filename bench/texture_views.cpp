@@ -25,11 +25,11 @@
 
 #include <Eigen/Cholesky>
 
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/image_codec.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "arguments.hpp"
 
@@ -69,7 +69,7 @@ struct Colours {
   pcavr::CameraModel camera;
   pcavr::Pose T_color_depth;
   double vignetting = 0.0;
-  /// What the camera leaves of a colour there.
+  /// Share of a colour that the camera leaves there.
   [[nodiscard]] double share_at(int x, int y) const {
     return 1.0 -
            vignetting * (Eigen::Vector2d((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy))

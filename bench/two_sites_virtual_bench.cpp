@@ -21,17 +21,17 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/observer.hpp"
-#include "pcavr/link/link_conditions.hpp"
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 #include "pcavr/simulation/simulate.hpp"
-#include "pcavr/sites/black_box.hpp"
-#include "pcavr/sites/link_sites.hpp"
-#include "pcavr/sites/operator_interface.hpp"
+#include "pcavr/teleoperation/link/link_conditions.hpp"
+#include "pcavr/teleoperation/sites/black_box.hpp"
+#include "pcavr/teleoperation/sites/link_sites.hpp"
+#include "pcavr/teleoperation/sites/operator_interface.hpp"
 
 #include "arguments.hpp"
 #include "sites/virtual_sites.hpp"

@@ -17,6 +17,19 @@ function(pcavr_compile_options target)
                          -ffp-contract=off)
 endfunction()
 
+# pcavr_add_room(ROOM module...)
+# A folder of modules; or, without modules, a room that is one module itself.
+function(pcavr_add_room room)
+  if(NOT ARGN)
+    add_subdirectory(${room})
+    set_property(GLOBAL APPEND PROPERTY PCAVR_MODULES ${room})
+  endif()
+  foreach(module IN LISTS ARGN)
+    add_subdirectory(${room}/${module})
+    set_property(GLOBAL APPEND PROPERTY PCAVR_MODULES ${module})
+  endforeach()
+endfunction()
+
 # pcavr_add_module(NAME SOURCES file... [DEPENDS module...] [PRIVATE library...])
 # DEPENDS are pcavr modules (public); PRIVATE are libraries that stay out of public headers.
 function(pcavr_add_module name)
@@ -46,19 +59,24 @@ endfunction()
 # NO_UNITY lists sources that are excluded from unity builds, because their helpers have the same
 # names as another source's. One executable; each TEST becomes a CTest case with these labels, or
 # with AS_ONE all of them together, for tests that share an expensive setup. PCAVR_TESTS_AS_ONE does
-# so for every executable: under a sanitizer half a second is lost at each start.
+# so for every executable (ON), or for those with the label fast (FAST): a start takes longer than most
+# of these tests, and half a second under a sanitizer.
 function(pcavr_add_tests name)
   cmake_parse_arguments(arg "AS_ONE" "TIMEOUT" "SOURCES;NO_UNITY;LINK;LABELS" ${ARGN})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
   add_executable(pcavr_${name}_tests ${arg_SOURCES} ${arg_NO_UNITY})
+  if(fast IN_LIST arg_LABELS AND NOT PCAVR_BUILD_FAST_TESTS)
+    set_target_properties(pcavr_${name}_tests PROPERTIES EXCLUDE_FROM_ALL TRUE)
+  endif()
   if(arg_NO_UNITY)
     set_source_files_properties(${arg_NO_UNITY} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
   pcavr_compile_options(pcavr_${name}_tests)
-  # Tests call optimised libraries; their own code takes a quarter less time to compile so.
-  target_compile_options(pcavr_${name}_tests PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
+  # Tests call optimised libraries; their own code takes a quarter less time to compile so, and two
+  # fifths less under sanitizers.
+  target_compile_options(pcavr_${name}_tests PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1> $<$<CONFIG:Debug>:-O0>)
   target_include_directories(pcavr_${name}_tests PRIVATE ${PROJECT_SOURCE_DIR}/src
                              ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(pcavr_${name}_tests PRIVATE ${arg_LINK} pcavr_test_support
@@ -68,7 +86,8 @@ function(pcavr_add_tests name)
       add_dependencies(pcavr_${label}_tests pcavr_${name}_tests)
     endif()
   endforeach()
-  if(arg_AS_ONE OR PCAVR_TESTS_AS_ONE)
+  string(TOUPPER "${PCAVR_TESTS_AS_ONE}" as_one)
+  if(arg_AS_ONE OR as_one STREQUAL "ON" OR (as_one STREQUAL "FAST" AND fast IN_LIST arg_LABELS))
     if(NOT arg_AS_ONE)
       set(arg_TIMEOUT 1200) # of all tests together
     endif()

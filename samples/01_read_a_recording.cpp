@@ -4,7 +4,7 @@
 //   01_read_a_recording RECORDING
 #include <cstdio>
 
-#include <pcavr/recording/frame_reader.hpp>
+#include <pcavr/recordings/recording/frame_reader.hpp>
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: %s RECORDING\n", argv[0]), 2;

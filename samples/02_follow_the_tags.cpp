@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <set>
 
-#include <pcavr/marker/body_pose.hpp>
-#include <pcavr/recording/frame_reader.hpp>
+#include <pcavr/perception/marker/body_pose.hpp>
+#include <pcavr/recordings/recording/frame_reader.hpp>
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: %s RECORDING\n", argv[0]), 2;

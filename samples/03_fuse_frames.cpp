@@ -5,9 +5,9 @@
 //   03_fuse_frames RECORDING
 #include <cstdio>
 
-#include <pcavr/reconstruction/depth_filter.hpp>
-#include <pcavr/reconstruction/tsdf_volume.hpp>
-#include <pcavr/recording/frame_reader.hpp>
+#include <pcavr/perception/reconstruction/depth_filter.hpp>
+#include <pcavr/perception/reconstruction/tsdf_volume.hpp>
+#include <pcavr/recordings/recording/frame_reader.hpp>
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: %s RECORDING\n", argv[0]), 2;

@@ -4,9 +4,9 @@
 //   04_build_a_scene RECORDING SCENE
 #include <cstdio>
 
-#include <pcavr/core/output.hpp>
+#include <pcavr/base/core/output.hpp>
+#include <pcavr/perception/scene/scene_bundle.hpp>
 #include <pcavr/pipeline/build_scene.hpp>
-#include <pcavr/scene/scene_bundle.hpp>
 
 namespace {
 

@@ -6,8 +6,8 @@
 //   05_identify_parameters RECORDING TRACKED PARAMETERS
 #include <cstdio>
 
-#include <pcavr/core/output_file.hpp>
-#include <pcavr/object/parameters_file.hpp>
+#include <pcavr/base/core/output_file.hpp>
+#include <pcavr/physics/object/parameters_file.hpp>
 #include <pcavr/pipeline/identify.hpp>
 
 namespace {

@@ -4,10 +4,10 @@
 // pose arrives, 0.4 s old: rollback to its time and re-simulation of the present.
 #include <cstdio>
 
-#include <pcavr/identification/path_view.hpp>
-#include <pcavr/object/parameters_file.hpp>
+#include <pcavr/physics/identification/path_view.hpp>
+#include <pcavr/physics/object/parameters_file.hpp>
+#include <pcavr/physics/prediction/predictor.hpp>
 #include <pcavr/pipeline/identify.hpp>
-#include <pcavr/prediction/predictor.hpp>
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include <pcavr/haptics/haptic_world.hpp>
+#include <pcavr/teleoperation/haptics/haptic_world.hpp>
 
 namespace {
 

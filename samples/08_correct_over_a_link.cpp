@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <pcavr/pipeline/identify.hpp>
-#include <pcavr/teleop/run_teleop.hpp>
+#include <pcavr/teleoperation/teleop/run_teleop.hpp>
 
 namespace {
 

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <utility>
 
-#include <pcavr/evaluation/object_errors.hpp>
-#include <pcavr/model/cad_model.hpp>
-#include <pcavr/recording/recording.hpp>
+#include <pcavr/base/model/cad_model.hpp>
+#include <pcavr/recordings/recording/recording.hpp>
+#include <pcavr/results/evaluation/object_errors.hpp>
 
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
 
 #include "commands.hpp"
 #include "number_option.hpp"

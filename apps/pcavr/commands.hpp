@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "pcavr/geometry/depth_noise.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/base/geometry/depth_noise.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "configuration.hpp"
 #include "console.hpp"
@@ -21,6 +21,8 @@ void add_simulate(CLI::App& app, Action& action);
 void add_identify(CLI::App& app, Configuration& configuration, Action& action);
 void add_predict(CLI::App& app, Configuration& configuration, Action& action);
 void add_import(CLI::App& app, Action& action);
+void add_calibrate(CLI::App& app, Action& action);
+void add_export(CLI::App& app, Configuration& configuration, Action& action);
 void add_serve(CLI::App& app, Configuration& configuration, Action& action);
 void add_inspect(CLI::App& app, const Configuration& configuration, Action& action);
 void add_tags(CLI::App& app, Action& action);

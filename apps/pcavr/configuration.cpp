@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "configuration.hpp"
 
-#include "pcavr/core/options.hpp"
-#include "pcavr/recording/option_file.hpp"
+#include "pcavr/base/core/options.hpp"
+#include "pcavr/pipeline/option_sets.hpp"
+#include "pcavr/recordings/recording/option_file.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -35,6 +36,7 @@ std::vector<OptionSection> Configuration::sections() {
   sections.push_back(section_of(robot_identification.trial));
   sections.push_back(section_of(robot_identification.intervals));
   sections.push_back(section_of(robot_identification.plan));
+  sections.push_back(section_of(robot_identification.payload));
   sections.push_back(section_of(arm));
   sections.push_back(section_of(arm.inverse_kinematics));
   sections.push_back(section_of(arm_drive));
@@ -48,23 +50,10 @@ std::vector<OptionSection> Configuration::sections() {
   return sections;
 }
 
-TeleopOptions Configuration::replayed() const {
-  TeleopOptions options = teleop;
-  options.inputs.segmentation = teleop.learning.segmentation;
-  return options;
-}
+TeleopOptions Configuration::replayed() const { return replay_options(teleop); }
 
 IdentificationOptions Configuration::identification() const {
-  return {.inputs = replayed().inputs,
-          .contact_fit = teleop.learning.contact_fit,
-          .onset = teleop.learning.onset,
-          .limiting_friction = teleop.learning.limiting_friction,
-          .sliding = teleop.learning.sliding,
-          .friction_priors = teleop.learning.friction_priors,
-          .breakaway_priors = teleop.learning.breakaway_priors,
-          .limit_surface = teleop.learning.limit_surface,
-          .plan = plan,
-          .estimator = estimator};
+  return identification_options(teleop, plan, estimator);
 }
 
 std::vector<std::pair<std::string, std::string>> Configuration::changed() {

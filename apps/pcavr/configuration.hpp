@@ -9,25 +9,25 @@
 
 #include <CLI/CLI.hpp>
 
-#include "pcavr/arm/arm_queries.hpp"
-#include "pcavr/core/options.hpp"
-#include "pcavr/devices/open_device.hpp"
-#include "pcavr/devices/remote_device.hpp"
-#include "pcavr/evaluation/options.hpp"
-#include "pcavr/identification/breakaway_motion.hpp"
-#include "pcavr/identification/friction_posterior.hpp"
+#include "pcavr/base/core/options.hpp"
+#include "pcavr/physics/identification/breakaway_motion.hpp"
+#include "pcavr/physics/identification/friction_posterior.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/identify_robot.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/robot/arm_follower.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/results/evaluation/options.hpp"
+#include "pcavr/robots/arm/arm_queries.hpp"
+#include "pcavr/robots/robot/arm_follower.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/scene_world.hpp"
 #include "pcavr/serve/server.hpp"
-#include "pcavr/sites/black_box.hpp"
-#include "pcavr/sites/link_sites.hpp"
-#include "pcavr/teleop/options.hpp"
+#include "pcavr/teleoperation/devices/open_device.hpp"
+#include "pcavr/teleoperation/devices/remote_device.hpp"
+#include "pcavr/teleoperation/sites/black_box.hpp"
+#include "pcavr/teleoperation/sites/link_sites.hpp"
+#include "pcavr/teleoperation/teleop/options.hpp"
 
 namespace pcavr::app {
 
@@ -58,9 +58,9 @@ struct Configuration {
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }
 
-  /// Of `identify`: the sections that the robot's site uses to identify online.
+  /// Options of `identify`: the sections that the robot's site uses to identify online.
   [[nodiscard]] IdentificationOptions identification() const;
-  /// Of `replay`: the segmentation is that of online identification.
+  /// Options of `replay`: the segmentation is that of online identification.
   [[nodiscard]] TeleopOptions replayed() const;
 
   /// They refer to this object.

@@ -7,6 +7,8 @@
 
 #include <unistd.h>
 
+#include "pcavr/base/core/utf8.hpp"
+
 namespace pcavr::app {
 namespace {
 
@@ -56,8 +58,8 @@ void Console::progress(std::string_view stage, std::size_t done, std::size_t tot
 
 void Console::print_line(std::string_view prefix, std::string_view line) {
   clear_bar();
-  std::fprintf(stderr, "%.*s%.*s\n", static_cast<int>(prefix.size()), prefix.data(),
-               static_cast<int>(line.size()), line.data());
+  std::fprintf(stderr, "%.*s%s\n", static_cast<int>(prefix.size()), prefix.data(),
+               printable(line).c_str());
 }
 
 void Console::clear_bar() {

@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
 
 namespace pcavr::app {
 

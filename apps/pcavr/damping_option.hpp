@@ -8,10 +8,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "pcavr/contact/damping.hpp"
-#include "pcavr/core/observer.hpp"
-#include "pcavr/object/damping_choice.hpp"
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/physics/contact/damping.hpp"
+#include "pcavr/physics/object/damping_choice.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 
 namespace pcavr::app {
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/evaluation/evaluate.hpp"
+#include "pcavr/results/evaluation/evaluate.hpp"
 
 #include <filesystem>
 
 #include <fmt/core.h>
 
-#include "pcavr/report/report_page.hpp"
+#include "pcavr/base/report/report_page.hpp"
 
 #include "commands.hpp"
 #include "output_option.hpp"

@@ -7,6 +7,8 @@
 #include <string>
 #include <system_error>
 
+#include "pcavr/base/core/utf8.hpp"
+
 namespace pcavr::app {
 namespace {
 
@@ -39,11 +41,11 @@ Error error_of(const std::exception& failure) {
 }
 
 nlohmann::ordered_json error_json(const Error& error, int exit_code) {
-  nlohmann::ordered_json json{{"message", error.message}};
+  nlohmann::ordered_json json{{"message", printable(error.message)}};
   if (!error.file.empty()) json["file"] = error.file;
   if (error.line > 0) json["line"] = error.line;
-  if (!error.place.empty()) json["place"] = error.place;
-  if (!error.hint.empty()) json["hint"] = error.hint;
+  if (!error.place.empty()) json["place"] = printable(error.place);
+  if (!error.hint.empty()) json["hint"] = printable(error.hint);
   json["text"] = error.to_string();
   json["exit_code"] = exit_code;
   return {{"error", json}};

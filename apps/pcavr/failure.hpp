@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 
 namespace pcavr::app {
 

@@ -7,17 +7,21 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/contact/damping.hpp"
-#include "pcavr/core/output_file.hpp"
-#include "pcavr/core/output_paths.hpp"
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/base/core/output_file.hpp"
+#include "pcavr/base/core/output_paths.hpp"
+#include "pcavr/base/report/report_page.hpp"
+#include "pcavr/physics/contact/damping.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
+#include "pcavr/physics/object_identification/combine_with_known.hpp"
+#include "pcavr/pipeline/identify_runs.hpp"
 #include "pcavr/pipeline/plan_motion.hpp"
-#include "pcavr/report/report_page.hpp"
+#include "pcavr/recordings/recording/stream_clocks.hpp"
 
 #include "commands.hpp"
 #include "damping_option.hpp"
 #include "identify_plan.hpp"
 #include "identify_robot.hpp"
+#include "list_recordings.hpp"
 #include "output_option.hpp"
 
 namespace pcavr::app {
@@ -25,7 +29,7 @@ namespace {
 
 struct IdentifyArguments {
   IdentificationGoal goal = IdentificationGoal::contact;
-  std::string recording;
+  std::vector<std::string> recordings;
   std::string scene;
   std::string tracked;
   std::string parameters;
@@ -101,8 +105,9 @@ struct IdentifyOutputs {
 
 /// Creates the outputs before any work.
 Expected<IdentifyOutputs> create_outputs(const IdentifyArguments& arguments) {
-  const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
-                                                  arguments.tracked, arguments.parameters};
+  std::vector<std::filesystem::path> inputs{arguments.scene, arguments.tracked,
+                                            arguments.parameters};
+  inputs.insert(inputs.end(), arguments.recordings.begin(), arguments.recordings.end());
   std::vector<std::filesystem::path> outputs{arguments.output, arguments.report};
   if (!arguments.plan.empty()) outputs.emplace_back(arguments.plan);
   const Expected<void> apart = check_outputs(outputs, inputs);
@@ -139,21 +144,16 @@ Expected<void> commit(IdentifyOutputs& outputs) {
   return done;
 }
 
-struct IdentifyResult {
-  Identification found;
-  std::optional<MotionPlan> plan = {};
-};
+Expected<ParameterTable> known_parameters(const IdentifyArguments& arguments) {
+  if (arguments.parameters.empty()) return ParameterTable();
+  return read_parameters(arguments.parameters);
+}
 
-Expected<IdentifyResult> run(const IdentifyArguments& arguments, Configuration& configuration,
-                             const Observer& observer) {
-  ParameterTable known;
-  if (!arguments.parameters.empty()) {
-    Expected<ParameterTable> table = read_parameters(arguments.parameters);
-    if (!table) return table.error();
-    known = std::move(*table);
-  }
+/// What one recording gives to identify from, and its start.
+Expected<IdentificationRun> read_run(const IdentifyArguments& arguments, const std::string& folder,
+                                     Configuration& configuration, const Observer& observer) {
   const Expected<Recording> recording =
-      read_with_warnings(arguments.recording, arguments.skip_bad, configuration, observer);
+      read_with_warnings(folder, arguments.skip_bad, configuration, observer);
   if (!recording) return recording.error();
   Expected<IdentificationInput> input =
       identification_input(*recording,
@@ -164,19 +164,69 @@ Expected<IdentifyResult> run(const IdentifyArguments& arguments, Configuration& 
                             .parallelism = {arguments.threads}},
                            observer);
   if (!input) return input.error();
-  input->known = std::move(known);
+  return IdentificationRun{recording->folder.string(), start_of(*recording), *std::move(input)};
+}
+
+IdentificationOptions options_of(const IdentifyArguments& arguments,
+                                 const Configuration& configuration) {
   IdentificationOptions options = configuration.identification();
   options.damping_law = damping_law_of(arguments.damping_law);  // none: by the criterion
-  Expected<Identification> found = identify(*input, arguments.goal, options);
+  return options;
+}
+
+struct IdentifyResult {
+  Identification found;
+  std::optional<MotionPlan> plan = {};
+};
+
+Expected<IdentifyResult> run(const IdentifyArguments& arguments, Configuration& configuration,
+                             const Observer& observer) {
+  const Expected<ParameterTable> known = known_parameters(arguments);
+  if (!known) return known.error();
+  Expected<IdentificationRun> one =
+      read_run(arguments, arguments.recordings.front(), configuration, observer);
+  if (!one) return one.error();
+  one->input.known = *known;
+  const IdentificationOptions options = options_of(arguments, configuration);
+  Expected<Identification> found = identify(one->input, arguments.goal, options);
   if (!found) {
     Error error = found.error();
-    if (!error.file.empty()) error.file = (recording->folder / error.file).string();
+    if (!error.file.empty()) error.file = (std::filesystem::path(one->name) / error.file).string();
     return error;
+  }
+  for (const std::string& warning : found->warnings) {
+    observer.on_warning(one->name + ": " + warning);
+  }
+  for (ObjectIdentification& object : found->objects) {
+    const auto before = known->find(object.name);
+    if (before != known->end()) combine_with_known(before->second, object);
   }
   found->configuration = configuration.changed();
   IdentifyResult result{*std::move(found)};
-  if (!arguments.plan.empty()) result.plan = plan_motion(*input, result.found, options);
+  if (!arguments.plan.empty()) result.plan = plan_motion(one->input, result.found, options);
   return result;
+}
+
+/// Many runs: one answer.
+Expected<PooledIdentification> run_pooled(const IdentifyArguments& arguments,
+                                          Configuration& configuration, const Observer& observer) {
+  const Expected<ParameterTable> known = known_parameters(arguments);
+  if (!known) return known.error();
+  std::vector<IdentificationRun> runs;
+  for (const std::string& folder : arguments.recordings) {
+    Expected<IdentificationRun> one = read_run(arguments, folder, configuration, observer);
+    if (!one) return one.error();
+    one->input.known = *known;
+    runs.push_back(*std::move(one));
+    observer.on_progress("reading runs", runs.size(), arguments.recordings.size());
+  }
+  Expected<PooledIdentification> found = identify_runs(
+      std::move(runs), arguments.goal, options_of(arguments, configuration), observer);
+  if (!found) return found.error();
+  for (const std::string& warning : found->warnings) observer.on_warning(warning);
+  found->configuration = configuration.changed();
+  for (const auto& [name, parameters] : *known) found->known.emplace(name, parameters);
+  return found;
 }
 
 /// The comment at the top of the parameter file.
@@ -194,22 +244,42 @@ std::string comment_of(const Identification& found, const std::string& recording
   return comment;
 }
 
-Expected<CommandResult> identify_recording(IdentifyArguments arguments,
-                                           Configuration& configuration, const Observer& observer) {
-  if (arguments.report.empty()) {
-    const std::filesystem::path output = arguments.output;
-    arguments.report = (output.parent_path() / output.stem()).string() + ".report";
+CommandResult describe(const PooledIdentification& found, const IdentifyArguments& arguments) {
+  CommandResult result;
+  result.summary = fmt::format("{} runs\n", found.runs.size());
+  result.json = {{"parameters", arguments.output}, {"report", arguments.report}};
+  result.json["runs"] = found.runs;
+  result.json["objects"] = nlohmann::ordered_json::array();
+  for (const PooledObject& object : found.objects) {
+    result.summary += fmt::format("  {}: {} runs, {} left out\n", object.name, object.runs.size(),
+                                  object.left_out.size());
+    for (const ParameterFinding& finding : object.found.findings)
+      result.summary += finding_line(finding);
+    for (const PooledParameter& parameter : object.parameters) {
+      if (parameter.scatter <= 0.0) continue;
+      result.summary += fmt::format("    {}: {:.2g} {} scatter from run to run\n", parameter.name,
+                                    parameter.scatter, parameter.unit);
+    }
+    for (const std::string& note : object.found.notes) result.summary += "    note: " + note + '\n';
+    result.json["objects"].push_back(object_json(object.found));
   }
+  result.json["warnings"] = found.warnings;
+  result.summary += "wrote " + arguments.output + '\n' + how_to_open(arguments.report) + '\n';
+  return result;
+}
+
+Expected<CommandResult> identify_recording(const IdentifyArguments& arguments,
+                                           Configuration& configuration, const Observer& observer) {
   Expected<IdentifyOutputs> outputs = create_outputs(arguments);
   if (!outputs) return outputs.error();
   const Expected<IdentifyResult> done = run(arguments, configuration, observer);
   if (!done) return done.error();
   const Identification& found = done->found;
-  Expected<void> written =
-      write_identification_report(found, arguments.recording, outputs->report.path());
+  const std::string& recording = arguments.recordings.front();
+  Expected<void> written = write_identification_report(found, recording, outputs->report.path());
   if (!written) return written.error();
   written = outputs->parameters.write(
-      format_parameters(found.parameters(), comment_of(found, arguments.recording)));
+      format_parameters(found.parameters(), comment_of(found, recording)));
   if (!written) return written.error();
   if (done->plan) written = outputs->plan->write(format_path(*done->plan));
   if (!written) return written.error();
@@ -220,6 +290,46 @@ Expected<CommandResult> identify_recording(IdentifyArguments arguments,
   return result;
 }
 
+Expected<CommandResult> identify_many(const IdentifyArguments& arguments,
+                                      Configuration& configuration, const Observer& observer) {
+  Expected<IdentifyOutputs> outputs = create_outputs(arguments);
+  if (!outputs) return outputs.error();
+  const Expected<PooledIdentification> found = run_pooled(arguments, configuration, observer);
+  if (!found) return found.error();
+  Expected<void> done = write_pooled_report(*found, outputs->report.path());
+  if (done) {
+    done = outputs->parameters.write(format_parameters(
+        found->parameters(), fmt::format("identified from {} runs", found->runs.size())));
+  }
+  if (done) done = commit(*outputs);
+  if (!done) return done.error();
+  return describe(*found, arguments);
+}
+
+Expected<CommandResult> identify_recordings(IdentifyArguments arguments,
+                                            Configuration& configuration,
+                                            const Observer& observer) {
+  Expected<std::vector<std::string>> recordings = list_recordings(arguments.recordings);
+  if (!recordings) return recordings.error();
+  arguments.recordings = std::move(*recordings);
+  if (arguments.report.empty()) {
+    const std::filesystem::path output = arguments.output;
+    arguments.report = (output.parent_path() / output.stem()).string() + ".report";
+  }
+  if (arguments.recordings.size() == 1)
+    return identify_recording(arguments, configuration, observer);
+  for (const auto& [option, value] :
+       {std::pair("--tracked", &arguments.tracked), std::pair("--plan", &arguments.plan)}) {
+    if (value->empty()) continue;
+    return Error{
+        .message = fmt::format("is for one recording, not for {}", arguments.recordings.size()),
+        .file = option,
+        .place = {},
+        .hint = "leave it out: each recording's own folder tracked is used"};
+  }
+  return identify_many(arguments, configuration, observer);
+}
+
 void add_goal(CLI::App& app, Configuration& configuration, Action& action, IdentificationGoal goal,
               const std::string& name, const std::string& what) {
   CLI::App* command = app.add_subcommand(name, what);
@@ -227,7 +337,10 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
                   " my_recording --scene my_scene -o parameters.yaml");
   auto arguments = std::make_shared<IdentifyArguments>();
   arguments->goal = goal;
-  command->add_option("recording", arguments->recording, "Folder with a recording.yaml")
+  command
+      ->add_option("recording", arguments->recordings,
+                   "Folder with a recording.yaml; or several, or a folder of them, or a text file "
+                   "with one in each line: all runs together give one answer")
       ->required();
   command->add_option(
       "--scene", arguments->scene,
@@ -237,7 +350,8 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
       "Folder with objects/NAME/tracked.txt, used instead of tracking; by default the "
       "recording's own folder tracked, if it has one");
   command->add_option("--parameters", arguments->parameters,
-                      "Parameter file with known parameters; new results replace them");
+                      "Parameter file with known parameters; friction that is identified again is "
+                      "combined with them by its stds, other results replace them");
   command->add_option("-o,--output", arguments->output, "Parameter file to write")->required();
   command->add_option("--report", arguments->report,
                       "Folder for the report; by default next to the parameter file");
@@ -258,7 +372,7 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &configuration, &action] {
     action = [arguments, &configuration](const Observer& observer) {
-      return identify_recording(*arguments, configuration, observer);
+      return identify_recordings(*arguments, configuration, observer);
     };
   });
 }

@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "pcavr/core/output_file.hpp"
+#include "pcavr/base/core/output_file.hpp"
 #include "pcavr/pipeline/plan_motion.hpp"
-#include "pcavr/robot_identification/exciting_motion.hpp"
+#include "pcavr/robots/robot_identification/exciting_motion.hpp"
 
 #include "console.hpp"
 

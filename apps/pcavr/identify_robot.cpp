@@ -11,11 +11,11 @@
 
 #include <fmt/format.h>
 
-#include "pcavr/core/input_ranges.hpp"
-#include "pcavr/core/output_paths.hpp"
-#include "pcavr/report/number_text.hpp"
-#include "pcavr/report/report_page.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/input_ranges.hpp"
+#include "pcavr/base/core/output_paths.hpp"
+#include "pcavr/base/report/number_text.hpp"
+#include "pcavr/base/report/report_page.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "commands.hpp"
 #include "identify_plan.hpp"
@@ -47,8 +47,10 @@ std::string joint_line(const JointFit& joint) {
                                  joint.held_out.relative * 100.0, joint.held_out.rms);
   for (const FittedTerm& term : joint.equivalent) {
     const UncertainText text = uncertain(term.value, term.std);
-    line += fmt::format(" {} {} +- {}", name_of(term.term), text.value, text.std);
+    line += fmt::format(" {} {} +- {} {}", name_of(term.term), text.value, text.std,
+                        unit_of(term.term));
   }
+  if (joint.equivalent.empty()) line += " rests: its friction is not determined";
   return line + '\n';
 }
 
@@ -95,7 +97,7 @@ void describe_replay(const RobotIdentification& found, CommandResult& result) {
       "{:.2g} s:\n   ",
       duration);
   for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
-    result.summary += fmt::format(" {} {:.2g}", found.fit.joints[j].name,
+    result.summary += fmt::format(" {} {:.2g} s", found.fit.joints[j].name,
                                   replay.alone.kept[static_cast<Eigen::Index>(j)]);
   }
   result.summary += '\n';
@@ -116,8 +118,10 @@ void describe_contacts(const RobotIdentification& found, CommandResult& result) 
   if (!found.contacts) return;
   const ObservedContacts& contacts = *found.contacts;
   result.json["contact"] = {{"detectable_force", contacts.detectable_force},
+                            {"usual_detectable_force", contacts.usual_detectable_force},
+                            {"detectable_torque", nlohmann::ordered_json::object()},
                             {"touches", nlohmann::ordered_json::array()}};
-  for (const ObservedContacts::Touch& touch : contacts.touches) {
+  for (const ObservedContacts::JointTouch& touch : contacts.touches) {
     nlohmann::ordered_json json{{"t", touch.t}, {"joint", found.fit.joints[touch.joint].name}};
     if (touch.force_base) {
       json["force"] = {touch.force_base->x(), touch.force_base->y(), touch.force_base->z()};
@@ -127,8 +131,14 @@ void describe_contacts(const RobotIdentification& found, CommandResult& result) 
                                   found.fit.joints[touch.joint].name);
   }
   result.summary += fmt::format(
-      "contact: {} touches in the held-out rows; a force of {:.3g} N on the tip would be found\n",
-      contacts.touches.size(), contacts.detectable_force);
+      "contact: {} touches in the held-out rows; on the tip {};\n    at one joint alone (N m):",
+      contacts.touches.size(), detectable_force_text(contacts));
+  for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
+    const double torque = contacts.detectable_torque[static_cast<Eigen::Index>(j)];
+    result.json["contact"]["detectable_torque"][found.fit.joints[j].name] = torque;
+    result.summary += fmt::format(" {} {:.3g}", found.fit.joints[j].name, torque);
+  }
+  result.summary += '\n';
 }
 
 void describe_gains(const RobotIdentification& found, CommandResult& result) {
@@ -161,7 +171,8 @@ void describe_trial(const RobotIdentification& found, CommandResult& result) {
   const FrictionTrial& trial = *found.trial;
   result.summary += fmt::format(
       "grid: {:.3g} s of motion simulated in {:.2g} s; regression: {:.2g} s\n"
-      "    joint                    held-out torque error: regression, one joint's trial, all\n",
+      "    joint                    held-out torque error (%), viscous (N m s/rad), Coulomb (N m): "
+      "regression, one joint's trial, all\n",
       trial.simulated_time, found.trial_time, found.fit_time);
   for (std::size_t j = 0; j < found.fit.joints.size(); ++j) {
     const JointFit& alone = trial.alone.joints[j];
@@ -197,7 +208,8 @@ CommandResult describe(const RobotIdentification& found, const RobotArguments& a
                   found.fit.is_physical ? "physically possible" : "not physically possible");
   for (const std::string& note : found.notes) result.summary += "note: " + note + '\n';
   result.summary +=
-      "    joint                    held-out torque error, friction as three parameters\n";
+      "    joint                    held-out torque error (rms over the torque's rms, and rms, in "
+      "rows that were not fitted), friction as three parameters\n";
   result.json = {{"report", arguments.report.folder},
                  {"bandwidth_hz", found.signals.bandwidth},
                  {"torque_lag", found.fit.torque_lag},
@@ -224,7 +236,7 @@ std::vector<std::filesystem::path> inputs_of(const RobotArguments& arguments) {
   return inputs;
 }
 
-/// By --gains, or by a load of known mass; sets those of `options`.
+/// Sets the gains of `options`, by --gains or by a load of known mass; returns those of the load.
 Expected<std::vector<JointGain>> gains_of(const RobotArguments& arguments, const JointLog& fitted,
                                           const std::optional<JointLog>& loaded,
                                           const RobotModel& model,

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/import.hpp"
+#include "pcavr/recordings/recording/import.hpp"
 
 #include <fmt/format.h>
 
-#include "pcavr/bag_import/csv_series.hpp"
-#include "pcavr/cloud/cloud_list.hpp"
-#include "pcavr/recording/camera_file.hpp"
-#include "pcavr/recording/import_joint_log.hpp"
-#include "pcavr/rosbag/bag_reader.hpp"
+#include "pcavr/recordings/bag_import/csv_series.hpp"
+#include "pcavr/recordings/cloud/cloud_list.hpp"
+#include "pcavr/recordings/recording/camera_file.hpp"
+#include "pcavr/recordings/recording/import_joint_log.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
 
 #include "commands.hpp"
 #include "import_bag.hpp"
@@ -38,12 +38,12 @@ struct ImportArguments {
   BagArguments bag;
 };
 
-bool is_of_bag(const ImportArguments& arguments) {
+bool is_of_bag(const ImportArguments& arguments, const CsvOptions& csv) {
   if (!arguments.format.empty()) return arguments.format == "bag";
   std::error_code code;
   const bool is_recording =
       std::filesystem::exists(std::filesystem::path(arguments.source) / "recording.yaml", code);
-  return !is_recording && (has_csv_series(arguments.source) || is_bag(arguments.source));
+  return !is_recording && (has_csv_series(arguments.source, csv) || is_bag(arguments.source));
 }
 
 bool is_of_clouds(const ImportArguments& arguments) {
@@ -104,7 +104,7 @@ Expected<CommandResult> import_sequence(const ImportArguments& arguments,
                            observer);
 }
 
-Expected<CommandResult> import_from_bag(const ImportArguments& arguments,
+Expected<CommandResult> import_from_bag(const ImportArguments& arguments, CsvOptions csv,
                                         const Observer& observer) {
   CloudArguments others = arguments.clouds;
   others.manifest.clear();
@@ -115,9 +115,10 @@ Expected<CommandResult> import_from_bag(const ImportArguments& arguments,
                  .file = arguments.source};
   }
   BagImportOptions options;
+  options.csv = std::move(csv);
   options.manifest = arguments.clouds.manifest;
   if (!arguments.clouds.T_base_world.empty()) {
-    const Expected<Pose> pose = parse_world_pose(arguments.clouds.T_base_world);
+    const Expected<Pose> pose = parse_pose(arguments.clouds.T_base_world, "--T-base-world");
     if (!pose) return pose.error();
     options.T_base_world = *pose;
   }
@@ -135,7 +136,7 @@ Expected<CommandResult> import_from_bag(const ImportArguments& arguments,
   return run_import_bag(arguments.source, arguments.output, arguments.bag, options, observer);
 }
 
-/// Which of two possible scales is used, and by what it was decided.
+/// States which of two possible scales is used, and why.
 std::string depth_scale_warning(const ImportedDepthScale& scale) {
   const std::string hint = fmt::format("; --depth-scale {:g} if that is wrong", *scale.other);
   if (!scale.share_in_range) {
@@ -152,17 +153,21 @@ std::string depth_scale_warning(const ImportedDepthScale& scale) {
 }
 
 Expected<CommandResult> run_import(ImportArguments arguments, const Observer& observer) {
-  if (is_of_bag(arguments)) return import_from_bag(arguments, observer);
+  const Expected<CsvOptions> csv = csv_options(arguments.bag, arguments.skip_bad);
+  if (!csv) return csv.error();
+  if (is_of_bag(arguments, *csv)) return import_from_bag(arguments, *csv, observer);
   if (const std::string option = first_bag_option(arguments.bag); !option.empty()) {
+    if (auto unknown = unknown_csv_columns(arguments.source)) return *std::move(unknown);
     return Error{.message = option + " is for bags, but this is none",
                  .file = arguments.source,
                  .hint = "give a .bag, .mcap or .db3 file, the folder of one, or CSV files"};
   }
   if (is_joint_log(arguments)) return import_joints(arguments);
   if (arguments.skip_bad) {
-    return Error{.message = "--skip-bad is for the log of an arm, but this is none",
-                 .file = arguments.source,
-                 .hint = "import without it; build and replay have their own"};
+    return Error{
+        .message = "--skip-bad is for CSV files and the log of an arm, but this is neither",
+        .file = arguments.source,
+        .hint = "import without it; build and replay have their own"};
   }
   if (is_of_clouds(arguments)) return import_sequence(arguments, observer);
   if (const std::string option = first_cloud_option(arguments.clouds); !option.empty()) {
@@ -242,7 +247,7 @@ void add_import(CLI::App& app, Action& action) {
   add_number(*command, "--period", arguments->period, kRowPeriod,
              "Time between rows of a joint log without stamps [s]");
   command->add_flag("--skip-bad", arguments->skip_bad,
-                    "Skip rows of a joint log that can't be read, and count them");
+                    "Skip rows of CSV files that can't be read, and count them");
   add_whole<std::size_t>(*command, "--stride", arguments->options.stride, 1, kMaxFrames,
                          "Import every n-th frame")
       ->capture_default_str();

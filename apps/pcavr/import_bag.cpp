@@ -2,42 +2,85 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "import_bag.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <string_view>
+#include <utility>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
-#include "pcavr/core/input_ranges.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/recording/manifest_template.hpp"
+#include "pcavr/base/core/input_ranges.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/recordings/recording/manifest_template.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/recordings/recording/text_rows.hpp"
 
+#include "import_clouds.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
 
 namespace pcavr::app {
 namespace {
 
-Expected<std::vector<std::pair<std::string, std::string>>> parse_objects(
-    const std::vector<std::string>& texts) {
-  std::vector<std::pair<std::string, std::string>> objects;
+/// An option that is given as NAME=VALUE, perhaps more than once.
+struct PairOption {
+  const char* option;
+  const char* form;
+  const char* hint;
+};
+constexpr PairOption kObjectOption{
+    "--object", "NAME=TOPIC",
+    "give the object's name and the topic of its poses: box=/vicon/box/box"};
+constexpr PairOption kPlaceOption{
+    "--T-tracked-object", "NAME=tx,ty,tz,qx,qy,qz,qw",
+    "give the object's name and the pose of its CAD frame in the tracked body"};
+constexpr PairOption kMapOption{"--map", "NAME=COLUMN",
+                                "give the standard name and the file's column: fx=Fz"};
+constexpr PairOption kUnitOption{"--column-unit", "NAME=UNIT",
+                                 "give the column and its unit: t=ms or fx=kn"};
+
+Expected<std::vector<std::pair<std::string, std::string>>> parse_pairs(
+    const PairOption& option, const std::vector<std::string>& texts) {
+  std::vector<std::pair<std::string, std::string>> pairs;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == text.npos || equals == 0 || equals + 1 == text.size()) {
-      return Error{.message = "'" + text + "' is not NAME=TOPIC",
-                   .place = "--object",
-                   .hint = "give the object's name and the topic of its poses: box=/vicon/box/box"};
+      return Error{.message = "'" + text + "' is not " + option.form,
+                   .place = option.option,
+                   .hint = option.hint};
     }
-    objects.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+    pairs.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
-  return objects;
+  return pairs;
+}
+
+/// Poses of the objects in the bodies that are tracked.
+Expected<std::map<std::string, Pose>> parse_object_places(const std::vector<std::string>& texts) {
+  const auto pairs = parse_pairs(kPlaceOption, texts);
+  if (!pairs) return pairs.error();
+  std::map<std::string, Pose> places;
+  for (const auto& [name, text] : *pairs) {
+    std::vector<double> numbers;
+    for (const std::string_view field : split_at(',', text)) {
+      if (const auto number = pcavr::parse_number(field)) numbers.push_back(*number);
+    }
+    const Expected<Pose> pose = parse_pose(numbers, kPlaceOption.option);
+    if (!pose) return pose.error();
+    places.insert_or_assign(name, *pose);
+  }
+  return places;
 }
 
 constexpr InputRange kToolDelay{"delay of the tool's poses", -1.0, 1.0, "s",
                                 "loggers and networks; clocks further apart are another fault"};
+constexpr InputRange kWrenchTurn{"turn of the force sensor", -180.0, 180.0, "deg",
+                                 "about the tool's z axis"};
 constexpr InputRange kTare{"time before the first contact", 1e-3, 3600.0, "s",
                            "from one sample to an hour"};
 
-/// Of the first object that is to be imported, as the manifest has it.
+/// Pushed sides of the first object that is to be imported, as the manifest has it.
 Expected<PushedSides> pushed_sides(const BagImportOptions& options) {
   Error error{.message = {}, .place = "--find-world"};
   const auto fail = [&](std::string message, std::string hint) {
@@ -56,8 +99,9 @@ Expected<PushedSides> pushed_sides(const BagImportOptions& options) {
   const std::string& name = options.topics.objects.front().first;
   for (const ObjectEntry& object : manifest->objects) {
     if (object.name != name || object.mesh.empty() || !manifest->tool_radius) continue;
-    const auto mesh = read_mesh(options.manifest.parent_path() / object.mesh);
+    auto mesh = read_mesh(options.manifest.parent_path() / object.mesh);
     if (!mesh) return mesh.error();
+    for (Eigen::Vector3f& vertex : mesh->vertices) vertex *= static_cast<float>(object.mesh_unit);
     const PushedSides sides = PushedSides::of(*mesh, *manifest->tool_radius);
     if (sides.outline_object.size() >= 3) return sides;
   }
@@ -68,14 +112,18 @@ Expected<PushedSides> pushed_sides(const BagImportOptions& options) {
 std::string world_text(const WorldPlacement& world) {
   const Eigen::Vector3d p = world.T_base_world.translation();
   const Eigen::Quaterniond& q = world.T_base_world.rotation();
+  const std::string delay =
+      world.tool_delay == 0.0
+          ? fmt::format("no delay of the tool, to {:.0f} ms", 1e3 * world.delay_std)
+          : fmt::format("tool {:.0f} +- {:.0f} ms late, taken off", 1e3 * world.tool_delay,
+                        1e3 * world.delay_std);
   return fmt::format(
       "world   found from {} samples in contact, {:.2f} mm apart (std): +- {:.1f} mm, +- {:.2f} "
-      "deg; "
-      "tool {:.0f} +- {:.0f} ms late, taken off\n"
+      "deg; {}\n"
       "    --T-base-world {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} --tool-delay {:.4f}\n",
       world.samples, 1e3 * world.residual, 1e3 * world.position_std,
-      world.turn_std * 180.0 / std::numbers::pi, 1e3 * world.tool_delay, 1e3 * world.delay_std,
-      p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), world.tool_delay);
+      world.turn_std * 180.0 / std::numbers::pi, delay, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(),
+      q.w(), world.tool_delay);
 }
 
 std::string counts_text(const ImportedStream& stream) {
@@ -217,6 +265,9 @@ void add_bag_options(CLI::App& command, BagArguments& arguments) {
   add("--wrench-frame", topics.wrench_frame,
       "The forces' frame, instead of that in their headers; the base frame: they are not rotated; "
       "tool: the axes of the tool's poses");
+  add_number(*group, "--wrench-turn", arguments.wrench_turn, kWrenchTurn,
+             "With --wrench-frame tool: turn the forces by this about the tool's z axis, as the "
+             "sensor is mounted; 'pcavr inspect' finds it [deg]");
   group->add_flag("--invert-wrench", arguments.invert_wrench,
                   "For sensors that report the force on the tool");
   add_number(*group, "--tare", arguments.tare, kTare,
@@ -232,6 +283,21 @@ void add_bag_options(CLI::App& command, BagArguments& arguments) {
   add("--joint-topic", topics.joint_topic, "Joint states");
   group->add_option("--object", arguments.objects,
                     "NAME=TOPIC: poses of a tracked object; may be repeated");
+  group->add_option("--T-tracked-object", arguments.object_places,
+                    "NAME=tx,ty,tz,qx,qy,qz,qw: pose of an object's CAD frame in the body that is "
+                    "tracked, where they differ");
+  group
+      ->add_option("--map", arguments.columns,
+                   "NAME=COLUMN,...: which column of CSV files is t, x, qx, fx, tx, ...")
+      ->delimiter(',');
+  group
+      ->add_option("--column-unit", arguments.units,
+                   "NAME=UNIT,...: units of columns whose header states none or another")
+      ->delimiter(',');
+  group
+      ->add_option("--up", arguments.up,
+                   "y or z: the upward axis of a take of motion capture; y if absent")
+      ->check(CLI::IsMember({"y", "z"}));
   group
       ->add_option("--stamps", arguments.stamps,
                    "header or receive: which stamps of the messages are used")
@@ -252,27 +318,63 @@ std::string first_bag_option(const BagArguments& arguments) {
   if (!t.wrench_topic.empty()) return "--wrench-topic";
   if (!t.wrench_frame.empty()) return "--wrench-frame";
   if (arguments.invert_wrench) return "--invert-wrench";
+  if (arguments.wrench_turn != 0.0) return "--wrench-turn";
   if (!t.joint_topic.empty()) return "--joint-topic";
   if (!arguments.objects.empty()) return "--object";
   if (arguments.tare > 0.0) return "--tare";
   if (arguments.tool_delay != 0.0) return "--tool-delay";
   if (arguments.find_world) return "--find-world";
   if (!arguments.world_bags.empty()) return "--world-runs";
+  if (!arguments.object_places.empty()) return "--T-tracked-object";
+  if (!arguments.columns.empty()) return "--map";
+  if (!arguments.units.empty()) return "--column-unit";
+  if (!arguments.up.empty()) return "--up";
   return arguments.stamps != "header" ? "--stamps" : "";
+}
+
+namespace {
+
+/// Reports what is wrong with the recording's stamps and samples, while the source is at hand.
+void warn_of_streams(const std::string& folder, const Observer& observer) {
+  const Expected<Recording> recording = read_recording(folder);
+  if (!recording) {
+    observer.on_warning(recording.error().to_string());
+    return;
+  }
+  for (const std::string& warning : recording->warnings) observer.on_warning(warning);
+  for (const std::string& note : recording->notes) observer.on_note(note);
+}
+
+}  // namespace
+
+Expected<CsvOptions> csv_options(const BagArguments& arguments, bool skip_bad) {
+  CsvOptions options{.skip_bad = skip_bad};
+  const auto columns = parse_pairs(kMapOption, arguments.columns);
+  if (!columns) return columns.error();
+  options.columns = {columns->begin(), columns->end()};
+  const auto units = parse_pairs(kUnitOption, arguments.units);
+  if (!units) return units.error();
+  options.units = {units->begin(), units->end()};
+  if (!arguments.up.empty()) options.up = arguments.up.front();
+  return options;
 }
 
 Expected<CommandResult> run_import_bag(const std::string& source, const OutputOption& output,
                                        const BagArguments& arguments, BagImportOptions options,
                                        const Observer& observer) {
   options.topics = arguments.topics;
-  const auto objects = parse_objects(arguments.objects);
+  const auto objects = parse_pairs(kObjectOption, arguments.objects);
   if (!objects) return objects.error();
   options.topics.objects = *objects;
+  auto places = parse_object_places(arguments.object_places);
+  if (!places) return places.error();
+  options.T_tracked_object = *std::move(places);
   options.use_receive_stamps = arguments.stamps == "receive";
   if (arguments.tool_offset.size() == 3) {
     options.p_tool_tip = Eigen::Vector3d::Map(arguments.tool_offset.data());
   }
   options.invert_wrench = arguments.invert_wrench;
+  options.wrench_turn = arguments.wrench_turn * std::numbers::pi / 180.0;
   options.tare = arguments.tare;
   options.tool_delay = arguments.tool_delay;
   if (arguments.find_world) {
@@ -288,6 +390,7 @@ Expected<CommandResult> run_import_bag(const std::string& source, const OutputOp
   if (!report) return report.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
+  warn_of_streams(output.folder, observer);
   return CommandResult{.summary = summary_of(*report, output.folder),
                        .json = json_of(*report, output.folder)};
 }
@@ -329,6 +432,14 @@ Expected<CommandResult> inspect_bag(const std::filesystem::path& bag, const Obse
   if (!links.empty()) result.summary += "TF: " + links + '\n';
   for (const std::string& note : selection->notes) result.summary += "import: " + note + '\n';
   result.json["not_taken"] = selection->notes;
+  if (has_csv_series(bag)) {
+    const std::vector<std::string> others = other_files(bag);
+    result.json["not_read"] = others;
+    if (!others.empty()) {
+      result.summary += fmt::format("not read, as no CSV files: {}\n", fmt::join(others, ", "));
+    }
+  }
+  result.summary += fmt::format("next: pcavr import '{}' -o RECORDING\n", bag.string());
   return result;
 }
 

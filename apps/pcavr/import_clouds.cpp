@@ -7,8 +7,8 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/core/input_ranges.hpp"
-#include "pcavr/recording/time_series.hpp"
+#include "pcavr/base/core/input_ranges.hpp"
+#include "pcavr/recordings/recording/time_series.hpp"
 
 #include "output_option.hpp"
 
@@ -69,9 +69,9 @@ nlohmann::ordered_json json_of(const CloudImportReport& report, const std::strin
 
 }  // namespace
 
-Expected<Pose> parse_world_pose(const std::vector<double>& numbers) {
+Expected<Pose> parse_pose(const std::vector<double>& numbers, const std::string& option) {
   Error error{.message = "is not tx ty tz qx qy qz qw",
-              .place = "--T-base-world",
+              .place = option,
               .hint = "give a position in metres and a unit quaternion"};
   if (numbers.size() != 7) return error;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -128,7 +128,7 @@ Expected<CommandResult> run_import_clouds(const CloudPaths& paths, const CloudAr
   options.parallelism = {arguments.threads};
   if (!arguments.unit.empty()) options.unit = arguments.unit == "mm" ? 1e-3 : 1.0;
   if (!arguments.T_base_world.empty()) {
-    const Expected<Pose> pose = parse_world_pose(arguments.T_base_world);
+    const Expected<Pose> pose = parse_pose(arguments.T_base_world, "--T-base-world");
     if (!pose) return pose.error();
     options.T_base_world = *pose;
   }

@@ -30,7 +30,8 @@ void add_cloud_options(CLI::App& command, CloudArguments& arguments);
 [[nodiscard]] std::string first_cloud_option(const CloudArguments& arguments);
 
 /// The pose that --T-base-world gives as numbers.
-[[nodiscard]] Expected<Pose> parse_world_pose(const std::vector<double>& numbers);
+[[nodiscard]] Expected<Pose> parse_pose(const std::vector<double>& numbers,
+                                        const std::string& option);
 
 struct CloudPaths {
   std::string source;

@@ -7,15 +7,16 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/bag_import/csv_series.hpp"
-#include "pcavr/core/input_file.hpp"
-#include "pcavr/core/median.hpp"
+#include "pcavr/base/core/input_file.hpp"
+#include "pcavr/base/core/median.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/consistency.hpp"
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/line_counts.hpp"
-#include "pcavr/recording/stream_clocks.hpp"
-#include "pcavr/rosbag/bag_reader.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/recordings/bag_import/csv_series.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/line_counts.hpp"
+#include "pcavr/recordings/recording/stamp_units.hpp"
+#include "pcavr/recordings/recording/stream_clocks.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
 
 #include "commands.hpp"
 #include "import_bag.hpp"
@@ -24,7 +25,8 @@ namespace pcavr::app {
 namespace fs = std::filesystem;
 namespace {
 
-CommandResult describe_checks(const std::vector<SceneCheck>& checks) {
+CommandResult describe_checks(const std::vector<SceneCheck>& checks,
+                              const std::vector<InputComparison>& comparisons = {}) {
   CommandResult result;
   result.json["checks"] = nlohmann::ordered_json::array();
   for (const SceneCheck& check : checks) {
@@ -33,6 +35,19 @@ CommandResult describe_checks(const std::vector<SceneCheck>& checks) {
     result.json["checks"].push_back(
         {{"what", check.what}, {"figure", check.figure}, {"is_sound", check.is_sound}});
     result.is_failure = result.is_failure || !check.is_sound;
+  }
+  if (!comparisons.empty()) {
+    result.json["compared"] = nlohmann::ordered_json::array();
+    result.json["not_compared"] = nlohmann::ordered_json::array();
+  }
+  for (const InputComparison& one : comparisons) {
+    if (one.is_compared()) {
+      result.summary += "  compared: " + one.what + ": " + one.figure + '\n';
+      result.json["compared"].push_back({{"what", one.what}, {"figure", one.figure}});
+    } else {
+      result.summary += "  not compared: " + one.what + ": " + one.reason + '\n';
+      result.json["not_compared"].push_back({{"what", one.what}, {"reason", one.reason}});
+    }
   }
   result.json["is_sound"] = !result.is_failure;
   return result;
@@ -74,26 +89,53 @@ class DepthReadings {
   std::vector<double> sample_;              ///< [m] every kStride-th reading, for the median
 };
 
+constexpr char kStampsCheck[] = "stamps";
+
+/// Checks the stamps and samples of the streams.
+void check_streams(const Recording& recording, std::vector<SceneCheck>& checks) {
+  const std::vector<ClockConflict> conflicts = find_clock_conflicts(recording);
+  if (conflicts.empty()) checks.push_back({"clocks", "the streams overlap"});
+  for (const ClockConflict& conflict : conflicts) {
+    checks.push_back({"clocks", conflict.message, !conflict.is_disjoint});
+  }
+  for (const std::string& warning : doubtful_stamp_units(paces_of(recording))) {
+    checks.push_back({kStampsCheck, "warning: " + warning});
+  }
+  for (const std::string& note : recording.notes) checks.push_back({"repeated rows", note});
+}
+
 /// Cross-checks the recording's inputs.
 Expected<void> check_consistency(const Recording& recording, const PerceptionOptions& options,
-                                 const Observer& observer, std::vector<SceneCheck>& checks) {
-  const auto findings = inspect_consistency(recording, options);
-  if (!findings) return findings.error();
-  for (const ConsistencyFinding& finding : *findings) {
+                                 const Observer& observer, std::vector<SceneCheck>& checks,
+                                 std::vector<InputComparison>& comparisons) {
+  auto report = inspect_inputs(recording, options);
+  if (!report) return report.error();
+  for (const ConsistencyFinding& finding : report->findings) {
     const bool is_contradiction = finding.severity == FindingSeverity::contradiction;
     if (!is_contradiction) observer.on_warning(finding.to_string());
     checks.push_back({finding.input(),
                       (is_contradiction ? "" : "warning: ") + finding.message + "; " + finding.hint,
                       !is_contradiction});
   }
-  if (findings->empty()) checks.push_back({"consistency", "the inputs agree"});
+  const bool has_doubt = std::any_of(checks.begin(), checks.end(), [](const SceneCheck& check) {
+    return !check.is_sound || check.what == kStampsCheck;
+  });
+  comparisons = std::move(report->comparisons);
+  const auto compared = std::count_if(comparisons.begin(), comparisons.end(),
+                                      [](const auto& one) { return one.is_compared(); });
+  if (report->findings.empty() && !has_doubt) {
+    checks.push_back(
+        {"consistency",
+         fmt::format("what was compared agrees: {} comparisons; {} could not be made, see below",
+                     compared, std::ssize(comparisons) - compared)});
+  }
   return {};
 }
 
 /// Reads all files without skipping bad rows, and decodes every frame.
-Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
-                                                    const Configuration& configuration,
-                                                    const Observer& observer) {
+Expected<CommandResult> inspect_recording(const fs::path& folder,
+                                          const Configuration& configuration,
+                                          const Observer& observer) {
   const Expected<Recording> recording = read_with_warnings(folder, false, configuration, observer);
   if (!recording) return recording.error();
   FrameReader reader(*recording);
@@ -127,15 +169,12 @@ Expected<std::vector<SceneCheck>> inspect_recording(const fs::path& folder,
   checks.push_back({"tool.csv", span_of(recording->tool)});
   checks.push_back({"wrench.csv", count(recording->wrench.size(), " samples")});
   checks.push_back({"joints.csv", count(recording->joints.size(), " samples")});
-  const std::vector<ClockConflict> conflicts = find_clock_conflicts(*recording);
-  if (conflicts.empty()) checks.push_back({"clocks", "the streams overlap"});
-  for (const ClockConflict& conflict : conflicts) {
-    checks.push_back({"clocks", conflict.message, !conflict.is_disjoint});
-  }
+  check_streams(*recording, checks);
+  std::vector<InputComparison> comparisons;
   const Expected<void> checked =
-      check_consistency(*recording, configuration.perception(), observer, checks);
+      check_consistency(*recording, configuration.perception(), observer, checks, comparisons);
   if (!checked) return checked.error();
-  return checks;
+  return describe_checks(checks, comparisons);
 }
 
 /// Reads every tracked trajectory of a run.
@@ -157,7 +196,8 @@ Expected<std::vector<SceneCheck>> inspect_run(const fs::path& folder) {
   return checks;
 }
 
-/// Of a path that is none of what `inspect` reads; names the first bag in a folder of bags.
+/// The error for a path that is none of what `inspect` reads; names the first bag in a folder of
+/// bags.
 Error unknown_input(const fs::path& path) {
   Error error{.message = "is no recording, scene, run or bag",
               .file = path.string(),
@@ -184,10 +224,9 @@ Expected<CommandResult> inspect(const fs::path& folder, const Configuration& con
     if (!is_there) return is_there.error();
     if (!*is_there) continue;
     const std::string name = manifest;
+    if (name == "recording.yaml") return inspect_recording(folder, configuration, observer);
     const Expected<std::vector<SceneCheck>> checks =
-        name == "scene.yaml"       ? inspect_scene(folder)
-        : name == "recording.yaml" ? inspect_recording(folder, configuration, observer)
-                                   : inspect_run(folder);
+        name == "scene.yaml" ? inspect_scene(folder) : inspect_run(folder);
     if (!checks) return checks.error();
     return describe_checks(*checks);
   }

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "pcavr/link/link_keys.hpp"
+#include "pcavr/teleoperation/link/link_keys.hpp"
 
 #include "commands.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/serve/scene_content.hpp"
 
 #include "number_option.hpp"
@@ -101,6 +101,10 @@ const std::atomic<bool>& stop_on_signals() {
   ::sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
+  // A closed terminal sends SIGHUP, unless nohup has it ignored.
+  struct sigaction hangup {};
+  ::sigaction(SIGHUP, nullptr, &hangup);
+  if (hangup.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
   return is_stopped;
 }
 

@@ -7,16 +7,16 @@
 #include <memory>
 #include <string>
 
-#include "pcavr/link/link_keys.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/sites/black_box.hpp"
-#include "pcavr/sites/link_sites.hpp"
+#include "pcavr/teleoperation/link/link_keys.hpp"
+#include "pcavr/teleoperation/sites/black_box.hpp"
+#include "pcavr/teleoperation/sites/link_sites.hpp"
 
 #include "commands.hpp"
 
 namespace pcavr::app {
 
-/// What robot-site and operator-site have in common.
+/// Arguments that robot-site and operator-site have in common.
 struct SiteArguments {
   std::string scene;
   std::string recording;
@@ -40,8 +40,8 @@ void add_site_options(CLI::App& command, SiteArguments& arguments);
 /// The black box of --log; null without it.
 [[nodiscard]] Expected<std::unique_ptr<BlackBox>> open_black_box(
     const SiteArguments& arguments, const SiteScene& scene, const Configuration& configuration);
-/// Closes it, and adds to the site's result what it contains. What could not be written is a
-/// warning: the site's result is worth more.
+/// Closes it, and adds to the site's result what it contains. A failure to write is a warning: the
+/// site's result is worth more.
 void close_black_box(BlackBox* black_box, const std::string& file, const Observer& observer,
                      CommandResult& result);
 

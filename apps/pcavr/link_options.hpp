@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "pcavr/core/input_ranges.hpp"
-#include "pcavr/link/link_conditions.hpp"
+#include "pcavr/base/core/input_ranges.hpp"
+#include "pcavr/teleoperation/link/link_conditions.hpp"
 
 #include "number_option.hpp"
 

@@ -10,7 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "pcavr/core/input_ranges.hpp"
+#include "pcavr/base/core/input_ranges.hpp"
 
 namespace pcavr::app {
 

@@ -9,10 +9,10 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/devices/open_device.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
 #include "pcavr/serve/operator_page.hpp"
 #include "pcavr/serve/scene_content.hpp"
+#include "pcavr/teleoperation/devices/open_device.hpp"
 
 #include "commands.hpp"
 #include "link_arguments.hpp"
@@ -94,7 +94,7 @@ CommandResult describe_operator_site(const OperatorSiteReport& report) {
   return result;
 }
 
-/// What both kinds of operator have in common.
+/// Inputs that both kinds of operator have in common.
 struct OperatorInputs {
   ReplayOptions options;
   SceneManifest scene;
@@ -121,15 +121,15 @@ Expected<CommandResult> run_recorded(const OperatorSiteArguments& arguments, Ope
   add_tool_motion(*trace, inputs.world);
   Expected<LinkClient> client = open_client(arguments);
   if (!client) return client.error();
-  const Expected<std::unique_ptr<OperatorInterface>> person =
+  const Expected<std::unique_ptr<OperatorInterface>> interface =
       make_recorded_operator(inputs.world, inputs.options.teleop);
-  if (!person) return person.error();
+  if (!interface) return interface.error();
   const SiteScene scene = site_scene_of(inputs.scene, inputs.world);
   const auto black_box = open_black_box(arguments.site, scene, configuration);
   if (!black_box) return black_box.error();
   const std::atomic<bool>& stop = stop_on_signals();
   const Expected<OperatorSiteReport> report = run_operator_site(
-      *client, **person, inputs.world, inputs.options.teleop, scene, configuration.operator_site,
+      *client, **interface, inputs.world, inputs.options.teleop, scene, configuration.operator_site,
       arguments.network, observer, stop, black_box->get());
   if (!report) return report.error();
   CommandResult result = describe_operator_site(*report);
@@ -189,6 +189,9 @@ Expected<CommandResult> run_page(OperatorSiteArguments arguments, OperatorInputs
   if (!scene) return scene.error();
   options.tool_radius = scene->model.world.tool_radius;
   const std::size_t triangles = scene->triangles;
+  Expected<ViewerScene> viewer =
+      make_viewer_scene(inputs.scene, scene->model, inputs.options.parameters);
+  if (!viewer) return viewer.error();
   const Expected<std::unique_ptr<OperatorPage>> page =
       make_operator_page(arguments, inputs, *scene, configuration);
   if (!page) return page.error();
@@ -199,7 +202,7 @@ Expected<CommandResult> run_page(OperatorSiteArguments arguments, OperatorInputs
   (*page)->set_pictures(pictures);
   Expected<LinkClient> client = open_client(arguments);
   if (!client) return client.error();
-  Expected<LiveServer> server = LiveServer::open(options, **page, pictures);
+  Expected<LiveServer> server = LiveServer::open(options, **page, pictures, std::move(*viewer));
   if (!server) return server.error();
   const Expected<void> printed = print_startup_message(*server, **page, arguments.page, triangles);
   if (!printed) return printed.error();
@@ -210,7 +213,7 @@ Expected<CommandResult> operator_site(OperatorSiteArguments arguments,
                                       const Configuration& configuration,
                                       const Observer& observer) {
   const bool has_page = arguments.site.recording.empty();
-  // Before the long work.
+  // Errors are reported before the long work.
   const Expected<void> possible =
       has_page ? prepare_server(arguments.page, configuration) : Expected<void>();
   if (!possible) return possible.error();

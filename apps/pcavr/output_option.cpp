@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "output_option.hpp"
 
-#include "pcavr/core/output_paths.hpp"
+#include "pcavr/base/core/output_paths.hpp"
 
 namespace pcavr::app {
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "commands.hpp"
 

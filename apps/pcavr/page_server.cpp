@@ -10,10 +10,10 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include "pcavr/core/json_text.hpp"
-#include "pcavr/devices/open_device.hpp"
-#include "pcavr/devices/remote_device.hpp"
+#include "pcavr/base/core/json_text.hpp"
 #include "pcavr/serve/certificate.hpp"
+#include "pcavr/teleoperation/devices/open_device.hpp"
+#include "pcavr/teleoperation/devices/remote_device.hpp"
 
 #include "startup_message.hpp"
 
@@ -22,10 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the device's force.
+/// Largest weight of the tool, as a share of the device's force.
 constexpr double kMaxWeightShare = 0.5;
 
-/// Next to the executable in the build tree, or in the installation.
+/// The page is next to the executable in the build tree, or in the installation.
 Expected<fs::path> find_page() {
   std::error_code ignored;
   const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
@@ -71,7 +71,7 @@ std::vector<std::string> addresses_of(const LiveServer& server, const ServerOpti
   return addresses;
 }
 
-/// What a device's force leaves for contacts: the hand feels the tool's weight, too.
+/// Reduces `max_force` to what is left for contacts: the hand feels the tool's weight, too.
 Expected<void> carry_tool(const PageArguments& arguments, const Configuration& configuration,
                           double& max_force) {
   if (arguments.device == kPageDevice) return {};

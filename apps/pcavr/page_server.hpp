@@ -6,13 +6,13 @@
 #include <optional>
 #include <string>
 
-#include "pcavr/devices/device.hpp"
-#include "pcavr/object/parameters_file.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/serve/page_world.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 #include "pcavr/serve/scene_world.hpp"
 #include "pcavr/serve/server.hpp"
+#include "pcavr/teleoperation/devices/device.hpp"
 
 #include "commands.hpp"
 
@@ -20,7 +20,7 @@ namespace pcavr::app {
 
 inline constexpr char kPageDevice[] = "page";
 
-/// What serve and operator-site have in common: a page, and what moves its tool.
+/// Arguments that serve and operator-site have in common: a page, and what moves its tool.
 struct PageArguments {
   std::string parameters;
   std::string page;  ///< folder

@@ -8,14 +8,15 @@
 #include <vector>
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
-#include "pcavr/arm/arm_queries.hpp"
-#include "pcavr/arm/identified_arm.hpp"
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/object/parameters_file.hpp"
-#include "pcavr/robot/link_meshes.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
+#include "pcavr/robots/arm/arm_queries.hpp"
+#include "pcavr/robots/arm/identified_arm.hpp"
+#include "pcavr/robots/robot/link_meshes.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 
 #include "commands.hpp"
@@ -75,7 +76,10 @@ Expected<PredictedArm> arm_of_scene(const PredictArguments& arguments) {
 
 Expected<PredictedArm> arm_of_description(const PredictArguments& arguments,
                                           const Observer& observer) {
-  Expected<RobotModel> model = read_urdf(arguments.robot, {.requires_inertia = true});
+  // Identified inertias take the place of the description's.
+  const bool is_identified = !arguments.identified.empty();
+  Expected<RobotModel> model = read_urdf(
+      arguments.robot, {.requires_inertia = !is_identified, .ignores_inertia = is_identified});
   if (!model) return model.error();
   Expected<LinkMeshes> meshes = link_meshes(*model);
   if (!meshes) return meshes.error();
@@ -121,21 +125,61 @@ Expected<void> set_start(const PredictArguments& arguments, QueriedArm& arm) {
   return {};
 }
 
+/// Joints that were not identified and carry none that was: a gripper's. An Error where one is
+/// between the base and an identified joint, because the dynamics of those depend on it.
+Expected<std::vector<std::string>> joints_beyond(const RobotModel& described,
+                                                 const RobotModel& identified) {
+  std::vector<std::string> beyond;
+  std::vector<bool> carries(described.joints.size());
+  for (std::size_t i = described.joints.size(); i-- > 0;) {
+    const RobotJoint& joint = described.joints[i];
+    const bool is_identified = identified.joint_index(joint.name).has_value();
+    if (!is_identified && carries[i]) {
+      return Error{.message = "identifies fewer joints than the arm has: not " + joint.name,
+                   .hint = "identify all joints"};
+    }
+    if (!is_identified) beyond.insert(beyond.begin(), joint.name);
+    if (joint.parent && (is_identified || carries[i])) carries[*joint.parent] = true;
+  }
+  return beyond;
+}
+
+/// Replaces the arm's dynamics by those of a report of pcavr identify robot.
+Expected<void> use_identified(const std::string& report, QueriedArm& arm,
+                              const Observer& observer) {
+  Expected<IdentifiedArm> identified = read_identified_arm(report, arm.model);
+  if (!identified) return identified.error();
+  const Expected<std::vector<std::string>> beyond = joints_beyond(arm.model, identified->model);
+  if (!beyond) {
+    Error error = beyond.error();
+    error.file = report;
+    return error;
+  }
+  if (!beyond->empty()) {
+    observer.on_warning(fmt::format("{}: joints that are not identified are held at 0: {}", report,
+                                    fmt::join(*beyond, ", ")));
+  }
+  Eigen::VectorXd q(static_cast<Eigen::Index>(identified->model.dof));
+  for (const RobotJoint& joint : identified->model.joints) {
+    const std::size_t described = arm.model.joint_index(joint.name).value();
+    if (joint.mimics) continue;
+    q[static_cast<Eigen::Index>(joint.coordinate)] =
+        arm.q[static_cast<Eigen::Index>(arm.model.joints[described].coordinate)];
+  }
+  arm.tip = identified->model.link_index(arm.model.links[arm.tip].name).value();
+  arm.q = q;
+  arm.model = std::move(identified->model);
+  arm.friction = std::move(identified->joints);
+  return {};
+}
+
 Expected<PredictedArm> read_arm(const PredictArguments& arguments, const Observer& observer) {
   Expected<PredictedArm> predicted =
       arguments.scene.empty() ? arm_of_description(arguments, observer) : arm_of_scene(arguments);
   if (!predicted) return predicted;
   QueriedArm& arm = predicted->arm;
   if (!arguments.identified.empty()) {
-    Expected<IdentifiedArm> identified = read_identified_arm(arguments.identified, arm.model);
-    if (!identified) return identified.error();
-    if (identified->model.dof != arm.model.dof) {
-      return Error{.message = "identifies fewer joints than the arm has",
-                   .file = arguments.identified,
-                   .hint = "identify all joints"};
-    }
-    arm.model = std::move(identified->model);
-    arm.friction = std::move(identified->joints);
+    if (auto used = use_identified(arguments.identified, arm, observer); !used) return used.error();
   }
   if (!arm.model.has_inertia()) {
     return Error{.message = "the arm's description has no masses",

@@ -8,10 +8,10 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/core/output_paths.hpp"
+#include "pcavr/base/core/output_paths.hpp"
 #include "pcavr/pipeline/augmented_frames.hpp"
 #include "pcavr/pipeline/logged_run.hpp"
-#include "pcavr/rosbag/bag_reader.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
 
 #include "commands.hpp"
 #include "damping_option.hpp"

@@ -9,15 +9,15 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/core/json_text.hpp"
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/json_text.hpp"
+#include "pcavr/base/core/output.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/pipeline/plugin_robot.hpp"
 #include "pcavr/pipeline/recorded_pictures.hpp"
 #include "pcavr/pipeline/recorded_robot.hpp"
 #include "pcavr/pipeline/teleop_input.hpp"
-#include "pcavr/ros2/ros2_robot.hpp"
 #include "pcavr/simulation/simulate.hpp"
+#include "pcavr/teleoperation/ros2/ros2_robot.hpp"
 
 #include "commands.hpp"
 #include "link_arguments.hpp"

@@ -9,17 +9,17 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/arm/identified_arm.hpp"
-#include "pcavr/devices/open_device.hpp"
-#include "pcavr/haptics/haptic_world.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/robots/arm/identified_arm.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/replay_content.hpp"
 #include "pcavr/serve/scene_content.hpp"
 #include "pcavr/serve/scene_world.hpp"
 #include "pcavr/serve/server.hpp"
 #include "pcavr/serve/session_recorder.hpp"
+#include "pcavr/teleoperation/devices/open_device.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
 
 #include "commands.hpp"
 #include "damping_option.hpp"
@@ -115,7 +115,7 @@ Expected<ServedContent> make_content(const ServeInputs& inputs, const ServeArgum
   return ServedContent(std::move(*scene), std::move(*shown));
 }
 
-/// With --torque-driven or --identified.
+/// Drives the arm by torques with --torque-driven or --identified.
 Expected<void> drive_if_requested(const SceneArm& arm, const ServeArguments& arguments,
                                   const Configuration& configuration, LiveArm& live) {
   if (!arguments.identified.empty()) {
@@ -178,34 +178,30 @@ Expected<std::unique_ptr<LiveWorld>> make_live(const SceneManifest& manifest,
                                      std::move(*arm));
 }
 
-/// A recording of the session, where one is wanted: its folder is claimed before the start.
-struct SessionRecording {
-  SessionRecording(OutputFolder created, const SceneManifest& scene,
-                   const std::vector<std::string>& names, double tool_radius)
-      : folder(std::move(created)), recorder(scene, names, tool_radius) {}
-  OutputFolder folder;
-  SessionRecorder recorder;
-};
-
-Expected<std::unique_ptr<SessionRecording>> make_recording(const SceneManifest& scene,
+/// Null unless one is wanted. Its folder is in place from now on, and grows: neither a signal nor a
+/// full disk takes what was done before.
+Expected<std::unique_ptr<SessionRecorder>> start_recording(const SceneManifest& scene,
                                                            const ServeArguments& arguments,
                                                            const std::vector<std::string>& names) {
-  if (arguments.record.folder.empty()) return std::unique_ptr<SessionRecording>();
+  if (arguments.record.folder.empty()) return std::unique_ptr<SessionRecorder>();
   Expected<OutputFolder> folder =
       create_output(arguments.record, OutputKind::recording, {arguments.scene});
   if (!folder) return folder.error();
-  return std::make_unique<SessionRecording>(std::move(*folder), scene, names,
-                                            arguments.page.server.tool_radius);
+  auto recorder =
+      std::make_unique<SessionRecorder>(scene, names, arguments.page.server.tool_radius);
+  const Expected<void> prepared = recorder->prepare(folder->path());
+  if (!prepared) return prepared.error();
+  const Expected<void> committed = folder->commit();
+  if (!committed) return committed.error();
+  recorder->start(arguments.record.folder);
+  return recorder;
 }
 
-/// Writes the recording, and adds what was written to the result.
-Expected<void> finish(SessionRecording& recording, const ServeArguments& arguments,
+/// Ends the recording, and adds what was written to the result.
+Expected<void> finish(SessionRecorder& recorder, const ServeArguments& arguments,
                       CommandResult& result) {
-  const Expected<SessionRecorder::Summary> summary =
-      recording.recorder.finish(recording.folder.path());
+  const Expected<SessionRecorder::Summary> summary = recorder.finish();
   if (!summary) return summary.error();
-  const Expected<void> done = recording.folder.commit();
-  if (!done) return done;
   const std::string& folder = arguments.record.folder;
   result.summary += fmt::format("recorded {:.1f} s to {}", summary->duration, folder);
   if (summary->dropped > 0) result.summary += fmt::format(", {} samples lost", summary->dropped);
@@ -239,7 +235,7 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
                               const Observer& observer) {
   ServerOptions& options = arguments.page.server;
   options.is_replay = !arguments.recording.empty();
-  // Before the long work.
+  // Errors are reported before the long work.
   const Expected<void> possible = prepare_server(arguments.page, configuration);
   if (!possible) return possible.error();
   const Expected<ServeInputs> inputs = read_inputs(arguments, configuration, observer);
@@ -256,16 +252,18 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
   if (!world) return world.error();
   const Expected<ServedContent> content = make_content(*inputs, arguments, configuration, observer);
   if (!content) return content.error();
-  Expected<LiveServer> server = LiveServer::open(options, **world, *content);
+  Expected<ViewerScene> viewer = make_viewer_scene(inputs->scene, scene->model, inputs->parameters);
+  if (!viewer) return viewer.error();
+  Expected<LiveServer> server = LiveServer::open(options, **world, *content, std::move(*viewer));
   if (!server) return server.error();
-  Expected<std::unique_ptr<SessionRecording>> recording =
-      make_recording(inputs->scene, arguments, (*world)->names());
-  if (!recording) return recording.error();
-  if (*recording) (*world)->record((*recording)->recorder);
+  Expected<std::unique_ptr<SessionRecorder>> recorder =
+      start_recording(inputs->scene, arguments, (*world)->names());
+  if (!recorder) return recorder.error();
+  if (*recorder) (*world)->record(**recorder);
   Expected<CommandResult> result = run(*server, **world, arguments, scene->triangles, observer);
   (*world)->stop();  // after an error, too: its thread refers to the recorder
-  if (!result || !*recording) return result;
-  const Expected<void> written = finish(**recording, arguments, *result);
+  if (!result || !*recorder) return result;
+  const Expected<void> written = finish(**recorder, arguments, *result);
   if (!written) return written.error();
   return result;
 }
@@ -331,7 +329,7 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
              "Simulated over real time, 0.1 to 1; default: 1");
   command
       ->add_option("--record", arguments->record.folder,
-                   "Folder for a recording of the session, written at its end: tool, force and "
+                   "Folder for a recording of the session, written as it is done: tool, force and "
                    "bodies, for replay, evaluate and --replay")
       ->excludes("--replay");
   command->callback([arguments, &configuration, &action, &app] {

@@ -8,8 +8,8 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/geometry/depth_grid.hpp"
-#include "pcavr/recording/camera_file.hpp"
+#include "pcavr/base/geometry/depth_grid.hpp"
+#include "pcavr/recordings/recording/camera_file.hpp"
 
 #include "commands.hpp"
 #include "number_option.hpp"
@@ -83,7 +83,8 @@ std::string name_of(const ImageSize& size) {
   return std::to_string(size.width) + 'x' + std::to_string(size.height);
 }
 
-/// Also rejects text that is not a number, which CLI11's own ranges accept.
+/// Checks a number against its range. Also rejects text that is not a number, which CLI11's own
+/// ranges accept.
 std::string check_range(const std::string& text, double min, double max, const char* unit) {
   double value = 0.0;
   char more = 0;

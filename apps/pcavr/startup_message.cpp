@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "startup_message.hpp"
 
+#include "pcavr/base/core/utf8.hpp"
 #include "pcavr/serve/qr_code.hpp"
 
 namespace pcavr::app {
@@ -55,12 +56,12 @@ std::string startup_message(const StartupInfo& info) {
             qr_code_for_terminal(info.addresses.front() + "#code=" + info.code);
   }
   if (!info.fingerprint.empty()) text += "SHA-256    " + info.fingerprint + '\n';
-  text += "scene      " + info.scene + ", " + std::to_string(info.triangles) +
+  text += "scene      " + printable(info.scene) + ", " + std::to_string(info.triangles) +
           " collision triangles; objects:";
-  for (const std::string& object : info.objects) text += ' ' + object;
+  for (const std::string& object : info.objects) text += ' ' + printable(object);
   if (info.objects.empty()) text += " none";
   text += info.mode == "replay" ? "\ntool       moves as recorded\n"
-                                : "\ntool       moved by " + info.device + "\n";
+                                : "\ntool       moved by " + printable(info.device) + "\n";
   return text + headset_instructions(info) + "press Ctrl-C to stop\n";
 }
 

@@ -10,7 +10,7 @@
 
 namespace pcavr::app {
 
-/// What `pcavr serve` and `pcavr operator-site` print once the server accepts connections.
+/// Message that `pcavr serve` and `pcavr operator-site` print once the server accepts connections.
 struct StartupInfo {
   std::vector<std::string> addresses;  ///< "http://127.0.0.1:8080/", the preferred one first
   std::uint16_t port = 0;

@@ -16,7 +16,8 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 std::string object_line(const SceneObject& object) {
   const std::string name = "  " + object.model.name;
-  if (object.evidence == kNotSeen) return name + ": not seen, no pose\n";
+  if (object.evidence == kNotSeen)
+    return name + ": not found, not in the scene: " + object.reason + '\n';
   const Eigen::Vector3d& p = object.T_base_object.translation();
   const double moved = translation_distance(object.T_base_object_start, object.T_base_object);
   std::string line = name + fmt::format(": at {:.3f} {:.3f} {:.3f} m", p.x(), p.y(), p.z());
@@ -86,7 +87,7 @@ std::string times_table(const std::vector<StageTime>& times) {
 
 namespace {
 
-/// What the frames gave: camera, mesh, cloud and occupancy.
+/// The results of the frames: camera, mesh, cloud and occupancy.
 std::string surfaces_summary(const Scene& scene) {
   const SceneQuality& quality = scene.quality;
   std::string text = fmt::format("camera     {}; +-{:.1f} mm, +-{:.2f} deg in base",
@@ -124,7 +125,7 @@ std::string scene_summary(const Scene& scene, const std::string& folder) {
   for (const SupportPlane& plane : scene.support_planes) {
     text += fmt::format("support    a plane at z = {:.3f} m",
                         plane.plane_base.offset / plane.plane_base.normal.z());
-    // Without surfaces it is where bodies stand, and nobody measured how flat it is.
+    // Without surfaces the plane is where bodies stand, and nobody measured how flat it is.
     if (plane.rms > 0.0) text += fmt::format(", flat to {:.1f} mm", plane.rms * kMillimetres);
     text += '\n';
   }
@@ -181,7 +182,12 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder)
   json["cloud_points"] = scene.cloud_base.points.size();
   json["mesh_area_m2"] = surface_area(scene.mesh_base);
   json["objects"] = nlohmann::ordered_json::array();
+  json["not_found"] = nlohmann::ordered_json::array();
   for (const SceneObject& object : scene.objects) {
+    if (object.evidence == kNotSeen) {
+      json["not_found"].push_back({{"name", object.model.name}, {"reason", object.reason}});
+      continue;
+    }
     const Eigen::Vector3d& p = object.T_base_object.translation();
     const Eigen::Quaterniond& q = object.T_base_object.rotation();
     json["objects"].push_back({{"name", object.model.name},

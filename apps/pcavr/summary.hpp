@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/cycle_histogram.hpp"
-#include "pcavr/core/stage_clock.hpp"
-#include "pcavr/scene/scene.hpp"
+#include "pcavr/base/core/cycle_histogram.hpp"
+#include "pcavr/base/core/stage_clock.hpp"
+#include "pcavr/perception/scene/scene.hpp"
 
 namespace pcavr::app {
 

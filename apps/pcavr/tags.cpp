@@ -6,15 +6,19 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/output_file.hpp"
-#include "pcavr/marker/tag_sheet.hpp"
+#include <fmt/core.h>
+
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/output_file.hpp"
+#include "pcavr/perception/marker/tag_sheet.hpp"
 
 #include "commands.hpp"
 #include "number_option.hpp"
 
 namespace pcavr::app {
 namespace {
+
+constexpr int kMaxTags = 1000;  ///< of a sheet: more pages than anyone prints
 
 struct TagsArguments {
   TagSheetOptions options;
@@ -28,6 +32,9 @@ Expected<std::vector<int>> parse_ids(const std::string& text) {
   const Error bad{.message = "'" + text + "' is not a list of tag ids",
                   .place = "--ids",
                   .hint = "give ids and ranges of ids, such as 0-5,9"};
+  const Error too_many{.message = fmt::format("more than {} tag ids", kMaxTags),
+                       .place = "--ids",
+                       .hint = "write several sheets"};
   std::vector<int> ids;
   std::istringstream parts(text);
   for (std::string part; std::getline(parts, part, ',');) {
@@ -35,7 +42,8 @@ Expected<std::vector<int>> parse_ids(const std::string& text) {
     const std::optional<int> first = parse_number<int>(part.substr(0, dash));
     const std::optional<int> last =
         dash == part.size() ? first : parse_number<int>(part.substr(dash + 1));
-    if (!first || !last || *first < 0 || *last < *first || *last - *first > 1000) return bad;
+    if (!first || !last || *first < 0 || *last < *first) return bad;
+    if (*last - *first >= kMaxTags - static_cast<int>(ids.size())) return too_many;
     for (int id = *first; id <= *last; ++id) ids.push_back(id);
   }
   if (ids.empty()) return bad;

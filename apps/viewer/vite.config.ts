@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { defineConfig } from 'vite';
 
+import { licenses } from './scripts/licenses.mjs';
+
 // `npm run dev` forwards to a separate server: `pcavr serve SCENE --port 8080`.
 const server = 'http://127.0.0.1:8080';
 
 export default defineConfig({
+  plugins: [licenses()],
   build: { target: 'es2022', modulePreload: { polyfill: false }, chunkSizeWarningLimit: 700 },
   worker: { format: 'es' },
   server: {

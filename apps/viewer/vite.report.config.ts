@@ -3,9 +3,11 @@
 import { defineConfig } from 'vite';
 import { viteSingleFile } from 'vite-plugin-singlefile';
 
+import { licenses } from './scripts/licenses.mjs';
+
 // The reports' page: one file, into which the C++ library writes a report's data.
 export default defineConfig({
-  plugins: [viteSingleFile()],
+  plugins: [licenses({ isInlined: true }), viteSingleFile()],
   build: {
     target: 'es2022',
     modulePreload: { polyfill: false },

@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "pcavr/devices/device_plugin.h"
+#include "pcavr/teleoperation/devices/device_plugin.h"
 
 namespace {
 

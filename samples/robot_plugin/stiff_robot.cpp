@@ -68,8 +68,8 @@ int exchange(void* given, double t, const pcavr_robot_command* command, pcavr_ro
   return 0;
 }
 
-// From the side, the table's edge in the lowest row. A real plugin would copy the newest image of
-// its camera here, and return 0 where there is none since the last call.
+// The picture is taken from the side, with the table's edge in the lowest row. A real plugin would
+// copy the newest image of its camera here, and return 0 where there is none since the last call.
 int take_picture(void* given, double t, pcavr_robot_picture* picture) {
   static_cast<void>(t);
   auto& robot = *static_cast<StiffRobot*>(given);

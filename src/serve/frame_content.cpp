@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "pcavr/recording/image_codec.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
 
 #include "numbered_path.hpp"
 

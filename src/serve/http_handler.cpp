@@ -10,7 +10,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/json_text.hpp"
+#include "pcavr/base/core/json_text.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/qr_code.hpp"
@@ -33,10 +33,18 @@ HttpResponse json_response(unsigned status, const ordered_json& json) {
           std::make_shared<const Content>(Content{kJsonMedia, json_text(json) + '\n', false})};
 }
 
-/// "host:port" without the port; an IPv6 address without its brackets.
+/// "host:port" without the port; an IPv6 address without its brackets. Empty where it is neither:
+/// of "host:1@other" a browser would go to the other.
 std::string name_of_host(const std::string& host) {
-  if (host.starts_with('[')) return host.substr(1, host.find(']') - 1);
-  return host.substr(0, host.find(':'));
+  const bool has_brackets = host.starts_with('[');
+  const std::size_t found = has_brackets ? host.find(']') : host.find(':');
+  if (has_brackets && found == host.npos) return {};
+  const std::size_t end = std::min(found, host.size());
+  const std::string rest = host.substr(has_brackets ? end + 1 : end);
+  const bool is_port = rest.empty() || (rest.size() > 1 && rest.size() <= 6 && rest[0] == ':' &&
+                                        rest.find_first_not_of("0123456789", 1) == rest.npos);
+  if (!is_port) return {};
+  return has_brackets ? host.substr(1, end - 1) : host.substr(0, end);
 }
 
 bool is_address(const std::string& name) {
@@ -56,6 +64,18 @@ bool is_host(const std::string& name, const std::string& known) {
   if (!known.starts_with("*.")) return equals_ignoring_case(name, known);
   const std::size_t dot = name.find('.');
   return dot != std::string::npos && equals_ignoring_case(name.substr(dot), known.substr(1));
+}
+
+/// A page that this machine serves, at any port: a viewer that runs here.
+bool is_on_this_machine(const std::string& origin) {
+  const std::size_t scheme = origin.find("://");
+  if (scheme == std::string::npos) return false;
+  const std::string name = name_of_host(origin.substr(scheme + 3));
+  return name == "localhost" || name == "127.0.0.1" || name == "::1";
+}
+
+HttpResponse unknown_host() {
+  return HttpHandler::error_response(421, "unknown host: use the address that the server printed");
 }
 
 std::string token_in(const std::string& cookie) {
@@ -87,10 +107,21 @@ HttpResponse HttpHandler::error_response(unsigned status, const std::string& rea
   return json_response(status, {{"error", reason}});
 }
 
-HttpResponse HttpHandler::redirect_to_https(const HttpRequest& request) {
+HttpResponse HttpHandler::redirect_to_https(const HttpRequest& request) const {
+  if (!is_ours(request.host)) return unknown_host();
   HttpResponse response = error_response(308, "this port requires https");
-  response.headers.emplace_back("Location", "https://" + request.host + request.target);
+  // A target that is no path would be read as the end of the host.
+  const std::string path = request.target.starts_with('/') ? request.target : "/";
+  response.headers.emplace_back("Location", "https://" + request.host + path);
   return response;
+}
+
+/// An address, or a name of this server: a page of another site can't have a browser send it.
+bool HttpHandler::is_ours(const std::string& host) const {
+  const std::string name = name_of_host(host);
+  return is_address(name) || equals_ignoring_case(name, "localhost") ||
+         std::any_of(info_.host_names.begin(), info_.host_names.end(),
+                     [&](const std::string& known) { return is_host(name, known); });
 }
 
 bool HttpHandler::is_paired(const HttpRequest& request) const {
@@ -98,15 +129,15 @@ bool HttpHandler::is_paired(const HttpRequest& request) const {
          pairing_.is_paired(token_in(request.cookie));
 }
 
-/// Against cross-site requests (CSRF), by `Origin`, and DNS rebinding, by `Host`: a page of another
+/// Rejects cross-site requests (CSRF) by `Origin`, and DNS rebinding by `Host`: a page of another
 /// site that a browser has loaded must not reach this server.
 std::optional<HttpResponse> HttpHandler::reject_cross_origin(const HttpRequest& request) const {
-  const std::string name = name_of_host(request.host);
-  const bool is_ours = is_address(name) || equals_ignoring_case(name, "localhost") ||
-                       std::any_of(info_.host_names.begin(), info_.host_names.end(),
-                                   [&](const std::string& known) { return is_host(name, known); });
-  if (!is_ours) return error_response(421, "unknown host: use the address that the server printed");
+  if (!is_ours(request.host)) return unknown_host();
   const std::string own = (request.is_encrypted ? "https://" : "http://") + request.host;
+  if (!request.viewer_protocol.empty() && request.is_loopback &&
+      is_on_this_machine(request.origin)) {
+    return std::nullopt;
+  }
   if (!request.origin.empty() && !equals_ignoring_case(request.origin, own)) {
     return error_response(403, "cross-origin request");
   }
@@ -117,6 +148,7 @@ std::optional<HttpResponse> HttpHandler::reject_upgrade(const HttpRequest& reque
   if (auto rejected = reject_cross_origin(request)) return rejected;
   if (!is_paired(request))
     return error_response(401, "not paired: POST the code to /api/pair first");
+  if (!request.viewer_protocol.empty() && path_of(request.target) == "/") return std::nullopt;
   if (path_of(request.target) != "/live") return error_response(404, "the WebSocket is at /live");
   return std::nullopt;
 }

@@ -27,6 +27,7 @@ struct HttpRequest {
   bool accepts_gzip = false;
   bool is_loopback = false;  ///< the client is on this machine
   bool is_encrypted = false;
+  std::string viewer_protocol = {};  ///< of an upgrade to a read-only one; empty: a page's
 };
 
 struct HttpResponse {
@@ -54,8 +55,8 @@ class HttpHandler {
   [[nodiscard]] HttpResponse respond(const HttpRequest& request);
   /// The error response to a WebSocket upgrade request; empty if the upgrade is allowed.
   [[nodiscard]] std::optional<HttpResponse> reject_upgrade(const HttpRequest& request) const;
-  /// The response to plain HTTP on a TLS port.
-  [[nodiscard]] static HttpResponse redirect_to_https(const HttpRequest& request);
+  /// The response to plain HTTP on a TLS port: to the same path, where `Host` is this server.
+  [[nodiscard]] HttpResponse redirect_to_https(const HttpRequest& request) const;
   /// A JSON body with the reason.
   [[nodiscard]] static HttpResponse error_response(unsigned status, const std::string& reason);
 
@@ -64,6 +65,7 @@ class HttpHandler {
 
  private:
   [[nodiscard]] std::optional<HttpResponse> reject_cross_origin(const HttpRequest& request) const;
+  [[nodiscard]] bool is_ours(const std::string& host) const;
   [[nodiscard]] bool is_paired(const HttpRequest& request) const;
   /// The address that opens the page on another machine with the code entered: the one by which
   /// this client came. Empty where it is that of this machine alone, or no code is needed.

@@ -10,7 +10,8 @@
 #include <utility>
 
 #include "live_session.hpp"
-#include "network.hpp"
+#include "streams.hpp"
+#include "viewer_session.hpp"
 
 namespace pcavr::network {
 
@@ -75,11 +76,15 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
       keeps_alive_ = false;
       return write(HttpHandler::error_response(400, "more than one Host header"));
     }
-    if (redirects_to_https_) return write(HttpHandler::redirect_to_https(plain));
+    if (redirects_to_https_) return write(hub_.http_handler->redirect_to_https(plain));
     if (!websocket::is_upgrade(request)) return fetch(std::move(plain));
     if (const auto rejected = hub_.http_handler->reject_upgrade(plain)) {
       keeps_alive_ = false;
       return write(*rejected);
+    }
+    if (!plain.viewer_protocol.empty()) {
+      return std::make_shared<ViewerSession<Stream>>(hub_, std::move(stream_), std::move(peer_))
+          ->open(request, plain.viewer_protocol);
     }
     std::make_shared<LiveSession<Stream>>(hub_, std::move(stream_), std::move(peer_))
         ->open(request);
@@ -119,6 +124,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Stream
     plain.address = peer_.address;
     plain.is_loopback = peer_.is_loopback;
     plain.is_encrypted = kIsTls;
+    plain.viewer_protocol = foxglove_protocol_in(field(http::field::sec_websocket_protocol));
     return plain;
   }
 

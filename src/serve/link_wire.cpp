@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "live_wire.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "pcavr/core/bytes.hpp"
+#include "pcavr/base/core/bytes.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 
 namespace pcavr {

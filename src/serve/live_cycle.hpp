@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "pcavr/core/cycle_histogram.hpp"
-#include "pcavr/link/motion_limiter.hpp"
+#include "pcavr/base/core/cycle_histogram.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 #include "pcavr/serve/session_recorder.hpp"
+#include "pcavr/teleoperation/link/motion_limiter.hpp"
 
 #include "pulse_generator.hpp"
 #include "triple_buffer.hpp"
@@ -36,7 +36,7 @@ class LiveCycle {
   void publish(double duration, std::uint32_t late_cycles, double now) noexcept;
 
   void hold(bool is_on_hold) noexcept { is_on_hold_.store(is_on_hold, std::memory_order_relaxed); }
-  /// Until the release the tool is disengaged; then the world is on hold.
+  /// Disengages the tool until the release; then the world is on hold.
   void emergency_stop() noexcept { is_stopped_.store(true, std::memory_order_relaxed); }
   void release_emergency_stop() noexcept {
     hold(true);
@@ -51,14 +51,15 @@ class LiveCycle {
   [[nodiscard]] double time_scale() const noexcept {
     return time_scale_.load(std::memory_order_relaxed);
   }
-  // For the thread of step() only.
+  // The following are for the thread of step() only.
   /// The clutch is open until the device opens it and closes it again.
   void open_clutch() noexcept { must_open_ = true; }
   /// Places the tool anew.
   void restart(const Eigen::Vector3d& p_base_tool) noexcept;
-  /// [m] From the proxy to where the tool is shown: what the site moves it by beside the hand.
+  /// [m] Offset from the proxy to where the tool is shown: the motion by the site beside that by
+  /// the hand.
   void displace_shown_tool(const Eigen::Vector3d& offset) noexcept { shown_offset_ = offset; }
-  /// What is published of the link.
+  /// The published state of the link.
   [[nodiscard]] std::optional<LinkSnapshot>& link() noexcept { return link_; }
   [[nodiscard]] const HapticWorldState& state() const noexcept { return world_.state(); }
   [[nodiscard]] const DeviceSample& sample() const noexcept { return sample_; }
@@ -74,7 +75,7 @@ class LiveCycle {
   [[nodiscard]] ToolCommand command_from(const DeviceSample& sample, bool is_on_hold) noexcept;
   [[nodiscard]] ToolCommand limited(ToolCommand wanted) noexcept;
   void reset_if_requested() noexcept;
-  /// After the bodies and the tool were placed: from rest, with the hand where it is.
+  /// Begins from rest, with the hand where it is, after the bodies and the tool were placed.
   void begin_anew() noexcept;
   [[nodiscard]] DeviceFeedback feedback() noexcept;
   void measure_speeds() noexcept;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "pcavr/core/bytes.hpp"
-#include "pcavr/core/json_text.hpp"
+#include "pcavr/base/core/bytes.hpp"
+#include "pcavr/base/core/json_text.hpp"
 
 #include "live_wire.hpp"
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "network.hpp"
+#include "streams.hpp"
 
 namespace pcavr::network {
 
@@ -33,19 +33,7 @@ class LiveSession final : public LivePage,
 
   template <typename Request>
   void open(const Request& request) {
-    beast::get_lowest_layer(socket_).expires_never();
-    error_code ignored;
-    tcp::socket& transport = beast::get_lowest_layer(socket_).socket();
-    transport.set_option(tcp::no_delay(true), ignored);
-    transport.set_option(asio::socket_base::send_buffer_size(hub_.options.send_buffer), ignored);
-    websocket::stream_base::timeout limits{};
-    limits.handshake_timeout = duration_of(hub_.options.handshake_timeout);
-    limits.idle_timeout = duration_of(hub_.options.idle_timeout);
-    limits.keep_alive_pings = true;
-    socket_.set_option(limits);
-    socket_.read_message_max(kMaxLiveMessageBytes);
-    socket_.auto_fragment(false);
-    socket_.binary(true);
+    set_up(socket_, hub_.options);
     // Beast replies to pings while it reads, without the pause of the rate limit.
     socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
       if (kind == websocket::frame_type::ping &&
@@ -113,7 +101,7 @@ class LiveSession final : public LivePage,
 
   void read() {
     if (received_since_tick_ >= hub_.options.max_messages_per_tick) {
-      // Without a pending read, this is the only reference to the session.
+      // No read is pending, so this is the only reference to the session.
       paused_self_ = this->shared_from_this();
       return;
     }
@@ -158,7 +146,7 @@ class LiveSession final : public LivePage,
                         });
   }
 
-  /// Without a closing handshake: a page that does not read would not receive it.
+  /// Closes without a handshake: a page that does not read would not receive it.
   void drop() { beast::get_lowest_layer(socket_).close(); }
 
   Hub& hub_;

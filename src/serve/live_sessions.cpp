@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 namespace pcavr {
 namespace {
@@ -231,7 +231,7 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
       if (tool_.release(id)) release_device();
       return;
     case LiveCommand::hand_over_tool:
-      if (const auto change = tool_.hand_over(id, now)) pass_on(*change, now);
+      if (const auto change = tool_.hand_over(id, now)) notify_change(*change, now);
       return;
     case LiveCommand::keep_tool:
       return keep_tool(id, now);
@@ -276,7 +276,7 @@ void LiveSessions::send_notice_to_all(LiveLevel level, const std::string& text, 
   }
 }
 
-/// To the next of kTimeScales; one that the command line gave may lie between two.
+/// Changes to the next of kTimeScales; a scale that the command line gave may lie between two.
 void LiveSessions::change_time_scale(bool is_faster) {
   constexpr double kSame = 1e-6;
   const double now = world_.time_scale();
@@ -341,7 +341,7 @@ void LiveSessions::on_change(const ToolAssignment::Change& change, double now) {
   }
 }
 
-void LiveSessions::pass_on(const ToolAssignment::Change& change, double now) {
+void LiveSessions::notify_change(const ToolAssignment::Change& change, double now) {
   on_change(change, now);
   if (change.to) send_notice(*change.to, LiveLevel::info, "this page now has the tool", now);
 }
@@ -351,7 +351,7 @@ void LiveSessions::release_device() {
 }
 
 void LiveSessions::check_timeouts(double now) {
-  while (const auto change = tool_.update(now)) pass_on(*change, now);
+  while (const auto change = tool_.update(now)) notify_change(*change, now);
 }
 
 void LiveSessions::write_state(PageId id, double now, double queue_age,

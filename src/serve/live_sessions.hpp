@@ -38,8 +38,8 @@ class LiveSessions {
   void leave(PageId page);
   /// False: close the connection after the replies that were sent.
   [[nodiscard]] bool on_message(PageId page, std::span<const std::uint8_t> bytes, double now);
-  /// To be called at least ten times a second: releases the tool of an unresponsive page, and gives
-  /// one that is not used to the page that asks for it.
+  /// Releases the tool of an unresponsive page, and gives one that is not used to the page that
+  /// asks for it. Call it at least ten times a second.
   void check_timeouts(double now);
 
   /// Whether the page has sent a valid hello: it gets states from then on.
@@ -66,10 +66,10 @@ class LiveSessions {
   void change_time_scale(bool is_faster);
   void take_tool(PageId page, double now);
   void keep_tool(PageId page, double now);
-  /// After the tool has changed hands: no motion of the previous page remains.
+  /// Called after the tool has changed hands: no motion of the previous page remains.
   void on_change(const ToolAssignment::Change& change, double now);
-  /// The same, to a page that has waited for it.
-  void pass_on(const ToolAssignment::Change& change, double now);
+  /// Does the same, and sends a notice to the page that has waited for the tool.
+  void notify_change(const ToolAssignment::Change& change, double now);
   void release_device();
 
   PageWorld& world_;

@@ -12,8 +12,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/bytes.hpp"
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/bytes.hpp"
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 
 namespace pcavr {

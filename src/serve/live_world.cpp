@@ -14,7 +14,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "live_cycle.hpp"
 
@@ -111,7 +111,8 @@ void LiveWorld::record(SessionRecorder& recorder) noexcept { content_->cycle.rec
 Expected<std::vector<std::string>> LiveWorld::start() {
   PCAVR_REQUIRE(!content_->thread.joinable());
   std::vector<std::string> notes;
-  // Before the thread starts: mlockall takes long and blocks page faults meanwhile.
+  // Memory is locked before the thread starts: mlockall takes long and blocks page faults
+  // meanwhile.
   lock_memory(notes);
   try {
     content_->thread = std::thread([content = content_.get()] { content->run(); });

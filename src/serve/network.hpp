@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Boost.Beast takes most of a minute to compile: only server.cpp may include this header and those
-// that include it.
+// Without Boost.Beast, which takes most of a minute to compile: streams.hpp has it.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,47 +20,44 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
-#include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 
 #include "pcavr/serve/server.hpp"
 
 #include "http_handler.hpp"
 #include "live_sessions.hpp"
+#include "viewer_channels.hpp"
 
 namespace pcavr::network {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = boost::beast::http;
-namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
 using tcp = boost::asio::ip::tcp;
-using PlainStream = beast::tcp_stream;
-using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 
 [[nodiscard]] inline std::chrono::nanoseconds duration_of(double seconds) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double>(seconds));
 }
 
-/// A page's WebSocket connection, over TLS or plain TCP.
-class LivePage {
+/// A WebSocket connection, over TLS or plain TCP.
+class Client {
  public:
-  virtual ~LivePage() = default;
-  virtual void send(std::vector<std::uint8_t> message) = 0;
+  virtual ~Client() = default;
   /// Sends the newest state if no message is in flight.
   virtual void tick(double now) = 0;
   /// Closes the connection after the queued messages.
   virtual void end() = 0;
 };
 
+/// The connection of a page.
+class LivePage : public Client {
+ public:
+  virtual void send(std::vector<std::uint8_t> message) = 0;
+};
+
 /// State shared by all connections. For the network thread only, except `http_handler`.
 struct Hub {
-  Hub(const ServerOptions& server_options, PageWorld& world, std::unique_ptr<HttpHandler> handler)
+  Hub(const ServerOptions& server_options, PageWorld& world, const ContentSource& content,
+      ViewerScene scene, std::unique_ptr<HttpHandler> handler)
       : options(server_options),
         http_handler(std::move(handler)),
         sessions(
@@ -76,15 +73,18 @@ struct Hub {
               const auto page = pages.find(id);
               if (page != pages.end()) page->second->send(std::move(message));
             },
-            options.tool_timeout, options.tool_idle_time) {}
+            options.tool_timeout, options.tool_idle_time),
+        channels(world, content, std::move(scene)) {}
 
   ServerOptions options;
   std::unique_ptr<HttpHandler> http_handler;
   LiveSessions sessions;
   std::map<LiveSessions::PageId, LivePage*> pages;
+  ViewerChannels channels;
+  std::set<Client*> viewers;
   int connections = 0;
   std::map<std::string, int> connections_by_network;  ///< without those that have none
-  std::map<std::string, int> pages_by_network;        ///< admitted ones
+  std::map<std::string, int> pages_by_network;        ///< admitted ones, and viewers
   /// Declared after the above, so destroyed before: its pending handlers refer to them.
   asio::io_context io{1};
   /// Reads and compresses files; one thread, so that no file is compressed twice. Declared last, so
@@ -160,10 +160,5 @@ struct Peer {
   std::string network;  ///< see network_of
   bool is_loopback = false;
 };
-
-[[nodiscard]] inline tcp::socket& socket_of(PlainStream& stream) { return stream.socket(); }
-[[nodiscard]] inline tcp::socket& socket_of(TlsStream& stream) {
-  return stream.next_layer().socket();
-}
 
 }  // namespace pcavr::network

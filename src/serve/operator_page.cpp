@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "live_cycle.hpp"
 
@@ -35,11 +35,11 @@ class SiteBodies final : public PushedBodies {
     for (std::size_t i = 0; i < poses_.size(); ++i) poses_[i] = site_->world().T_base_object(i);
     site_ = nullptr;
   }
-  /// [m] By which the site moves the robot's tool, beside its command.
+  /// [m] Offset by which the site moves the robot's tool, beside its command.
   [[nodiscard]] Eigen::Vector3d tool_offset() const {
     return site_ != nullptr ? site_->tool_offset() : Eigen::Vector3d(Eigen::Vector3d::Zero());
   }
-  /// [m] Of the robot's tool, in the session's world.
+  /// [m] Tip of the robot's tool, in the session's world.
   [[nodiscard]] const Eigen::Vector3d& p_base_tip() const { return p_base_tip_; }
 
   [[nodiscard]] std::size_t size() const override { return names_.size(); }

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/options.hpp"
 
 #include <array>
 
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/base/core/gravity.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/scene_world.hpp"
@@ -17,15 +17,19 @@ constexpr auto kSceneWorldFields = std::to_array<OptionField<SceneWorldOptions>>
     {"tool_radius", &SceneWorldOptions::tool_radius, 0.01, 1e-4, 0.5, "m",
      "radius of the tool's tip where the replay has none",
      "lower: a scan's noise is felt; higher: the tool does not fit between objects"},
-    // Without contact, and in view.
+    // Free of contact, and so near that the first drag of the ring pushes.
+    {"start_clearance", &SceneWorldOptions::start_clearance, 0.04, 1e-3, 1.0, "m",
+     "distance of the tool from the object beside which it starts",
+     "lower: the ring lies on the object; higher: a drag is long before it pushes"},
+    // The height is free of contact, and in view.
     {"start_height", &SceneWorldOptions::start_height, 0.1, 0.0, 10.0, "m",
-     "height of the tool above the movable objects at the start",
+     "height of the tool above the movable objects, where there is no free place beside one",
      "lower: it may start in contact; higher: it starts out of reach"},
     // Measured: the proxy search runs at 1 kHz with this many.
     {"max_triangles", &SceneWorldOptions::max_triangles, 1'000'000, 1000, 100'000'000, "",
      "triangles of the mesh that is used for contact",
      "lower: a coarser level of detail is felt; higher: cycles are late on slow machines"},
-    // Above any push on a table.
+    // The force is above any push on a table.
     {"max_shown_force", &SceneWorldOptions::max_shown_force, 100.0, 0.1, 1000.0, "N",
      "limit of the displayed force where no device renders it",
      "lower: strong pushes look alike; higher: a jump of the hand hits bodies hard"},
@@ -69,7 +73,7 @@ static_assert(are_valid_fields(kHandToolFields));
 constexpr auto kLiveWorldFields = std::to_array<OptionField<LiveWorldOptions>>({
     {"cycle", &LiveWorldOptions::cycle, 0.001, 1e-4, 0.1, "s", "period of the world's thread",
      "lower: cycles are late; higher: stiff contacts are unstable to render"},
-    // Above ordinary programs, below the kernel's interrupt threads (50 and above).
+    // The priority is above ordinary programs, below the kernel's interrupt threads (50 and above).
     {"thread_priority", &LiveWorldOptions::thread_priority, 20, 1, 99, "",
      "real-time priority (SCHED_FIFO) of the world's thread",
      "lower: other real-time programs delay it; higher: it delays the kernel's threads"},
@@ -142,14 +146,14 @@ constexpr auto kServerFields = std::to_array<OptionField<ServerOptions>>({
 static_assert(are_valid_fields(kServerFields));
 
 constexpr auto kContentFields = std::to_array<OptionField<ContentOptions>>({
-    // What a headset renders at 72 Hz.
+    // A headset renders this many at 72 Hz.
     {"max_points", &ContentOptions::max_points, 500'000, 1000, 100'000'000, "",
      "points of the cloud that a page gets",
      "lower: the cloud is sparse; higher: headsets drop frames, and loading takes long"},
     {"max_cells", &ContentOptions::max_cells, 4'000'000, 1000, 100'000'000, "",
      "occupied cells that a page can draw",
      "lower: fine occupancy maps cannot be served; higher: the page runs out of memory"},
-    // Below a depth camera's resolution: finer steps would store its noise.
+    // The step is below a depth camera's resolution: finer steps would store its noise.
     {"min_point_step", &ContentOptions::min_point_step, 0.00025, 1e-6, 0.1, "m",
      "quantization of the cloud's points",
      "lower: noise is stored, and compresses badly; higher: visible steps"},

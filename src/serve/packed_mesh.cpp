@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;

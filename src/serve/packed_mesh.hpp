@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 
 namespace pcavr {
 

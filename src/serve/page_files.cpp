@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "content_text.hpp"
 

@@ -6,9 +6,12 @@
 #include <cctype>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <span>
 #include <utility>
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <sys/random.h>
 
 namespace pcavr {
@@ -16,13 +19,16 @@ namespace {
 
 // 32 characters, so that each takes five bits and all are equally likely; no 0 O 1 I.
 constexpr std::string_view kAlphabet = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789";
-// 30 bits: at thirty attempts a minute, trying half of the codes takes 34 years.
+// 30 bits: at thirty attempts a minute, trying half of the codes takes 34 years; see kMaxAttempts.
 constexpr std::size_t kCodeLength = 6;
 constexpr std::size_t kTokenBytes = 32;            // 256 bits: cannot be guessed
 constexpr std::size_t kMaxTokens = 64;             // twice the pages at the same time
 constexpr double kMinute = 60.0;                   // [s]
 constexpr std::size_t kMaxAttemptsPerAddress = 5;  // a minute: enough for typing errors
-constexpr std::size_t kMaxAttempts = 30;           // a minute, see kCodeLength
+// A minute, of all addresses, except for the first one of each: a network of 250 machines has 280,
+// and needs four years to try half of the codes.
+constexpr std::size_t kMaxAttempts = 30;
+constexpr std::size_t kNetworkBytes = 8;  // of an IPv6 address
 
 Expected<void> fill_with_random(std::span<std::uint8_t> bytes) {
   // getrandom() fills up to 256 bytes at once, or fails.
@@ -31,7 +37,7 @@ Expected<void> fill_with_random(std::span<std::uint8_t> bytes) {
                    std::string("the system gave no random numbers: ") + std::strerror(errno)};
 }
 
-/// In constant time, against timing attacks.
+/// Compares in constant time, against timing attacks.
 bool are_equal(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;
@@ -62,6 +68,16 @@ Expected<std::string> new_token() {
   return token;
 }
 
+/// One subscriber has all the addresses of an IPv6 network of 64 bits.
+std::string network_of(const std::string& address) {
+  in6_addr whole{};
+  const std::string plain = address.substr(0, address.find('%'));
+  if (::inet_pton(AF_INET6, plain.c_str(), &whole) != 1 || IN6_IS_ADDR_V4MAPPED(&whole) != 0) {
+    return address;
+  }
+  return {std::begin(whole.s6_addr), std::begin(whole.s6_addr) + kNetworkBytes};
+}
+
 }  // namespace
 
 Expected<Pairing> Pairing::create() {
@@ -85,9 +101,10 @@ bool Pairing::is_within_rate_limit(const std::string& address, double now) {
     count += entry->second.size();
     entry = entry->second.empty() ? attempts_.erase(entry) : std::next(entry);
   }
-  if (count >= kMaxAttempts) return false;
-  std::vector<double>& own = attempts_[address];
+  std::vector<double>& own = attempts_[network_of(address)];
   if (own.size() >= kMaxAttemptsPerAddress) return false;
+  // Others can't keep anyone from a first attempt.
+  if (!own.empty() && count >= kMaxAttempts) return false;
   own.push_back(now);
   return true;
 }

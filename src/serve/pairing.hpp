@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 
 namespace pcavr {
 
@@ -30,7 +30,8 @@ class Pairing {
     std::string token;  ///< if paired
   };
   /// Spaces, hyphens and case in `code` are ignored. `address` is the client's. Rate limit: five
-  /// attempts a minute for each address, thirty for all.
+  /// attempts a minute for each address (IPv6: each /64), thirty for all, except for the first one
+  /// of each.
   [[nodiscard]] Expected<Answer> pair(std::string_view code, const std::string& address,
                                       double now);
   [[nodiscard]] bool is_paired(std::string_view token) const;

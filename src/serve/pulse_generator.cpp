@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 namespace pcavr {
 namespace {

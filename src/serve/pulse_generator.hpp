@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pcavr/haptics/haptic_world.hpp"
 #include "pcavr/serve/live_world.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
 
 namespace pcavr {
 

@@ -16,7 +16,7 @@ constexpr int kQuiet = 4;  ///< [modules] of white around the code, by the stand
 constexpr std::size_t kMaxLength = 200;
 constexpr const char* kBlackOnWhite = "\x1b[38;5;16;48;5;231m";
 constexpr const char* kReset = "\x1b[0m";
-/// By whether the upper (1) and the lower module (2) are black.
+/// Characters by whether the upper (1) and the lower module (2) are black.
 constexpr std::array<const char*, 4> kBlocks{" ", "\u2580", "\u2584", "\u2588"};
 
 /// The code's modules with its border, 0: black; empty where the text is too long.

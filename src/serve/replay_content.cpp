@@ -10,9 +10,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/json_text.hpp"
+#include "pcavr/base/core/json_text.hpp"
 #include "pcavr/pipeline/identify_robot.hpp"
-#include "pcavr/robot_identification/log_checks.hpp"
+#include "pcavr/robots/robot_identification/log_checks.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 
 #include "content_text.hpp"
@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// From the first to the last stamp of a replay's data [s].
+/// Time from the first to the last stamp of a replay's data [s].
 struct ReplaySpan {
   double start = std::numeric_limits<double>::infinity();
   double end = -std::numeric_limits<double>::infinity();

@@ -8,8 +8,8 @@
 #include <limits>
 #include <set>
 
-#include "pcavr/core/raw_bytes.hpp"
-#include "pcavr/geometry/matched_poses.hpp"
+#include "pcavr/base/core/raw_bytes.hpp"
+#include "pcavr/base/geometry/matched_poses.hpp"
 
 namespace pcavr {
 namespace {
@@ -76,7 +76,8 @@ std::vector<std::size_t> kept_rows(const std::vector<ShownPose>& shown,
   return kept;
 }
 
-/// Of the rows [first, last): the first, and the extremes of both curves (min-max decimation).
+/// The first of the rows [first, last), and the extremes of both curves in them (min-max
+/// decimation).
 std::set<std::size_t> envelope(const std::vector<ForceRow>& forces, std::size_t first,
                                std::size_t last) {
   std::set<std::size_t> rows{first};

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/joint_log.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/joint_log.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 namespace pcavr {
 
@@ -30,7 +30,7 @@ class ReplayTables {
 
   ReplayTable add_predicted(const std::vector<ShownPose>& shown, const std::vector<double>& keep);
   ReplayTable add_tracked(const std::vector<TrackedPose>& tracked);
-  /// Of one object, by ascending time; a row of NaN marks a gap in the contact.
+  /// Adds the forces of one object, by ascending time; a row of NaN marks a gap in the contact.
   ReplayTable add_force(const std::vector<ForceRow>& forces);
   /// Distance of the predicted from the tracked pose, at the stamps of the latter.
   struct Error {

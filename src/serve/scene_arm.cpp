@@ -4,9 +4,9 @@
 
 #include <utility>
 
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/robot/urdf.hpp"
-#include "pcavr/robot_identification/log_checks.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
+#include "pcavr/robots/robot_identification/log_checks.hpp"
 
 namespace pcavr {
 namespace {

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/json_text.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/scene/glb_file.hpp"
-#include "pcavr/scene/scene_text.hpp"
+#include "pcavr/base/core/json_text.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/perception/scene/glb_file.hpp"
+#include "pcavr/perception/scene/scene_text.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 
 #include "content_text.hpp"
@@ -58,7 +58,7 @@ Expected<void> make_level(Item& item, const std::filesystem::path& file,
   return {};
 }
 
-/// Without a node of this name the page gets no file.
+/// The page gets no file if there is no node of this name.
 Expected<void> make_unseen_support(Item& item, const std::filesystem::path& file,
                                    const ContentOptions& options) {
   Expected<NodeGlb> mesh = read_node_glb(file, kUnseenSupportNode, "texture.jpg");

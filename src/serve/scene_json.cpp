@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "pcavr/object/parameters_file.hpp"
-#include "pcavr/scene/guard_surface.hpp"
+#include "pcavr/perception/scene/guard_surface.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/scene_content.hpp"
 
@@ -87,7 +87,7 @@ Json joint_json(const RobotJoint& joint) {
   return json;
 }
 
-/// What the page needs for forward kinematics, and the links' meshes.
+/// Data that the page needs for forward kinematics, and the links' meshes.
 Json robot_json(const SceneArm& arm, const SceneRobotEntry& entry, const SceneFiles& files) {
   Json json = {{"name", arm.model.name}, {"tip", entry.tip}};
   add_pose(json, arm.T_base_robot);

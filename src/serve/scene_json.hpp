@@ -9,10 +9,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/geometry/trajectory.hpp"
-#include "pcavr/object/object_parameters.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/geometry/trajectory.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/physics/object/object_parameters.hpp"
 #include "pcavr/serve/scene_arm.hpp"
 
 namespace pcavr {

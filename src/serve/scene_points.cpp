@@ -10,11 +10,11 @@
 #include <numeric>
 #include <vector>
 
-#include "pcavr/core/raw_bytes.hpp"
-#include "pcavr/geometry/mesh.hpp"
-#include "pcavr/geometry/pixel.hpp"
-#include "pcavr/scene/octomap_file.hpp"
-#include "pcavr/scene/ply_file.hpp"
+#include "pcavr/base/core/raw_bytes.hpp"
+#include "pcavr/base/geometry/mesh.hpp"
+#include "pcavr/base/geometry/pixel.hpp"
+#include "pcavr/perception/scene/octomap_file.hpp"
+#include "pcavr/perception/scene/ply_file.hpp"
 
 namespace pcavr {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/serve/content.hpp"
 
 namespace pcavr {

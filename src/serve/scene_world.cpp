@@ -10,26 +10,18 @@
 #include <string>
 #include <utility>
 
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/perception/scene/glb_file.hpp"
+#include "pcavr/perception/scene/scene.hpp"
+#include "pcavr/physics/prediction/body_physics.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
 #include "pcavr/pipeline/scanned_surface.hpp"
-#include "pcavr/prediction/body_physics.hpp"
-#include "pcavr/scene/glb_file.hpp"
-#include "pcavr/scene/scene.hpp"
+
+#include "scene_level.hpp"
+#include "serve/tool_start.hpp"
 
 namespace pcavr {
 namespace {
-
-bool is_seen(const SceneObjectEntry& object) { return object.evidence != kNotSeen; }
-
-/// A level of detail: its file's axes are a viewer's (glTF: y up).
-Expected<TriangleMesh> read_level(const std::filesystem::path& file) {
-  const Expected<GlbContent> glb = read_glb(file);
-  if (!glb) return glb.error();
-  Expected<TriangleMesh> mesh_viewer = read_mesh(file);
-  if (!mesh_viewer) return mesh_viewer;
-  return transformed(glb->T_viewer_root.inverse(), *mesh_viewer);
-}
 
 Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles,
                                    SceneWorld& world) {
@@ -45,7 +37,7 @@ Expected<TriangleMesh> static_mesh(const SceneManifest& scene, int max_triangles
     }
     world.notes.push_back("using " + scene.levels_of_detail[i].string() +
                           " for contact: mesh.ply has more than " + limit);
-    mesh = read_level(scene.folder / scene.levels_of_detail[i]);
+    mesh = read_scene_level(scene.folder / scene.levels_of_detail[i]);
   }
   return mesh;
 }
@@ -79,21 +71,26 @@ void append(const TriangleMesh& part, TriangleMesh& mesh) {
   }
 }
 
-/// The guards' surfaces; an Error where the tool would start inside one.
-Expected<void> add_guards(const SceneManifest& scene, double tool_radius, SceneWorld& world) {
+Expected<void> add_guards(const SceneManifest& scene, SceneWorld& world) {
   for (const GuardSurface& guard : scene.guards) {
-    const Expected<bool> is_inside =
-        is_guarded(guard, scene.folder, world.p_base_tool_start, tool_radius);
-    if (!is_inside) return is_inside.error();
-    if (*is_inside) {
-      return Error{.message = "guard " + guard.name + " encloses the tool's start",
-                   .file = (scene.folder / "scene.yaml").string(),
-                   .place = "guards",
-                   .hint = "make the guard smaller, or raise serve.scene.start_height"};
-    }
     const Expected<TriangleMesh> mesh = guard_mesh(guard, scene.folder);
     if (!mesh) return mesh.error();
     append(*mesh, world.model.guard_mesh_base);
+  }
+  return {};
+}
+
+/// An Error where the tool would start inside a guard.
+Expected<void> check_start(const SceneManifest& scene, const SceneWorld& world) {
+  for (const GuardSurface& guard : scene.guards) {
+    const Expected<bool> is_inside =
+        is_guarded(guard, scene.folder, world.p_base_tool_start, world.model.world.tool_radius);
+    if (!is_inside) return is_inside.error();
+    if (!*is_inside) continue;
+    return Error{.message = "guard " + guard.name + " encloses the tool's start",
+                 .file = (scene.folder / "scene.yaml").string(),
+                 .place = "guards",
+                 .hint = "make the guard smaller, or raise serve.scene.start_height"};
   }
   return {};
 }
@@ -112,9 +109,9 @@ std::optional<Eigen::Vector3d> start_before_scan(const SceneManifest& scene,
   return T_base_camera.translation() + 0.5 * static_cast<double>(hit->distance) * axis;
 }
 
-/// Above the middle of the bodies; without any in front of the scan, or above it.
-Eigen::Vector3d tool_start(const SceneManifest& scene, const WorldModel& world,
-                           double start_height) {
+/// Start above the middle of the bodies; without any in front of the scan, or above it.
+Eigen::Vector3d start_above_bodies(const SceneManifest& scene, const WorldModel& world,
+                                   double start_height) {
   if (world.bodies.empty() && !world.static_mesh_base.triangles.empty()) {
     if (const auto start = start_before_scan(scene, world.static_mesh_base)) return *start;
   }
@@ -128,7 +125,30 @@ Eigen::Vector3d tool_start(const SceneManifest& scene, const WorldModel& world,
   return {middle.x(), middle.y(), box.max().z() + start_height};
 }
 
+/// Start beside a body, where a level motion pushes it. An arm starts above the bodies: its links
+/// need more room than the tip.
+Eigen::Vector3d tool_start(const SceneManifest& scene, const SceneWorldOptions& options,
+                           const HapticWorldModel& model) {
+  const auto is_in_guard = [&](const Eigen::Vector3d& place) {
+    return std::any_of(scene.guards.begin(), scene.guards.end(), [&](const GuardSurface& guard) {
+      const auto is_inside = is_guarded(guard, scene.folder, place, options.tool_radius);
+      return is_inside && *is_inside;
+    });
+  };
+  std::optional<Eigen::Vector3d> beside;
+  if (!scene.robot) beside = tool_start_beside_body(model, options.start_clearance, is_in_guard);
+  return beside.value_or(start_above_bodies(scene, model.world, options.start_height));
+}
+
 }  // namespace
+
+Expected<TriangleMesh> read_scene_level(const std::filesystem::path& file) {
+  const Expected<GlbContent> glb = read_glb(file);
+  if (!glb) return glb.error();
+  Expected<TriangleMesh> mesh_viewer = read_mesh(file);
+  if (!mesh_viewer) return mesh_viewer;
+  return transformed(glb->T_viewer_root.inverse(), *mesh_viewer);
+}
 
 Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
                                       const SceneWorldOptions& options) {
@@ -145,11 +165,10 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
   world.model.world.options = options.world;
   world.model.options = options.haptics;
   world.model.force = options.force;
+  for (const NotFoundObject& object : scene.not_found) {
+    world.notes.push_back(object.to_string());
+  }
   for (const SceneObjectEntry& object : scene.objects) {
-    if (!is_seen(object)) {
-      world.notes.push_back(object.name + " was not seen when the scene was built: ignored");
-      continue;
-    }
     const Expected<void> added = add_object(scene, object, *known, options, world);
     if (!added) return added.error();
   }
@@ -157,9 +176,11 @@ Expected<SceneWorld> make_scene_world(const SceneManifest& scene,
     world.model.supports_base.push_back(plane.outline_base);
   }
   world.triangles = world.model.world.static_mesh_base.triangles.size();
-  world.p_base_tool_start = tool_start(scene, world.model.world, options.start_height);
-  const Expected<void> guarded = add_guards(scene, options.tool_radius, world);
+  const Expected<void> guarded = add_guards(scene, world);
   if (!guarded) return guarded.error();
+  world.p_base_tool_start = tool_start(scene, options, world.model);
+  const Expected<void> started = check_start(scene, world);
+  if (!started) return started.error();
   return world;
 }
 

@@ -3,55 +3,21 @@
 #include "pcavr/serve/server.hpp"
 
 #include <chrono>
+#include <csignal>
 #include <optional>
 #include <utility>
 
 #include <boost/asio/ssl/context.hpp>
-#include <boost/beast/core/detect_ssl.hpp>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
-#include "http_session.hpp"
 #include "network.hpp"
+#include "session.hpp"
 
 namespace pcavr {
 namespace {
 
 using namespace network;
-
-/// Detects by the first bytes whether a client on a TLS port uses TLS or plain HTTP.
-class TlsDetector final : public std::enable_shared_from_this<TlsDetector> {
- public:
-  TlsDetector(Hub& hub, asio::ssl::context& tls, tcp::socket&& socket, Peer peer)
-      : hub_(hub), tls_(tls), stream_(std::move(socket)), peer_(std::move(peer)) {}
-
-  void detect() {
-    stream_.expires_after(duration_of(hub_.options.read_timeout));
-    beast::async_detect_ssl(stream_, buffer_,
-                            [self = shared_from_this()](error_code fault, bool is_tls) {
-                              if (!fault) self->start_session(is_tls);
-                            });
-  }
-
- private:
-  void start_session(bool is_tls) {
-    if (!is_tls) {
-      std::make_shared<HttpSession<PlainStream>>(hub_, std::move(stream_), std::move(buffer_),
-                                                 std::move(peer_), true)
-          ->begin();
-      return;
-    }
-    std::make_shared<HttpSession<TlsStream>>(hub_, TlsStream(std::move(stream_), tls_),
-                                             std::move(buffer_), std::move(peer_), false)
-        ->begin();
-  }
-
-  Hub& hub_;
-  asio::ssl::context& tls_;
-  PlainStream stream_;
-  Peer peer_;
-  beast::flat_buffer buffer_;
-};
 
 Error cannot_listen(const ServerOptions& options, const error_code& fault) {
   Error error{.message = "can't listen: " + fault.message(),
@@ -143,9 +109,10 @@ Expected<void> listen(tcp::acceptor& acceptor, const tcp::endpoint& endpoint,
 
 }  // namespace
 
-struct LiveServer::Impl {
-  Impl(const ServerOptions& options, PageWorld& world, std::unique_ptr<HttpHandler> http_handler)
-      : hub(options, world, std::move(http_handler)) {}
+struct LiveServer::State {
+  State(const ServerOptions& options, PageWorld& world, const ContentSource& content,
+        ViewerScene viewer, std::unique_ptr<HttpHandler> http_handler)
+      : hub(options, world, content, std::move(viewer), std::move(http_handler)) {}
 
   void accept() {
     acceptor.async_accept([this](error_code fault, tcp::socket socket) {
@@ -178,13 +145,8 @@ struct LiveServer::Impl {
     }
     Peer peer{std::make_shared<Connection>(hub, network), remote.address().to_string(), network,
               remote.address().is_loopback()};
-    if (tls) {
-      std::make_shared<TlsDetector>(hub, *tls, std::move(socket), std::move(peer))->detect();
-      return;
-    }
-    std::make_shared<HttpSession<PlainStream>>(hub, PlainStream(std::move(socket)),
-                                               beast::flat_buffer{}, std::move(peer), false)
-        ->begin();
+    if (tls) return begin_tls_session(hub, *tls, std::move(socket), std::move(peer));
+    begin_plain_session(hub, std::move(socket), std::move(peer));
   }
 
   /// Non-blocking, without a session.
@@ -203,6 +165,8 @@ struct LiveServer::Impl {
     hub.sessions.check_timeouts(now);
     // A page is removed from the list when its last handler has run, so not in this loop.
     for (const auto& [id, page] : hub.pages) page->tick(now);
+    hub.channels.update(now);
+    for (Client* viewer : hub.viewers) viewer->tick(now);
     next_tick += std::chrono::duration_cast<std::chrono::steady_clock::duration>(
         std::chrono::duration<double>(1.0 / hub.options.rate));
     next_tick = std::max(next_tick, std::chrono::steady_clock::now());
@@ -217,14 +181,19 @@ struct LiveServer::Impl {
     acceptor.close(ignored);
     timer.cancel();
     for (const auto& [id, page] : hub.pages) page->end();
+    for (Client* viewer : hub.viewers) viewer->end();
     retry.expires_after(duration_of(hub.options.shutdown_timeout));
     retry.async_wait([this](error_code) { hub.io.stop(); });
   }
 
-  /// Before the server is announced: a signal may follow at once.
+  /// Called before the server is announced: a signal may follow at once.
   void install_signal_handlers() {
     signals.add(SIGINT);
     signals.add(SIGTERM);
+    // A closed terminal sends SIGHUP, unless nohup has it ignored.
+    struct sigaction hangup {};
+    ::sigaction(SIGHUP, nullptr, &hangup);
+    if (hangup.sa_handler != SIG_IGN) signals.add(SIGHUP);
     signals.async_wait([this](error_code fault, int) {
       if (!fault) shutdown_gracefully();
     });
@@ -256,7 +225,7 @@ Expected<void> check_server(const ServerOptions& options) {
 }
 
 Expected<LiveServer> LiveServer::open(const ServerOptions& options, PageWorld& world,
-                                      const ContentSource& content) {
+                                      const ContentSource& content, ViewerScene viewer) {
   PCAVR_REQUIRE(options.rate >= 1.0 && options.rate <= 1000.0, options.rate);
   PCAVR_REQUIRE(options.max_write_time > 0.0, options.max_write_time);
   PCAVR_REQUIRE(options.min_download_rate > 0.0, options.min_download_rate);
@@ -269,29 +238,29 @@ Expected<LiveServer> LiveServer::open(const ServerOptions& options, PageWorld& w
   ServerInfo info{options.version, options.scene, options.is_replay, machine_names(),
                   !endpoint->address().is_loopback()};
   info.host_names.insert(info.host_names.end(), setup->names.begin(), setup->names.end());
-  auto impl = std::make_unique<Impl>(
-      options, world,
+  auto state = std::make_unique<State>(
+      options, world, content, std::move(viewer),
       std::make_unique<HttpHandler>(std::move(info), content, options.page, std::move(*pairing)));
-  impl->tls = std::move(setup->tls);
-  const Expected<void> listening = listen(impl->acceptor, *endpoint, options);
+  state->tls = std::move(setup->tls);
+  const Expected<void> listening = listen(state->acceptor, *endpoint, options);
   if (!listening) return listening.error();
-  if (options.ends_on_signals) impl->install_signal_handlers();
-  return LiveServer(std::move(impl));
+  if (options.ends_on_signals) state->install_signal_handlers();
+  return LiveServer(std::move(state));
 }
 
-LiveServer::LiveServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LiveServer::LiveServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 LiveServer::LiveServer(LiveServer&&) noexcept = default;
 LiveServer& LiveServer::operator=(LiveServer&&) noexcept = default;
 LiveServer::~LiveServer() = default;
 
 std::uint16_t LiveServer::port() const {
   error_code ignored;
-  return impl_->acceptor.local_endpoint(ignored).port();
+  return state_->acceptor.local_endpoint(ignored).port();
 }
-const std::string& LiveServer::pairing_code() const { return impl_->hub.http_handler->code(); }
-void LiveServer::run() { impl_->run(); }
+const std::string& LiveServer::pairing_code() const { return state_->hub.http_handler->code(); }
+void LiveServer::run() { state_->run(); }
 void LiveServer::stop() {
-  asio::post(impl_->hub.io, [impl = impl_.get()] { impl->shutdown_gracefully(); });
+  asio::post(state_->hub.io, [state = state_.get()] { state->shutdown_gracefully(); });
 }
 
 }  // namespace pcavr

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "pcavr/core/json_text.hpp"
+#include "pcavr/base/core/json_text.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 
 #include "link_wire.hpp"
@@ -96,7 +96,7 @@ void write_arm(const LiveArmState& arm, ByteWriter& writer) {
   for (const float position : arm.position) writer.f32(position);
 }
 
-/// Of the next `bytes`; nothing if they are not exactly an arm.
+/// Reads an arm from the next `bytes`; nothing if they are not exactly an arm.
 std::optional<LiveArmState> read_arm(ByteReader& reader, std::size_t bytes) {
   LiveArmState arm;
   const auto count = reader.integer<std::uint32_t>();

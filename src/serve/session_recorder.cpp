@@ -5,14 +5,19 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <optional>
+#include <span>
 #include <system_error>
 #include <thread>
 #include <utility>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/geometry/trajectory.hpp"
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/line_counts.hpp"
+#include "pcavr/recordings/recording/manifest.hpp"
+#include "pcavr/recordings/recording/trajectory_rows.hpp"
+
+#include "serve/growing_file.hpp"
 
 namespace pcavr {
 namespace fs = std::filesystem;
@@ -25,6 +30,15 @@ constexpr std::chrono::milliseconds kWait{50};  // between two looks at the queu
 // The tool's z points down: a half turn about x.
 const Eigen::Quaterniond kDownwards(0.0, 1.0, 0.0, 0.0);
 
+constexpr char kToolFile[] = "tool.csv";
+constexpr char kWrenchFile[] = "wrench.csv";
+constexpr char kRecordingManifest[] = "recording.yaml";
+constexpr std::size_t kTool = 0, kWrench = 1;  // of the growing files
+
+fs::path tracked_file(const std::string& object) {
+  return fs::path("tracked/objects") / object / "tracked.txt";
+}
+
 struct Slot {
   double t = 0.0;
   Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();
@@ -32,7 +46,7 @@ struct Slot {
   bool has_bodies = false;
 };
 
-/// On a body its model's force; on the scan what the hand feels.
+/// Force of the touched body's model; on the scan the force that the hand feels.
 Eigen::Vector3d force_of_tip(const HapticWorldState& state) {
   if (!state.touched_body) return -state.force_base;
   return state.bodies[*state.touched_body].tool_force_base;
@@ -62,21 +76,39 @@ struct SessionRecorder::Content {
         radius(tool_radius),
         slots(kSlots),
         poses(kSlots * bodies),
+        first(bodies),
         tracked(bodies) {}
 
   /// Takes over what is in the queue.
   void drain() {
     const std::size_t end = written.load(std::memory_order_acquire);
     for (std::size_t i = taken.load(std::memory_order_relaxed); i != end; ++i) {
-      const Slot& slot = slots[i % kSlots];
-      const Stamp stamp = Stamp::from_seconds(slot.t);
-      tool.append(stamp, Pose(kDownwards, slot.p_base_tip));
-      wrench.push_back({stamp, slot.force_base, Eigen::Vector3d::Zero()});
-      for (std::size_t body = 0; slot.has_bodies && body < tracked.size(); ++body) {
-        tracked[body].append(stamp, poses[(i % kSlots) * tracked.size() + body]);
-      }
+      append(slots[i % kSlots],
+             std::span(poses).subspan((i % kSlots) * first.size(), first.size()));
       taken.store(i + 1, std::memory_order_release);
     }
+    for (GrowingFile& file : files) file.write();
+  }
+
+  void append(const Slot& slot, std::span<const Pose> T_base_bodies) {
+    const Stamp stamp = Stamp::from_seconds(slot.t);
+    begin = begin.value_or(stamp);
+    newest = stamp;
+    append_tool_row(files[kTool].rows(), stamp, Pose(kDownwards, slot.p_base_tip));
+    append_wrench_row(files[kWrench].rows(), {stamp, slot.force_base, Eigen::Vector3d::Zero()});
+    if (!slot.has_bodies) return;
+    if (!first.empty() && !first.front()) {
+      first.assign(T_base_bodies.begin(), T_base_bodies.end());
+      write_fault(write_file(folder / kRecordingManifest, format_manifest(manifest())));
+    }
+    for (std::size_t body = 0; body < first.size(); ++body) {
+      if (!tracked[body]) continue;
+      append_trajectory_row(files[*tracked[body]].rows(), stamp, T_base_bodies[body]);
+    }
+  }
+
+  void write_fault(const Expected<void>& done) {
+    if (!done && !fault) fault = done.error();
   }
 
   [[nodiscard]] Manifest manifest() const {
@@ -88,9 +120,7 @@ struct SessionRecorder::Content {
                                    .mesh = object.mesh,
                                    .mass = object.mass,
                                    .is_movable = object.is_movable,
-                                   .T_base_object = tracked[body].empty()
-                                                        ? object.T_base_object
-                                                        : tracked[body].poses().front().pose});
+                                   .T_base_object = first[body].value_or(object.T_base_object)});
     }
     return described;
   }
@@ -101,19 +131,20 @@ struct SessionRecorder::Content {
     return *found;
   }
 
-  [[nodiscard]] Expected<void> write_body(const fs::path& folder, std::size_t body) const {
+  /// The body's mesh, and its poses without rows.
+  [[nodiscard]] Expected<void> prepare_body(const fs::path& to, std::size_t body) const {
     const SceneObjectEntry& object = entry(body);
-    Expected<void> done = copy_mesh(scene.folder / object.mesh, folder / object.mesh);
+    Expected<void> done = copy_mesh(scene.folder / object.mesh, to / object.mesh);
     if (!done || !object.is_movable) return done;
-    const fs::path file = folder / "tracked/objects" / object.name / "tracked.txt";
+    const fs::path file = to / tracked_file(object.name);
     done = make_parent(file);
-    return done ? write_file(file, format_trajectory(tracked[body])) : done;
+    return done ? write_file(file, trajectory_header()) : done;
   }
 
   SceneManifest scene;
   std::vector<std::string> names = {};
   double radius;
-  // Of the queue: slots[taken, written), modulo their number.
+  // The queue: slots[taken, written), modulo their number.
   std::vector<Slot> slots;
   std::vector<Pose> poses;  ///< of all bodies, slot by slot
   std::atomic<std::size_t> written{0};
@@ -121,10 +152,13 @@ struct SessionRecorder::Content {
   std::atomic<std::size_t> dropped{0};
   double next_tool = 0.0;  ///< [s] of add()'s thread
   double next_body = 0.0;
-  // Of the draining thread.
-  Trajectory tool;
-  std::vector<WrenchSample> wrench;
-  std::vector<Trajectory> tracked;
+  // The following belong to the draining thread.
+  fs::path folder;
+  std::vector<GrowingFile> files;                   ///< kTool, kWrench, and those of tracked
+  std::vector<std::optional<Pose>> first;           ///< of each body
+  std::vector<std::optional<std::size_t>> tracked;  ///< index of each body's file, if it moves
+  std::optional<Stamp> begin, newest;
+  std::optional<Error> fault;
   std::atomic<bool> is_ending{false};
   std::thread thread;
 };
@@ -133,7 +167,29 @@ SessionRecorder::SessionRecorder(const SceneManifest& scene, const std::vector<s
                                  double tool_radius)
     : content_(std::make_unique<Content>(scene, names.size(), tool_radius)) {
   content_->names = names;
-  content_->thread = std::thread([content = content_.get()] {
+}
+
+Expected<void> SessionRecorder::prepare(const fs::path& folder) const {
+  const Content& c = *content_;
+  Expected<void> done = write_file(folder / kToolFile, tool_header());
+  if (done) done = write_file(folder / kWrenchFile, wrench_header());
+  for (std::size_t body = 0; done && body < c.names.size(); ++body) {
+    done = c.prepare_body(folder, body);
+  }
+  return done ? write_file(folder / kRecordingManifest, format_manifest(c.manifest())) : done;
+}
+
+void SessionRecorder::start(const fs::path& folder) {
+  Content& c = *content_;
+  c.folder = folder;
+  c.files.emplace_back(folder / kToolFile);
+  c.files.emplace_back(folder / kWrenchFile);
+  for (std::size_t body = 0; body < c.names.size(); ++body) {
+    if (!c.entry(body).is_movable) continue;
+    c.tracked[body] = c.files.size();
+    c.files.emplace_back(folder / tracked_file(c.names[body]));
+  }
+  c.thread = std::thread([content = content_.get()] {
     while (!content->is_ending.load(std::memory_order_relaxed)) {
       content->drain();
       std::this_thread::sleep_for(kWait);
@@ -144,6 +200,7 @@ SessionRecorder::SessionRecorder(const SceneManifest& scene, const std::vector<s
 SessionRecorder::~SessionRecorder() {
   content_->is_ending = true;
   if (content_->thread.joinable()) content_->thread.join();
+  if (!content_->files.empty()) content_->drain();
 }
 
 void SessionRecorder::add(double t, const HapticWorldState& state) noexcept {
@@ -166,23 +223,17 @@ void SessionRecorder::add(double t, const HapticWorldState& state) noexcept {
   c.written.store(next + 1, std::memory_order_release);
 }
 
-Expected<SessionRecorder::Summary> SessionRecorder::finish(const fs::path& folder) {
+Expected<SessionRecorder::Summary> SessionRecorder::finish() {
   Content& c = *content_;
+  PCAVR_REQUIRE(!c.files.empty());
   c.is_ending = true;
   if (c.thread.joinable()) c.thread.join();
   c.drain();
-  RecordingWriter writer(folder, c.manifest());
-  Expected<void> done = writer.write_tool(c.tool);
-  if (done) done = writer.write_wrench(c.wrench);
-  for (std::size_t body = 0; done && body < c.names.size(); ++body) {
-    done = c.write_body(folder, body);
-  }
-  if (done) done = writer.finish();
-  if (!done) return done.error();
+  for (GrowingFile& file : c.files) c.write_fault(file.finish());
+  if (!c.fault) c.write_fault(write_line_counts(c.folder));
+  if (c.fault) return *c.fault;
   Summary summary{.dropped = c.dropped.load()};
-  if (!c.wrench.empty()) {
-    summary.duration = to_seconds(c.wrench.back().stamp - c.wrench.front().stamp);
-  }
+  if (c.begin) summary.duration = to_seconds(*c.newest - *c.begin);
   return summary;
 }
 

@@ -9,15 +9,15 @@
 
 namespace pcavr {
 
-/// Which page has the tool, and which ask for it. Without messages; times [s] ascend.
+/// The page that has the tool, and those that ask for it. Sends no messages; times [s] ascend.
 ///
-/// A page that asks gets a free tool at once. One that another page uses goes to the first that
-/// asks when that page hands it over, releases it, leaves, or has not held the clutch for the idle
-/// time; unless it refuses.
+/// A page that asks gets a free tool at once. A tool that another page uses goes to the first that
+/// asks when its holder hands it over, releases it, leaves, or has not held the clutch for the idle
+/// time; unless the holder refuses.
 class ToolAssignment {
  public:
   using PageId = std::uint32_t;
-  /// What has become of the tool. Without `to` it is free.
+  /// A change of the tool's holder. Without `to` the tool is free.
   struct Change {
     enum class Reason { taken, handed_over, idle, silent };
     Reason reason = Reason::taken;
@@ -42,15 +42,15 @@ class ToolAssignment {
   [[nodiscard]] Answer request(PageId page, double now);
   /// The page gives the tool back, or no longer asks. True if it had it.
   bool release(PageId page);
-  /// As release(), of a page that has disconnected.
+  /// Does the same as release() for a page that has disconnected.
   bool leave(PageId page);
-  /// By the holder, to the first that asks; nothing if none does.
+  /// The holder hands the tool over to the first that asks; nothing if none does.
   [[nodiscard]] std::optional<Change> hand_over(PageId holder, double now);
-  /// By the holder; returns the pages that have asked.
+  /// The holder refuses all requests; returns the pages that have asked.
   [[nodiscard]] std::deque<PageId> refuse(PageId holder, double now);
   /// The page has moved the tool. Only for the holder.
   void use(bool is_engaged, double now);
-  /// What is due, one change a call.
+  /// The change that is due; one a call.
   [[nodiscard]] std::optional<Change> update(double now);
 
  private:

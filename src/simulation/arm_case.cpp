@@ -7,10 +7,10 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot/inverse_kinematics.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot/inverse_kinematics.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "simulation/arm_description.hpp"
 
@@ -20,10 +20,10 @@ namespace {
 constexpr std::uint64_t kArmStream = 90;
 constexpr double kStylusLength = 0.13;  ///< from the flange to the tip's centre [m]
 
-/// On the table, behind the row of bodies and between them: both are within reach.
+/// Place on the table, behind the row of bodies and between them: both are within reach.
 const Eigen::Vector3d kRobotBase(0.32, -0.04, 0.0);
 
-/// Typical of arms of this size with strain wave gears; ours, by axis.
+/// Values that are typical of arms of this size with strain wave gears; ours, by axis.
 struct AxisRange {
   double rotor;           ///< inertia seen from the joint [kg m^2]
   double friction;        ///< Coulomb [N m]
@@ -48,7 +48,7 @@ PlantJoint make_joint(const AxisRange& axis, Random& random) {
   return joint;
 }
 
-/// What a data sheet states of the gears: the actual ones differ by up to 20 %.
+/// Data sheet of the gears: the actual ones differ by up to 20 %.
 std::string transmissions() {
   std::string text;
   for (std::size_t i = 0; i < kAxes.size(); ++i) {

@@ -16,9 +16,10 @@ namespace pcavr::simulation {
 [[nodiscard]] std::string arm_description(double tip_radius);
 inline constexpr char kArmTip[] = "tip";
 
-/// That arm on the table of the simulated scenes, its tip at `p_base_start` [m] and pointing down.
-/// By seed: masses within 5 % and centres of mass within 5 mm of the description's, rotor inertias,
-/// joint friction, gears, and how much of the friction the controller knows.
+/// The arm of that description on the table of the simulated scenes, its tip at `p_base_start` [m]
+/// and pointing down. The seed determines masses within 5 % and centres of mass within 5 mm of the
+/// description's, rotor inertias, joint friction, gears, and how much of the friction the
+/// controller knows.
 [[nodiscard]] PlantArm make_arm(std::uint64_t seed, double tip_radius,
                                 const Eigen::Vector3d& p_base_start);
 

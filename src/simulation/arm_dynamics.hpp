@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/robot/inverse_kinematics.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/robots/robot/inverse_kinematics.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
 #include "pcavr/simulation/plant_arm.hpp"
 
 #include "simulation/bristles.hpp"

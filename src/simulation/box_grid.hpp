@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 
 /// The layout of more than two movable boxes: small ones in a grid of four columns along base y.
 /// Each has room to be pushed along its y by some centimetres and back, with the tip on either

@@ -24,7 +24,7 @@ struct BristleLaw {
   [[nodiscard]] double stiffness() const { return static_coefficient / breakaway_deflection; }
 };
 
-/// Below this ratio of the breakaway deflection, bristles are elastic and do not slip (z_ba /
+/// Ratio of the breakaway deflection below which bristles are elastic and do not slip (z_ba /
 /// z_ss).
 inline constexpr double kElasticRatio = 0.97;
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "simulation/box_grid.hpp"
 
@@ -57,7 +57,7 @@ CameraPath::CameraPath(const SimulationCase& simulation, std::uint64_t seed)
   }
   // A hand moves a camera at up to 0.3 m/s and 20 degrees/s: periods of several seconds.
   azimuth_ = sinusoid(0.0, 26.0 * kDegree, 6.5, 8.0);
-  // Down at the table; where there is a tag on the wall too, high enough to see it.
+  // The camera looks down at the table; if there is a tag on the wall too, high enough to see it.
   const bool sees_wall = simulation.base_tags >= 2;
   elevation_ = sinusoid((sees_wall ? 27.0 : 36.0) * kDegree, 5.0 * kDegree, 4.0, 6.0);
   distance_ = sinusoid(sees_wall ? 1.15 : 0.92, 0.10, 5.0, 7.0);

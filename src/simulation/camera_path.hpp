@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 #include "pcavr/simulation/simulate.hpp"
 
 namespace pcavr::simulation {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/image.hpp"
+#include "pcavr/base/geometry/image.hpp"
 
 namespace pcavr::simulation {
 

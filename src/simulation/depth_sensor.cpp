@@ -131,7 +131,8 @@ class Measurement {
             std::clamp(v, 0, frame_.depth.height() - 1)};
   }
 
-  /// Where the ray meets the plane of the surface that pixel (u, v) sees [m]; 0 if it sees none.
+  /// Depth at which the ray meets the plane of the surface that pixel (u, v) sees [m]; 0 if it sees
+  /// none.
   [[nodiscard]] double plane_depth(int u, int v, const Eigen::Vector3d& ray) const {
     const double z = frame_.depth(u, v);
     if (z <= 0.0) return 0.0;

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "pcavr/geometry/camera.hpp"
-#include "pcavr/geometry/depth_noise.hpp"
-#include "pcavr/geometry/image.hpp"
+#include "pcavr/base/geometry/camera.hpp"
+#include "pcavr/base/geometry/depth_noise.hpp"
+#include "pcavr/base/geometry/image.hpp"
 
 #include "simulation/renderer.hpp"
 

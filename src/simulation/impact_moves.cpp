@@ -87,7 +87,7 @@ void set_impact(double speed, double mass, double duration, double restitution,
                 PlantParameters& parameters) {
   const double n = parameters.contact_exponent;
   const double unit = unit_damping(n, restitution);
-  // In units of the length L = (m v^2 / k)^(1/(n+1)) and the time L / v.
+  // The impact is computed in units of the length L = (m v^2 / k)^(1/(n+1)) and the time L / v.
   const double length = speed * duration / unit_bounce(n, unit).duration;
   parameters.contact_stiffness = mass * speed * speed / std::pow(length, n + 1.0);
   parameters.contact_damping = unit * parameters.contact_stiffness / speed;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot/link_meshes.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot/link_meshes.hpp"
 
 #include "simulation/box_grid.hpp"
 #include "simulation/clutter.hpp"
@@ -81,7 +81,8 @@ Expected<void> add_base_tags(World& world, const SimulationCase& simulation, Ran
                              Occupancy& occupancy) {
   Body& room = world.bodies.front();
   if (simulation.base_tags >= 1) {
-    // In front of the boxes for a fixed camera, or where they fill the table; else next to them.
+    // The tag is in front of the boxes for a fixed camera, or where they fill the table; else next
+    // to them.
     Eigen::Vector3d position =
         simulation.task != ToolTask::none
             ? Eigen::Vector3d(random.uniform(0.93, 0.97), random.uniform(-0.05, 0.05), 0.0)

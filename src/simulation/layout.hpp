@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
 #include "pcavr/simulation/plant.hpp"
 #include "pcavr/simulation/simulate.hpp"
 

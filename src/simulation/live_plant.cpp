@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/simulation/live_plant.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <optional>
 #include <utility>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "simulation/plant_dynamics.hpp"
 #include "simulation/plant_phases.hpp"
@@ -141,13 +142,21 @@ LivePlant::~LivePlant() = default;
 
 void LivePlant::step(const Eigen::Vector3d& p_base_command, LivePlantSamples& samples) {
   Content& c = *content_;
+  if (!is_finite()) return;
   if (!c.phases.empty()) c.keep_state();
   c.measure_tool(samples);
   c.track(samples);
   const Content::Wrench mean =
       c.advance(p_base_command.allFinite() ? p_base_command : c.p_base_command);
   ++c.steps;
-  c.measure_wrench(mean, samples);
+  if (is_finite()) c.measure_wrench(mean, samples);
+}
+
+bool LivePlant::is_finite() const {
+  const Content& c = *content_;
+  return c.arm.tip().p_base.allFinite() &&
+         std::all_of(c.bodies.begin(), c.bodies.end(),
+                     [](const Content::Body& body) { return body.dynamics.is_finite(); });
 }
 
 void LivePlant::skip(long long steps) {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/gravity.hpp"
 
 #include "simulation/arm_dynamics.hpp"
 #include "simulation/plant_dynamics.hpp"

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "simulation/box_grid.hpp"
 #include "simulation/impact_moves.hpp"
@@ -173,6 +173,18 @@ std::vector<PlantBody> soft_boxes(std::uint64_t seed, double depth) {
     PlantParameters& p = bodies[number].parameters;
     p.contact_stiffness =
         stiffness_for(sample_log_uniform(10.0, 40.0, random), depth, p.contact_exponent);
+    p.contact_damping = sample_log_uniform(1.0, 6.0, random) * p.contact_stiffness;
+  }
+  return bodies;
+}
+
+std::vector<PlantBody> yielding_boxes(std::uint64_t seed, double min_depth, double max_depth) {
+  std::vector<PlantBody> bodies = sample_boxes(seed, 2);
+  for (std::size_t number = 0; number < bodies.size(); ++number) {
+    Random random = Random(seed).fork(80 + number);
+    PlantParameters& p = bodies[number].parameters;
+    p.contact_stiffness = stiffness_for(p.limiting_static_friction,
+                                        random.uniform(min_depth, max_depth), p.contact_exponent);
     p.contact_damping = sample_log_uniform(1.0, 6.0, random) * p.contact_stiffness;
   }
   return bodies;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 #include "pcavr/simulation/plant.hpp"
 
 #include "simulation/shapes.hpp"
@@ -26,6 +26,11 @@ void wear_support(PlantBody& body, Random& random);
 
 /// Two of sample_boxes that are soft: a tip `depth` [m] deep needs 10 to 40 N.
 [[nodiscard]] std::vector<PlantBody> soft_boxes(std::uint64_t seed, double depth);
+
+/// Two of sample_boxes that are so soft that a tip is `min_depth` to `max_depth` [m] deep in them
+/// when they begin to slide.
+[[nodiscard]] std::vector<PlantBody> yielding_boxes(std::uint64_t seed, double min_depth,
+                                                    double max_depth);
 
 /// Two of sample_boxes, with a contact on which a tip of `mass` [kg] at `speed` [m/s] bounces
 /// for 2.5 to 70 ms, with a restitution of 0.1 to 0.95.

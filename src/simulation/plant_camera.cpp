@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/geometry/depth_grid.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/geometry/depth_grid.hpp"
 
 #include "simulation/camera_path.hpp"
 #include "simulation/color_sensor.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "simulation/arm_case.hpp"
 #include "simulation/box_grid.hpp"
@@ -25,11 +25,18 @@ constexpr double kApproachGap = 0.0005;          ///< gap at which loading begin
 constexpr double kBreakawayDisplacement = 5e-5;  ///< above the presliding displacement [m]
 
 constexpr std::uint64_t kVarietyStream = 300;  ///< and one for each body after it
-/// Of a push beside its face's normal [rad]: less than the tip's friction holds, for most bodies.
+/// Largest angle of a push from its face's normal [rad]: less than the tip's friction holds, for
+/// most bodies.
 constexpr double kMaxPushAngle = 12.0 * std::numbers::pi / 180.0;
 
-/// Of the tip in a soft body [m]: a large deformation, more than the tip's radius.
+/// Depth of the tip in a soft body [m]: a large deformation, more than the tip's radius.
 constexpr double kSoftDepth = 0.015;
+
+/// Distances of the tip's centre in a push near a corner [m]: from the side, and behind the face.
+constexpr double kMinCornerDistance = 0.003;
+constexpr double kMaxCornerDistance = 0.006;
+constexpr double kMinCornerDepth = 0.01;
+constexpr double kMaxCornerDepth = 0.015;
 
 /// Presses down on the top face, `at` from its centre [m], and retracts.
 void press(Program& program, std::size_t body, double radius, double speed, double depth,
@@ -48,7 +55,7 @@ void press(Program& program, std::size_t body, double radius, double speed, doub
   program.add({.body = body, .target = top + kAbove * up, .speed = std::max(speed, 0.03)});
 }
 
-/// To a point above the centre of the top face.
+/// Travels to a point above the centre of the top face.
 void travel_above(Program& program, std::size_t body, double radius) {
   const double top = half_extents_of(program.body(body)).z() + radius;
   program.travel(body, {0.0, 0.0, top + 0.01});
@@ -129,7 +136,7 @@ void push(Program& program, std::size_t body, const PushContact& contact, int st
     move.target = 0.55 * distance * push_direction;
   }
   if (style == 2) {
-    // Down to a fifth of the speed and up again; the modulation takes 0.8 s to grow and to fade.
+    // The speed goes down to a fifth and up again; the modulation takes 0.8 s to grow and to fade.
     move.modulation_amplitude = 0.8 * speed / (2.0 * std::numbers::pi * move.modulation_frequency);
     move.acceleration = speed / 0.8;
   }
@@ -202,6 +209,28 @@ void add_soft_moves(Program& program, double radius) {
     travel_above(program, body, radius);
     for (const double speed : {0.01, 0.02, 0.03, 0.04, 0.05}) {
       press(program, body, radius, speed, kSoftDepth, 60.0);
+    }
+  }
+}
+
+/// Pushes of the -y face so close to a corner that the tip gets deeper than it is from the side.
+void add_corner_moves(Program& program, double radius, Random& random) {
+  for (std::size_t body = 0; body < 2; ++body) {
+    const double half_face = half_extents_of(program.body(body)).x();
+    for (const double side : {1.0, -1.0, 1.0}) {
+      const double offset =
+          side * (half_face - random.uniform(kMinCornerDistance, kMaxCornerDistance));
+      const PushContact contact = program.minus_y_face(body, offset);
+      travel_to_contact(program, body, contact, radius);
+      load_until_breakaway(program, body, contact, 0.6, 0.0);
+      program.add({.body = body,
+                   .target = random.uniform(0.02, 0.035) * -contact.outward,
+                   .is_offset = true,
+                   .speed = random.uniform(0.02, 0.04),
+                   .acceleration = 0.1,
+                   .dwell = 0.3});
+      program.back_off(body, contact, 0.04, 0.1);
+      program.lift();
     }
   }
 }
@@ -310,6 +339,9 @@ std::vector<PlantBody> bodies_of(ToolTask task, std::uint64_t seed, double tip_r
   if (task == ToolTask::hole) return {block_with_hole(seed, tip_radius)};
   if (task == ToolTask::paper) return paper_boxes(seed);
   if (task == ToolTask::soft) return soft_boxes(seed, kSoftDepth);
+  if (task == ToolTask::corner) {
+    return yielding_boxes(seed, tip_radius + kMinCornerDepth, tip_radius + kMaxCornerDepth);
+  }
   if (task == ToolTask::impact) return struck_boxes(seed, kImpactSpeed, kStrikerMass);
   return sample_boxes(seed, task == ToolTask::push ? push.boxes : 2);
 }
@@ -359,6 +391,9 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& 
     case ToolTask::turn:
       add_turn_moves(program, made.tool.radius, random);
       break;
+    case ToolTask::corner:
+      add_corner_moves(program, made.tool.radius, random);
+      break;
     case ToolTask::paper:
       add_paper_moves(program, made.tool.radius, random);
       break;
@@ -377,7 +412,7 @@ PlantCase make_plant_case(ToolTask task, std::uint64_t seed, const PushOptions& 
 
 void add_arm(PlantCase& plant, std::uint64_t seed) {
   PCAVR_REQUIRE(!plant.bodies.empty());
-  // Above the first body; the arm does not reach the start of other tasks.
+  // The tip starts above the first body; the arm does not reach the start of other tasks.
   const Eigen::Vector3d& body = plant.bodies.front().T_base_object.translation();
   plant.tool.p_base_start.head<2>() = body.head<2>();
   plant.tool.arm = make_arm(seed, plant.tool.radius, plant.tool.p_base_start);

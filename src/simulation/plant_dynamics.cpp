@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/base/core/gravity.hpp"
 
 namespace pcavr::simulation {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 /// again [m/s].
 constexpr double kRestingSpeed = 1e-7;
 
-/// Of a servo drive: well damped, with negligible overshoot.
+/// Damping ratio of a servo drive: well damped, with negligible overshoot.
 constexpr double kArmDampingRatio = 0.8;
 
 double yaw_of(const Pose& T_base_object) {
@@ -37,7 +37,7 @@ struct Moments {
   double square = 0.0;  ///< of the distance to the vertical axis
 };
 
-/// Of a prism along y: by the triangles of a fan.
+/// Moments of a prism along y, by the triangles of a fan.
 Moments moments_of(const PlantPrism& prism) {
   Moments sum;
   const double length = prism.end_y - prism.begin_y;

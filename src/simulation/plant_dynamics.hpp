@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 #include "pcavr/simulation/plant.hpp"
 
 #include "simulation/plant_phases.hpp"
@@ -21,9 +23,10 @@ class BodyDynamics {
   TipLoad advance(const Tip& tip, double dt);
 
   [[nodiscard]] Pose pose() const;
-  /// Of the centre of mass.
+  /// Velocity of the centre of mass.
   [[nodiscard]] Eigen::Vector3d v_base() const { return {twist_.x(), twist_.y(), 0.0}; }
   [[nodiscard]] PlantBodyState state() const;
+  [[nodiscard]] bool is_finite() const { return centre_.allFinite() && std::isfinite(yaw_); }
   /// Quantities that determine the body's phase.
   [[nodiscard]] PhaseInputs phase_inputs() const;
 

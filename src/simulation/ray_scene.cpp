@@ -8,7 +8,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 namespace pcavr::simulation {
 namespace {
@@ -34,7 +34,7 @@ Scene build_bvh(RTCDevice device, const TriangleMesh& mesh) {
   std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof(mesh.triangles[0]));
   rtcCommitGeometry(geometry);
   Scene scene(rtcNewScene(device));
-  // Without it, rays occasionally pass between adjacent triangles.
+  // Rays occasionally pass between adjacent triangles without this flag.
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   rtcAttachGeometry(scene.get(), geometry);
   rtcReleaseGeometry(geometry);
@@ -76,7 +76,7 @@ struct RayBodies::Trees {
 };
 
 RayBodies::RayBodies(const World& world) : trees_(std::make_unique<Trees>()) {
-  // Not "threads=1": Embree would then limit TBB of the whole process to one thread.
+  // "threads=1" is not used: Embree would then limit TBB of the whole process to one thread.
   trees_->device.reset(rtcNewDevice(nullptr));
   if (trees_->device == nullptr && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) {
     throw std::bad_alloc();

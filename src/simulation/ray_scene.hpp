@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 
 #include "simulation/world.hpp"
 

@@ -9,10 +9,10 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/object/parameters_file.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
 #include "pcavr/simulation/plant_truth.hpp"
 
 namespace fs = std::filesystem;

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/stamp.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/stamp.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 #include "pcavr/simulation/sensors.hpp"
 

@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/camera.hpp"
-#include "pcavr/geometry/image.hpp"
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/camera.hpp"
+#include "pcavr/base/geometry/image.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 
 #include "simulation/ray_scene.hpp"
 #include "simulation/world.hpp"

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 
 /// The sensors of sensors.hpp, sample by sample: for recordings and for a live plant.
 namespace pcavr::simulation {
@@ -32,7 +32,7 @@ class WrenchSensor {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     Eigen::Vector3d torque = Eigen::Vector3d::Zero();
   };
-  /// Of the means over one sample's time.
+  /// Measures the means over one sample's time.
   [[nodiscard]] Sample measure(const Eigen::Vector3d& force, const Eigen::Vector3d& torque);
 
  private:
@@ -45,7 +45,7 @@ class TrackerError {
  public:
   TrackerError(std::uint64_t seed, std::size_t body);
 
-  /// Of a body at rest: a constant bias plus a little noise.
+  /// Error of a body at rest: a constant bias plus a little noise.
   [[nodiscard]] Vector6d at_rest();
   [[nodiscard]] Vector6d in_motion();
 
@@ -59,7 +59,7 @@ class TrackerError {
   bool was_moving_ = false;
 };
 
-/// What the tracker states of its error.
+/// Stds that the tracker states for its error.
 inline constexpr double kRestingPositionStd = 2e-4;  ///< [m]
 inline constexpr double kMovingPositionStd = 4e-4;   ///< [m]
 inline constexpr double kRestingRotationStd = 1e-3;  ///< [rad]

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
 
 #include "simulation/sensor_streams.hpp"
 
@@ -125,7 +125,7 @@ std::vector<SimulatedMeasurement> simulated_tracking(const PlantRun& run, const 
   std::vector<SimulatedMeasurement> measurements;
   const auto frames = static_cast<long>(run.duration() * kFrameRate);
   for (long i = 0; i <= frames; ++i) {
-    // In whole microseconds, as in the image lists.
+    // Stamps are whole microseconds, as in the image lists.
     const Stamp stamp{std::llround(1e6 * static_cast<double>(i) / kFrameRate) * 1000};
     const double t = stamp.seconds();
     SimulatedMeasurement measurement;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 namespace pcavr::simulation {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/mesh.hpp"
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/mesh.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 
 namespace pcavr::simulation {
 

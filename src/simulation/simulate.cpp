@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/geometry/depth_grid.hpp"
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/geometry/depth_grid.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 
 #include "simulation/arm_case.hpp"
 #include "simulation/camera_path.hpp"
@@ -51,7 +51,8 @@ CameraModel depth_camera_of(const SimulationCase& simulation) {
   return on_grid(color, simulation.depth_width, simulation.depth_height);
 }
 
-/// In whole microseconds, as in the image lists, so that truth is exact at the written stamps.
+/// Stamps in whole microseconds, as in the image lists, so that truth is exact at the written
+/// stamps.
 std::vector<Stamp> frame_stamps(double duration, double frame_rate) {
   std::vector<Stamp> stamps;
   const auto count = std::max(1L, std::lround(duration * frame_rate));
@@ -255,6 +256,8 @@ const std::vector<SimulationCase>& simulation_cases() {
         paper,
         with_tool("soft", ToolTask::soft,
                   "presses along z at five speeds, 15 mm deep, on each of two soft boxes"),
+        with_tool("corner", ToolTask::corner,
+                  "pushes close to the corners of two boxes that are softer than the tip is large"),
         with_tool("impact", ToolTask::impact,
                   "slow presses, then impacts of 2 to 80 ms, on each of two boxes"),
         with_arm(with_tool("arm-press", ToolTask::press,

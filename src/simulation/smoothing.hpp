@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "pcavr/geometry/image.hpp"
+#include "pcavr/base/geometry/image.hpp"
 
 namespace pcavr::simulation {
 

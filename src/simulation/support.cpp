@@ -8,8 +8,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/gravity.hpp"
 
 namespace pcavr::simulation {
 namespace {
@@ -49,18 +49,18 @@ Support::Support(const PlantBody& body) {
 /// previous step are those of this one, except for one or two at the edge of lift-off, so that one
 /// iteration per step suffices.
 void Support::distribute(double extra_normal_force, const Eigen::Vector2d& tipping_moment_body) {
-  const double total = weight_ + extra_normal_force;
-  if (tipping_moment_body.squaredNorm() < 1e-12) {
-    for (Patch& patch : patches_) patch.pressure = patch.share * total;
-    return;
-  }
+  // A tip that lifts the body by more than its weight leaves nothing on the support.
+  const double total = std::max(0.0, weight_ + extra_normal_force);
+  if (total == 0.0 || tipping_moment_body.squaredNorm() < 1e-12) return distribute_evenly(total);
   // Beyond this the body would tip over, which is not modelled.
   const double max_moment = 0.9 * half_side_ * total;
   const double magnitude = tipping_moment_body.norm();
   const Eigen::Vector2d moment = tipping_moment_body * std::min(1.0, max_moment / magnitude);
+  const bool is_loaded = std::any_of(patches_.begin(), patches_.end(),
+                                     [](const Patch& patch) { return patch.pressure > 0.0; });
   Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();
   for (const Patch& patch : patches_) {
-    if (patch.pressure <= 0.0) continue;
+    if (is_loaded && patch.pressure <= 0.0) continue;
     const Eigen::Vector3d row(1.0, patch.r_body.x(), patch.r_body.y());
     sums += patch.share * row * row.transpose();
   }
@@ -68,11 +68,17 @@ void Support::distribute(double extra_normal_force, const Eigen::Vector2d& tippi
   double carried = 0.0;
   for (Patch& patch : patches_) {
     const double pressure = ab.x() + ab.tail<2>().dot(patch.r_body);
-    // Where this is positive again, a lifted patch is loaded again.
+    // A lifted patch is loaded again once this is positive.
     patch.pressure = patch.share * std::max(0.0, pressure);
     carried += patch.pressure;
   }
+  // The loaded patches may lie on a line, about which no moment has a solution.
+  if (!(carried > 0.0 && std::isfinite(carried))) return distribute_evenly(total);
   for (Patch& patch : patches_) patch.pressure *= total / carried;
+}
+
+void Support::distribute_evenly(double total) {
+  for (Patch& patch : patches_) patch.pressure = patch.share * total;
 }
 
 double Support::friction_factor(const Patch& patch) const {

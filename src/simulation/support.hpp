@@ -48,6 +48,8 @@ class Support {
   /// Friction coefficient of a patch over the body's.
   [[nodiscard]] double friction_factor(const Patch& patch) const;
   void distribute(double extra_normal_force, const Eigen::Vector2d& tipping_moment_body);
+  /// `total` [N]
+  void distribute_evenly(double total);
 
   BristleLaw law_;
   double weight_ = 0.0;   ///< [N]

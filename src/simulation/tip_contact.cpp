@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/base/core/gravity.hpp"
 
 namespace pcavr::simulation {
 namespace {
@@ -19,19 +19,22 @@ struct ClosestPoint {
   double distance;         ///< signed distance of the sphere's centre, negative inside [m]
 };
 
-ClosestPoint closest_point_on(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p) {
+ClosestPoint closest_point_on(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p,
+                              const std::optional<Eigen::Vector3d>& entry_normal) {
   if (!box.contains(p)) {
     const Eigen::Vector3d point = p.cwiseMax(box.min()).cwiseMin(box.max());
     const double distance = (p - point).norm();
     return {point, (p - point) / std::max(distance, 1e-12), distance};
   }
-  // Inside: out through the closest face.
+  // A tip inside goes out through the face by which it came in, at first the closest one.
   ClosestPoint best{p, Eigen::Vector3d::UnitZ(), -1e9};
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool is_upper : {false, true}) {
+      const Eigen::Vector3d normal = Eigen::Vector3d::Unit(axis) * (is_upper ? 1.0 : -1.0);
+      if (entry_normal && *entry_normal != normal) continue;
       const double out = is_upper ? p[axis] - box.max()[axis] : box.min()[axis] - p[axis];
       if (out <= best.distance) continue;
-      best = {p, Eigen::Vector3d::Unit(axis) * (is_upper ? 1.0 : -1.0), out};
+      best = {p, normal, out};
       best.point[axis] = is_upper ? box.max()[axis] : box.min()[axis];
     }
   }
@@ -107,7 +110,10 @@ TipContact::TipContact(const PlantBody& body, double tip_radius)
 TipLoad TipContact::advance(const Tip& tip, const BodyMotion& body, double dt) {
   TipLoad load;
   if ((tip.p_base - body.p_base).norm() > bounding_radius_ + radius_) {
-    for (Part& part : parts_) part.deflection.setZero();
+    for (Part& part : parts_) {
+      part.deflection.setZero();
+      part.entry_normal.reset();
+    }
     return load;
   }
   for (Part& part : parts_) add(part, tip, body, dt, load);
@@ -118,9 +124,11 @@ void TipContact::add(Part& part, const Tip& tip, const BodyMotion& body, double 
                      TipLoad& load) const {
   const Eigen::Vector3d p_body = body.R_base_body.transpose() * (tip.p_base - body.p_base);
   const ClosestPoint closest = part.outline_xz.empty()
-                                   ? closest_point_on(part.box_body, p_body)
+                                   ? closest_point_on(part.box_body, p_body, part.entry_normal)
                                    : closest_point_on(part.outline_xz, part.box_body.min().y(),
                                                       part.box_body.max().y(), p_body);
+  part.entry_normal.reset();
+  if (part.outline_xz.empty() && closest.distance < 0.0) part.entry_normal = closest.normal;
   const double penetration = radius_ - closest.distance;
   if (penetration <= 0.0) {
     part.deflection.setZero();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -38,7 +39,8 @@ struct TipLoad {
 };
 
 /// Contact of the tip with one body: Hunt & Crossley [1975] along the surface's normal, bristles
-/// along the surface. Stores the bristles' deflection.
+/// along the surface. Stores the bristles' deflection, and the face through which a tip came whose
+/// centre is inside of a soft cuboid: it presses on that one also where another one is closer.
 class TipContact {
  public:
   TipContact(const PlantBody& body, double tip_radius);
@@ -50,6 +52,7 @@ class TipContact {
     Eigen::AlignedBox3d box_body;
     std::vector<Eigen::Vector2d> outline_xz = {};          ///< of a prism; empty for a cuboid
     Eigen::Vector3d deflection = Eigen::Vector3d::Zero();  ///< base axes [m]
+    std::optional<Eigen::Vector3d> entry_normal = {};      ///< body axes; while inside of a cuboid
   };
 
   void add(Part& part, const Tip& tip, const BodyMotion& body, double dt, TipLoad& load) const;

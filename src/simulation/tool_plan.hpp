@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 #include "pcavr/simulation/plant.hpp"
 
 #include "simulation/tip_contact.hpp"

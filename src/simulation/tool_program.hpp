@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/base/core/gravity.hpp"
 #include "pcavr/simulation/plant.hpp"
 
 #include "simulation/plant_bodies.hpp"
@@ -21,7 +21,8 @@ inline constexpr double kClearance = 0.025;         ///< of the tip above the hi
 inline constexpr double kTravelSpeed = 0.9;         ///< [m/s]
 inline constexpr double kTravelAcceleration = 5.0;  ///< [m/s^2]
 
-/// Where a box is pushed, in its own frame: a point on a face, and the direction from which.
+/// The contact of a push in the box's frame: a point on a face, and the direction from which the
+/// box is pushed.
 struct PushContact {
   Eigen::Vector3d point;
   Eigen::Vector3d outward;
@@ -40,26 +41,26 @@ class Program {
     return top + tool.radius + kClearance;
   }
 
-  /// On the face towards -y, `offset` [m] from its centre along x; low enough that the box does not
-  /// tip over.
+  /// A contact on the face towards -y, `offset` [m] from its centre along x; low enough that the
+  /// box does not tip over.
   [[nodiscard]] PushContact minus_y_face(std::size_t body, double offset) const {
     const Eigen::Vector3d half = half_extents_of(bodies_[body]);
     return turned(body, {offset, -half.y(), height(body, half.y())}, -Eigen::Vector3d::UnitY());
   }
 
-  /// On the face towards +y, from where a box is pushed back.
+  /// A contact on the face towards +y, from where a box is pushed back.
   [[nodiscard]] PushContact plus_y_face(std::size_t body, double offset) const {
     const Eigen::Vector3d half = half_extents_of(bodies_[body]);
     return turned(body, {offset, half.y(), height(body, half.y())}, Eigen::Vector3d::UnitY());
   }
 
-  /// On the face towards -x.
+  /// A contact on the face towards -x.
   [[nodiscard]] PushContact minus_x_face(std::size_t body, double offset) const {
     const Eigen::Vector3d half = half_extents_of(bodies_[body]);
     return turned(body, {-half.x(), offset, height(body, half.x())}, -Eigen::Vector3d::UnitX());
   }
 
-  /// Of the next body, in order: its pushes are turned by this angle [rad] about the vertical.
+  /// Turns the pushes of the next body, in order, by this angle [rad] about the vertical.
   void turn_pushes(double angle) { push_angles_.push_back(angle); }
 
   void add(const ToolMove& move) { moves_.push_back(move); }
@@ -81,7 +82,7 @@ class Program {
     }
   }
 
-  /// To a contact, stopping `gap` [m] before it.
+  /// Moves to a contact, stopping `gap` [m] before it.
   void approach(std::size_t body, const PushContact& contact, double gap, double speed) {
     add({.body = body,
          .target = contact.point + (tool_.radius + gap) * contact.outward,

@@ -9,9 +9,9 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/pose.hpp"
-#include "pcavr/marker/tag_sheet.hpp"
-#include "pcavr/recording/manifest.hpp"
+#include "pcavr/base/geometry/pose.hpp"
+#include "pcavr/perception/marker/tag_sheet.hpp"
+#include "pcavr/recordings/recording/manifest.hpp"
 
 #include "simulation/shapes.hpp"
 #include "simulation/texture.hpp"
@@ -62,7 +62,7 @@ struct World {
   Eigen::Vector3f ambient = Eigen::Vector3f::Zero();
 };
 
-/// Of the tool without an arm: its z points down, a half turn about x.
+/// Pose of the tool without an arm: its z points down, a half turn about x.
 [[nodiscard]] inline Pose tool_pose(const Eigen::Vector3d& p_base_tip) {
   return {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), p_base_tip};
 }

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/arm/arm_queries.hpp"
+#include "pcavr/robots/arm/arm_queries.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/robot/link_meshes.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/robots/robot/link_meshes.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "support/source_folder.hpp"
 

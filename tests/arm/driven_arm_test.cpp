@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/arm/driven_arm.hpp"
+#include "pcavr/robots/arm/driven_arm.hpp"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "support/source_folder.hpp"
 
@@ -43,7 +43,7 @@ TEST(DrivenArm, StaysWhereItIsUnderGravity) {
   EXPECT_LT((arm.q() - bent()).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-// In equilibrium M rate^2 (q_command - q) is the external torque.
+// M rate^2 (q_command - q) is the external torque in equilibrium.
 TEST(DrivenArm, GivesWayByItsControllersStiffness) {
   DrivenArmOptions options;
   options.bandwidth = 8.0;
@@ -59,8 +59,8 @@ TEST(DrivenArm, GivesWayByItsControllersStiffness) {
   EXPECT_LT((balance - external).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-// Without friction and gravity's change, a joint's inertia is M's diagonal: the rotor's share is
-// the description's where it states one, else the option's.
+// A joint's inertia without friction and gravity's change is M's diagonal: the rotor's share is the
+// description's where it states one, else the option's.
 TEST(DrivenArm, HasTheRotorInertiasOfTheDescriptionOrTheOption) {
   RobotModel model = six_axis_arm();
   model.joints[1].armature = 0.7;

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/arm/identified_arm.hpp"
+#include "pcavr/robots/arm/identified_arm.hpp"
 
 #include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "fuzz/targets.hpp"
 #include "support/source_folder.hpp"

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/geometry/pose.hpp"
-#include "pcavr/recording/image_codec.hpp"
-#include "pcavr/rosbag/mcap_writer.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/geometry/pose.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
+#include "pcavr/recordings/rosbag/mcap_writer.hpp"
 
 #include "support/ros1_bag_text.hpp"
 #include "support/ros_encoder.hpp"
@@ -43,7 +43,7 @@ struct BagTwin {
   static Pose T_base_box(Stamp stamp) {
     return Pose::from_translation({0.5 + 0.05 * seconds(stamp), 0.1, 0.05});
   }
-  /// On the surroundings, at the tip, in base axes.
+  /// Force on the surroundings, at the tip, in base axes.
   static Eigen::Vector3d force(Stamp stamp) { return {std::sin(seconds(stamp)), 2.0, -5.0}; }
   static Eigen::Vector3d torque(Stamp stamp) { return {0.1, 0.02 * seconds(stamp), 0.3}; }
   static std::uint16_t depth(int frame, int x, int y) {
@@ -99,7 +99,7 @@ inline std::vector<BagTwin::Message> BagTwin::messages(RosEncoder::Format format
     RosEncoder tf = encoder();
     tf.number(std::uint32_t{1}).transform(t, "base_link", "flange", T_base_flange(t));
     add("/tf", "tf2_msgs/TFMessage", t, tf);
-    // What a sensor in the flange measures of a force on the tip.
+    // The force on the tip as a sensor in the flange measures it.
     const Pose T_base_sensor = T_base_flange(t);
     const Eigen::Vector3d arm = T_base_tip(t).translation() - T_base_sensor.translation();
     const Eigen::Vector3d torque_at_sensor = torque(t) + arm.cross(force(t));
@@ -137,7 +137,7 @@ inline std::vector<BagTwin::Message> BagTwin::messages(RosEncoder::Format format
     add("/cam/color/camera_info", "sensor_msgs/CameraInfo", t,
         encoder().camera_info(t, "camera_optical", kWidth, kHeight, 30.0, 15.5, 11.5));
   }
-  // As networks do: two forces swapped, one sent twice.
+  // Two forces are swapped and one is sent twice, as by networks.
   std::vector<std::size_t> forces;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].topic == "/ft") forces.push_back(i);

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/bag_import/import_bag.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/bag_import/import_bag.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"

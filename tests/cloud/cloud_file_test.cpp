@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/cloud/cloud_file.hpp"
+#include "pcavr/recordings/cloud/cloud_file.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/raw_bytes.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/raw_bytes.hpp"
 
-#include "cloud/parse_formats.hpp"
 #include "fuzz/targets.hpp"
+#include "recordings/cloud/parse_formats.hpp"
 #include "support/source_folder.hpp"
 
 namespace pcavr {
@@ -176,7 +176,7 @@ TEST(CloudFile, PlyInEveryFormat) {
   }
 }
 
-/// As PCL writes organised clouds.
+/// PCL writes organised clouds so.
 TEST(CloudFile, PlyWithCameraIsOrganised) {
   std::string text =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
@@ -204,7 +204,7 @@ TEST(CloudFile, ZeroAndInfiniteCoordinatesAreNotMeasured) {
   EXPECT_EQ(read.measured_points(), 1U);
 }
 
-/// What is wrong with them is that they are empty, not that coordinates are missing.
+/// Their fault is that they are empty, not that coordinates are missing.
 TEST(CloudFile, CloudsOfNoPointsAreReadInEveryFormat) {
   for (const char* data : {"ascii", "binary"}) {
     const RecordedCloud cloud =

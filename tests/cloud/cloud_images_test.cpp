@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/cloud/pinhole_fit.hpp"
-#include "pcavr/cloud/range_image.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/recordings/cloud/pinhole_fit.hpp"
+#include "pcavr/recordings/cloud/range_image.hpp"
 
 namespace pcavr {
 namespace {

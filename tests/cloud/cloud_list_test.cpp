@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/cloud/cloud_list.hpp"
+#include "pcavr/recordings/cloud/cloud_list.hpp"
 
 #include <fstream>
 

@@ -11,11 +11,11 @@
 #include <string>
 #include <utility>
 
-#include "pcavr/cloud/cloud_file.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/depth_grid.hpp"
-#include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/depth_grid.hpp"
+#include "pcavr/recordings/cloud/cloud_file.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
 
 namespace pcavr {
 

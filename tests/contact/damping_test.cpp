@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/contact/damping.hpp"
+#include "pcavr/physics/contact/damping.hpp"
 
 #include <cmath>
 #include <limits>
@@ -34,8 +34,7 @@ TEST(ExactDampingFactor, ApproachesOneOverCForSmallRestitution) {
 }
 
 TEST(ExactDampingFactor, ApproachesTheSmallLossLimitNearOne) {
-  // To second order in d = 1 - c: chi = 3 d / 2 + 6 d^2 / 4 ..., so chi / d - 3/2 is of the order
-  // d.
+  // chi = 3 d / 2 + 6 d^2 / 4 ... to second order in d = 1 - c, so chi / d - 3/2 is of the order d.
   for (const double d : {1e-3, 1e-6, 1e-9, 1e-12}) {
     const double c = 1.0 - d;
     EXPECT_NEAR(exact_damping_factor(c) / (1.0 - c), 1.5, 3.0 * d + 1e-9) << d;
@@ -72,8 +71,9 @@ TEST(DampingFactor, FollowsThePublishedFormulasAtOneHalf) {
   EXPECT_DOUBLE_EQ(damping_factor(DampingLaw::herbert_mcwhannell, 0.5), 1.0);
 }
 
-/// At 1/2 alone, Herbert and McWhannell's square is zero, and c and 1 - c are the same: fractions
-/// by hand from the formulas as the literature gives them (compared in Alves et al. 2015, table 1).
+/// The test at 1/2 does not suffice: Herbert and McWhannell's square is zero there, and c and 1 - c
+/// are the same. These are fractions by hand from the formulas as the literature gives them
+/// (compared in Alves et al. 2015, table 1).
 TEST(DampingFactor, FollowsThePublishedFormulasAtOneAndFourFifths) {
   struct Row {
     DampingLaw law;

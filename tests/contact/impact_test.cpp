@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/contact/impact.hpp"
+#include "pcavr/physics/contact/impact.hpp"
 
 #include <cmath>
 #include <limits>

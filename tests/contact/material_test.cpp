@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/contact/material.hpp"
+#include "pcavr/physics/contact/material.hpp"
 
 #include <cmath>
 

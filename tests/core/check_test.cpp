@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include <cstddef>
 #include <cstdint>

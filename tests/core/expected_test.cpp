@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 
 #include <memory>
 
@@ -15,6 +15,17 @@ TEST(Error, IsOneLineWithoutItsEmptyParts) {
   EXPECT_EQ(Error{.message = "is 0"}.to_string(), "is 0");
   EXPECT_EQ((Error{.message = "is 0", .place = "size"}.to_string()), "size: is 0");
   EXPECT_EQ(Error{.message = "two\nlines"}.to_string(), "two lines");
+}
+
+TEST(Error, IsPrintableAndShortWhateverItQuotes) {
+  const Error hostile{.message = "'\x1b[2J\x07\xc2\x9b\xe2\x80\xae\x7f\xff' is no number"};
+  EXPECT_EQ(hostile.to_string(), "'\\x1b[2J\\x07\\x9b\\u202e\\x7f\\xff' is no number");
+  EXPECT_EQ((Error{.message = std::string("a\0b", 3)}.to_string()), "a\\x00b");
+  const Error long_one{.message = "'" + std::string(40'000'000, 'x') + "' is no number",
+                       .file = "Würfel.yaml"};
+  EXPECT_LT(long_one.to_string().size(), 2000U);
+  EXPECT_TRUE(long_one.to_string().starts_with("Würfel.yaml: 'xxx"));
+  EXPECT_TRUE(long_one.to_string().ends_with("xxx' is no number"));
 }
 
 TEST(Expected, HoldsAValueOrAnError) {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/input_ranges.hpp"
+#include "pcavr/base/core/input_ranges.hpp"
 
 #include <limits>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "support/source_folder.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/options.hpp"
 
 #include <gtest/gtest.h>
 

@@ -13,9 +13,9 @@
 #include <sched.h>
 #include <sys/mount.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
-#include "core/commit_hooks.hpp"
+#include "base/core/commit_hooks.hpp"
 #include "support/file_tree.hpp"
 #include "support/forked.hpp"
 #include "support/temporary_folder.hpp"
@@ -46,7 +46,8 @@ void write_new(const fs::path& target, Path path, CommitHooks hooks) {
   if (!folder->commit(hooks)) ::_exit(3);
 }
 
-/// After a run that does not replace anything: the old or the new content, and nothing else.
+/// Expects the old or the new content, and nothing else, after a run that does not replace
+/// anything.
 void expect_intact(const fs::path& parent, const FileTree& old) {
   const fs::path target = parent / "scene";
   const bool is_created = OutputFolder::create(target).has_value();
@@ -56,7 +57,7 @@ void expect_intact(const fs::path& parent, const FileTree& old) {
   EXPECT_EQ(tree(parent).size(), found.size()) << testing::PrintToString(tree(parent));
 }
 
-/// By a kernel timer, so that the instant does not depend on when the parent is scheduled.
+/// Kills by a kernel timer, so that the instant does not depend on when the parent is scheduled.
 void kill_self_after(long microseconds) {
   sigevent event{};
   event.sigev_notify = SIGEV_SIGNAL;
@@ -108,7 +109,7 @@ TEST_P(Crash, AtEachStepLeavesTheOldOrTheNew) {
         EXPECT_TRUE(found == old || found == scene("new")) << "at once, before any other run";
       }
       if (GetParam() == Path::inside && fs::exists(target / "scene.yaml")) {
-        // What a reader sees: where there is a manifest, all of its content is there.
+        // A reader sees all of the content where there is a manifest.
         FileTree shown = tree(target);
         std::erase_if(shown, [](const auto& file) { return file.first.front() == '.'; });
         EXPECT_TRUE(shown == old || shown == scene("new")) << testing::PrintToString(shown);
@@ -124,8 +125,8 @@ TEST_P(Crash, AtEachStepLeavesTheOldOrTheNew) {
 
 TEST_P(Crash, AtARandomInstantLeavesTheOldOrTheNew) {
   constexpr int kKills = 200;
-  // In memory where possible: nothing waits for the disk, and most kills fall between two system
-  // calls of the writer.
+  // The folder is in memory where possible: nothing waits for the disk, and most kills fall between
+  // two system calls of the writer.
   if (fs::exists("/dev/shm")) ::setenv("TMPDIR", "/dev/shm", 1);
   const TemporaryFolder parent;
   ::unsetenv("TMPDIR");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/output_paths.hpp"
+#include "pcavr/base/core/output_paths.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>

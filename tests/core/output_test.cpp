@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
+#include <csignal>
 #include <fstream>
 #include <utility>
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 
 #include "support/file_tree.hpp"
 #include "support/forked.hpp"
@@ -44,6 +46,32 @@ TEST(OutputFolder, AppearsAtomicallyAtItsCommit) {
   EXPECT_FALSE(fs::exists(target));
   ASSERT_TRUE(folder->commit());
   EXPECT_EQ(tree(parent.path()), (FileTree{{"scene/a.txt", "a"}}));
+}
+
+TEST(OutputFolder, ReplacesNoFolderWithFilesThatItsManifestDoesNotName) {
+  const TemporaryFolder parent;
+  const fs::path target = parent.path() / "scene";
+  const auto check = [&] { return OutputFolder::create(target, kReplaceScene).has_value(); };
+  write_scene(target, "objects:\n  - name: box\n  - {name: \"two words\", mass: 1}\n");
+  fs::create_directories(target / "objects");
+  ASSERT_TRUE(write_file(target / "objects/box.glb", "box"));
+  ASSERT_TRUE(write_file(target / "objects/two words.glb", "box"));
+  ASSERT_TRUE(write_file(target / "lod/static_mesh_12.glb", "level"));
+  EXPECT_TRUE(check());
+  for (const char* name : {"objects/precious.txt", "objects/precious.glb", "lod/notes.md",
+                           "objects/deep/er/thesis.pdf", "lod/static_mesh_x.glb",
+                           "lod/static_mesh_1.glb.bak", "objects/.hidden"}) {
+    fs::create_directories((target / name).parent_path());
+    ASSERT_TRUE(write_file(target / name, "mine"));
+    const auto refused = OutputFolder::create(target, kReplaceScene);
+    ASSERT_FALSE(refused) << name;
+    EXPECT_NE(refused.error().message.find(name), std::string::npos) << refused.error().message;
+    fs::remove(target / name);
+  }
+  fs::create_symlink("/etc", target / "objects/link");
+  EXPECT_FALSE(check());
+  fs::remove(target / "objects/link");
+  EXPECT_TRUE(check());
 }
 
 TEST(OutputFolder, LeavesNothingWithoutACommit) {
@@ -265,7 +293,7 @@ TEST(OutputFolder, KeepsAFolderThatALiveProcessHasNotLocked) {
 }
 
 TEST(OutputFolder, KeepsALockedFolderEvenIfItsProcessIsNotVisible) {
-  // As where the process runs in another container, with process ids of its own.
+  // The process may run in another container, with process ids of its own.
   const TemporaryFolder parent;
   const fs::path left = left_by(parent.path(), "scene", id_of_dead_process());
   const int file = ::open(left.c_str(), O_RDONLY);
@@ -290,16 +318,30 @@ TEST(WriteFile, NamesTheFileThatCanNotBeWritten) {
   EXPECT_EQ(written.error().file, (folder.path() / "absent/a.txt").string());
 }
 
-TEST(WriteFile, ReportsAFullDisk) {
-  if (!fs::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+TEST(WriteFile, ReportsAFileThatCanNotGrow) {
   const TemporaryFolder folder;
-  // The temporary name is a sibling of the target, so a link leads to the full device.
-  const fs::path partial = folder.path() / (".a.partial-" + std::to_string(::getpid()));
-  fs::create_symlink("/dev/full", partial);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit full{4, before.rlim_max};  // [bytes]; as a full disk, with another errno
+  const auto ignored = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &full), 0);
   const Expected<void> written = write_file(folder.path() / "a", "content");
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, ignored);
   ASSERT_FALSE(written);
-  EXPECT_NE(written.error().message.find("space"), std::string::npos);
+  EXPECT_NE(written.error().message.find("large"), std::string::npos);
   EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+// Such a link in a folder that others may write to would let them choose what is overwritten.
+TEST(WriteFile, FollowsNoLinkInPlaceOfItsTemporaryFile) {
+  const TemporaryFolder folder, outside;
+  ASSERT_TRUE(write_file(outside.path() / "precious", "mine"));
+  const fs::path partial = folder.path() / (".a.partial-" + std::to_string(::getpid()));
+  fs::create_symlink(outside.path() / "precious", partial);
+  ASSERT_TRUE(write_file(folder.path() / "a", "content"));
+  EXPECT_EQ(read_file(outside.path() / "precious").value(), "mine");
+  EXPECT_EQ(tree(folder.path()), (FileTree{{"a", "content"}}));
 }
 
 TEST(ReadFile, RefusesFoldersAndAbsentFiles) {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/signal_cleanup.hpp"
+#include "pcavr/base/core/signal_cleanup.hpp"
 
 #include <thread>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/output_file.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/output_file.hpp"
 
 #include "support/file_tree.hpp"
 #include "support/forked.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/stage_clock.hpp"
+#include "pcavr/base/core/stage_clock.hpp"
 
 #include <gtest/gtest.h>
 

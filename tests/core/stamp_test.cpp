@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/stamp.hpp"
+#include "pcavr/base/core/stamp.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {
@@ -31,6 +32,13 @@ TEST(FormatStamp, RoundsToItsDecimals) {
   EXPECT_EQ(format_stamp({1'999'999'999}, 3), "2.000");
   EXPECT_EQ(format_stamp({1'234'567'890}, 6), "1.234568");
   EXPECT_EQ(format_stamp({-1'500'000'000}, 1), "-1.5");
+  // The ends of 64 bits, also where they are rounded away from zero.
+  constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  EXPECT_EQ(format_stamp({kMin}, 9), "-9223372036.854775808");
+  EXPECT_EQ(format_stamp({kMin}, 0), "-9223372037");
+  EXPECT_EQ(format_stamp({kMax}, 9), "9223372036.854775807");
+  EXPECT_EQ(format_stamp({kMax}, 0), "9223372037");
   EXPECT_EQ(format_stamp({-400}, 6), "0.000000");
   EXPECT_EQ(format_stamp({1'500'000'000}, 0), "2");
 }

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/utf8.hpp"
+#include "pcavr/base/core/utf8.hpp"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 
 namespace pcavr {
 namespace {
@@ -24,6 +24,19 @@ TEST(Utf8, ReplacesInvalidBytes) {
   // A comment that names such a path leaves the table readable.
   const std::string text = format_parameters({{"box", {}}}, "from rec\xff");
   EXPECT_TRUE(parse_parameters(text, "p.yaml").has_value());
+}
+
+TEST(Utf8, PrintsWhatTerminalsActOnAsText) {
+  EXPECT_EQ(printable("Würfel\tbox 箱"), "Würfel\tbox 箱");
+  EXPECT_EQ(printable("\x1b]0;title\x07"), "\\x1b]0;title\\x07");
+  EXPECT_EQ(printable("gnp\xe2\x80\xaeexe\xe2\x81\xa6"), "gnp\\u202eexe\\u2066");
+  EXPECT_EQ(printable("two\nlines\r"), "two\\x0alines\\x0d");
+  EXPECT_EQ(printable_lines("two\nlines\x1b\n"), "two\nlines\\x1b\n");
+  EXPECT_EQ(printable("\xf3\xa0\x80\xa1"), "\\U000e0021");  // an invisible tag
+  EXPECT_EQ(printable("0123456789", 8), "012345 ... (10 bytes) ... 89");
+  EXPECT_TRUE(is_utf8_text(printable(std::string(9999, 'x') + "ü", 9)));
+  EXPECT_TRUE(has_controls("a\x1b") && has_controls("a\xff") && has_controls("\xc2\x85"));
+  EXPECT_FALSE(has_controls("Würfel 箱\t"));
 }
 
 TEST(Utf8, RefusesInvalidEncodings) {

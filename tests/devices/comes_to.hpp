@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pcavr/devices/device.hpp"
+#include "pcavr/teleoperation/devices/device.hpp"
 
 #include "devices/eventually.hpp"
 #include "devices/jittered_hand.hpp"

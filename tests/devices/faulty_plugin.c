@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "pcavr/devices/device_plugin.h"
+#include "pcavr/teleoperation/devices/device_plugin.h"
 
 static char chosen_fault[32];
 

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/devices/gamepad_device.hpp"
+#include "pcavr/teleoperation/devices/gamepad_device.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/options.hpp"
 
 #include "devices/comes_to.hpp"
 #include "devices/virtual_gamepad.hpp"

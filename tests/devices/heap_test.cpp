@@ -4,11 +4,11 @@
 // No device's exchange allocates. The counter is that of the whole process.
 #include <gtest/gtest.h>
 
-#include "pcavr/devices/gamepad_device.hpp"
-#include "pcavr/devices/plugin_device.hpp"
-#include "pcavr/devices/simulated_force_device.hpp"
-#include "pcavr/devices/space_mouse_device.hpp"
-#include "pcavr/devices/trace_device.hpp"
+#include "pcavr/teleoperation/devices/gamepad_device.hpp"
+#include "pcavr/teleoperation/devices/plugin_device.hpp"
+#include "pcavr/teleoperation/devices/simulated_force_device.hpp"
+#include "pcavr/teleoperation/devices/space_mouse_device.hpp"
+#include "pcavr/teleoperation/devices/trace_device.hpp"
 
 #include "devices/eventually.hpp"
 #include "devices/fake_spacenavd.hpp"

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/devices/remote_device.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/teleoperation/devices/remote_device.hpp"
 
 namespace pcavr::test {
 
@@ -40,7 +40,7 @@ inline std::vector<RemoteSample> sent_over(const Link& link, double duration, st
   double last_arrival = 0.0;
   for (int i = 0; i * link.interval < duration; ++i) {
     const double t = i * link.interval;
-    // In-order delivery, as by TCP.
+    // Messages arrive in order, as by TCP.
     last_arrival = std::max(last_arrival, t + link.latency + random.uniform(0.0, link.jitter));
     samples.push_back({.p_base_tip = CirclingHand()(t),
                        .is_engaged = true,

@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/devices/open_device.hpp"
+#include "pcavr/teleoperation/devices/open_device.hpp"
 
 #include <cstdlib>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "devices/fake_spacenavd.hpp"
 #include "support/temporary_folder.hpp"
 
-/// For the leak sanitizer: libspnav 1.0 leaks a few bytes if its open fails.
+/// Suppression for the leak sanitizer: libspnav 1.0 leaks a few bytes if its open fails.
 extern "C" const char* __lsan_default_suppressions();   // NOLINT(bugprone-reserved-identifier)
 extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
   return "leak:spnav_open";

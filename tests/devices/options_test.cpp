@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/options.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/devices/open_device.hpp"
-#include "pcavr/devices/remote_device.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/teleoperation/devices/open_device.hpp"
+#include "pcavr/teleoperation/devices/remote_device.hpp"
 
-#include "devices/jitter_buffer.hpp"
-#include "devices/rate_tip.hpp"
 #include "support/option_defaults.hpp"
+#include "teleoperation/devices/jitter_buffer.hpp"
+#include "teleoperation/devices/rate_tip.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "devices/rate_tip.hpp"
+#include "teleoperation/devices/rate_tip.hpp"
 
 #include <limits>
 
@@ -24,7 +24,7 @@ TEST(RateTip, LimitsItsLeadOverABlockedTool) {
   DeviceSample sample;
   for (int i = 0; i < 1000; ++i) sample = tip.step(kAway, kCycle, kTool);
   EXPECT_NEAR((sample.p_base_tip - kTool).norm(), 0.02, 1e-12);
-  // And returns without delay (anti-windup).
+  // The tip returns without delay (anti-windup).
   const DeviceSample back = tip.step({-Eigen::Vector3d::UnitX(), true, true}, kCycle, kTool);
   EXPECT_NEAR(back.p_base_tip.x(), sample.p_base_tip.x() - 0.15 * kCycle, 1e-12);
 }

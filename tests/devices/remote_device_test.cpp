@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/devices/remote_device.hpp"
+#include "pcavr/teleoperation/devices/remote_device.hpp"
 
 #include <cmath>
 #include <limits>

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/jittered_hand.hpp"
-#include "devices/sample_ring.hpp"
+#include "teleoperation/devices/sample_ring.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/devices/simulated_force_device.hpp"
+#include "pcavr/teleoperation/devices/simulated_force_device.hpp"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/haptics/haptic_tool.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/teleoperation/haptics/haptic_tool.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/devices/space_mouse_device.hpp"
+#include "pcavr/teleoperation/devices/space_mouse_device.hpp"
 
 #include <gtest/gtest.h>
 

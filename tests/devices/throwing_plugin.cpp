@@ -4,7 +4,7 @@
 // A plugin that throws an exception, which is not allowed.
 #include <stdexcept>
 
-#include "pcavr/devices/device_plugin.h"
+#include "pcavr/teleoperation/devices/device_plugin.h"
 
 namespace {
 

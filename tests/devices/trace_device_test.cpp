@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/devices/trace_device.hpp"
+#include "pcavr/teleoperation/devices/trace_device.hpp"
 
 #include <algorithm>
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "fuzz/targets.hpp"
 #include "support/source_folder.hpp"
@@ -83,7 +83,7 @@ TEST(ParseTrace, PassesTheFuzzersChecks) {
     const auto bytes = read_file(entry.path());
     ASSERT_TRUE(bytes);
     EXPECT_NO_THROW(fuzz::trace(*bytes)) << entry.path();
-    // And truncated at every byte.
+    // The file is truncated at every byte, too.
     for (std::size_t i = 0; i < bytes->size(); ++i) {
       EXPECT_NO_THROW(fuzz::trace(std::string_view(*bytes).substr(0, i))) << entry.path() << i;
     }

@@ -14,7 +14,9 @@ import sys
 COMMAND_NAME = re.compile(r"^  ([a-z][a-z-]+)  ", re.MULTILINE)
 FLAG = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]+")
 DOTTED = re.compile(r"`([a-z]\w*(?:\.[a-z]\w*)+)`")
-FILE_SUFFIXES = set("csv glb jsonl json mcap mp4 ply png svg txt urdf yaml".split())
+# Commands of other programs: in a block, and scripts of this repository in a text.
+OTHER_COMMAND = re.compile(r"^ {4}(?:\S*/)?(?:cmake|pip|python3) .*$|`scripts/[^`]*`", re.MULTILINE)
+FILE_SUFFIXES = set("csv glb jsonl json mcap mp4 ply png sdf svg txt urdf usda xml yaml".split())
 
 
 def output_of(command, *arguments):
@@ -52,14 +54,14 @@ def is_option(name, sections):
 
 def main(command, root):
     flags = set(FLAG.findall(help_of(command)))
-    for script in (root / "bench").glob("*.py"):
+    for script in (root / "bench").rglob("*.py"):
         flags |= set(FLAG.findall(script.read_text()))
     sections = sections_of(command)
     if len(flags) < 50 or len(sections) < 50:
         sys.exit(f"only {len(flags)} options and {len(sections)} sections found: has their format changed?")
     faults = []
-    for page in [root / "README.md", *sorted((root / "docs").glob("*.md")), *sorted((root / "src").glob("*/README.md"))]:
-        text = page.read_text()
+    for page in [root / "README.md", *sorted((root / "docs").glob("*.md")), *sorted((root / "src").rglob("README.md"))]:
+        text = OTHER_COMMAND.sub("", page.read_text())
         faults += [f"{page}: no command has {flag}" for flag in sorted(set(FLAG.findall(text)) - flags)]
         faults += [f"{page}: no section has {name}" for name in sorted(set(DOTTED.findall(text)))
                    if not is_option(name, sections)]

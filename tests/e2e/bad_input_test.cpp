@@ -8,7 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/base/core/utf8.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 
 #include "support/command.hpp"
 #include "support/sanitizers.hpp"
@@ -296,7 +297,10 @@ TEST_F(BadInput, BytesThatAreNoUtf8InAName) {
   EXPECT_EQ(outcome.exit_code, 1);  // no tag is visible
   const auto json = nlohmann::json::parse(outcome.standard_output, nullptr, false);
   ASSERT_TRUE(json.contains("error")) << outcome.standard_output;
-  EXPECT_NE(outcome.standard_error.find(odd.string()), std::string::npos) << outcome.standard_error;
+  EXPECT_NE(outcome.standard_error.find(R"(rec\xff\xfe/recording.yaml)"), std::string::npos)
+      << outcome.standard_error;
+  EXPECT_TRUE(is_utf8_text(outcome.standard_error));
+  EXPECT_TRUE(is_utf8_text(outcome.standard_output));
   fs::rename(odd, recording());
 }
 
@@ -328,7 +332,7 @@ TEST_F(BadInput, CountsSkippedRowsWithSkipBad) {
 #ifndef PCAVR_IS_SANITIZED
 TEST_F(BadInput, MemoryThatRunsOut) {
   int refusals = 0;
-  // [KiB] From just enough to map the libraries to enough for the whole command.
+  // [KiB] The limits go from just enough to map the libraries to enough for the whole command.
   for (int limit = 350'000; limit <= 900'000; limit += 50'000) {
     const CommandOutcome outcome =
         run_pcavr({"build", recording().string(), "-o", scene().string()},

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "support/json_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -113,7 +113,7 @@ class TrackedElsewhere : public testing::Test {
 };
 
 TEST_F(TrackedElsewhere, ObjectsStartAtTheirFirstTrackedPose) {
-  // As of a tracker that sees the body only after it was put down.
+  // The tracker sees the body only after it was put down.
   const std::string late = path_of("recording/tracked/objects/box_2/tracked.txt");
   ASSERT_TRUE(write_file(late, "1.5 0.61 0.27 0.071 0 0 0.6 0.8\n1.9 0.9 0.9 0.071 0 0 0 1\n"));
   const json scene = run_json({"build", path_of("recording"), "-o", path_of("scene")});
@@ -136,7 +136,7 @@ TEST_F(TrackedElsewhere, AnObjectThatIsNowhereIsNamed) {
   EXPECT_FALSE(fs::exists(path_of("scene")));
 }
 
-/// As TUM RGB-D has it: images, poses, and no manifest.
+/// Images, poses, and no manifest, as in TUM RGB-D.
 class ImportedDepth : public ColourAlone {
  protected:
   void SetUp() override {

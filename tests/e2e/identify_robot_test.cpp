@@ -49,6 +49,32 @@ TEST(IdentifyRobot, RecoversThePa10FromItsLog) {
   EXPECT_TRUE(std::filesystem::exists(report + "/report.json"));
 }
 
+// A wrist whose last motor turns with the joint before it.
+TEST(IdentifyRobot, FindsAMotorThatTurnsWithTwoJoints) {
+  const TemporaryFolder folder;
+  JointLog log = simulated_log(pa10(), {.duration = 30.0, .seed = 61});
+  add_coupled_motor({.carrier = 4, .driven = 5}, log);
+  const std::string file = write_log(folder, log);
+  const std::string options = (folder.path() / "options.yaml").string();
+  EXPECT_TRUE(write_file(options, "robot_identification.fit:\n  coupled_joints: false\n"));
+  const std::vector<std::string> command{"identify", "robot", file, "--robot", pa10_file(), "-o"};
+  const auto run = [&](const std::string& report, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = command;
+    arguments.push_back((folder.path() / report).string());
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_json(arguments);
+  };
+  const nlohmann::json coupled = run("with", {});
+  const nlohmann::json without = run("without", {"--config", options});
+  EXPECT_NE(coupled["notes"].dump().find("a motor turns with joints"), std::string::npos);
+  for (const std::size_t j : {4U, 5U}) {
+    const auto error = [&](const nlohmann::json& found) {
+      return found["joints"][j]["held_out_relative_error"].get<double>();
+    };
+    EXPECT_LT(error(coupled), 0.5 * error(without)) << j;
+  }
+}
+
 TEST(IdentifyRobot, PrintsAsManyDecimalsOfAValueAsOfItsStd) {
   const TemporaryFolder folder;
   const CommandOutcome outcome =
@@ -76,6 +102,21 @@ TEST(IdentifyRobot, RejectsSwappedJointsWithoutWritingAnything) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.standard_error.find("swapped"), std::string::npos) << outcome.standard_error;
   EXPECT_FALSE(std::filesystem::exists(report));
+}
+
+// One grid over both times would take more memory than any machine has.
+TEST(IdentifyRobot, NamesAStampOfAnotherTime) {
+  const TemporaryFolder folder;
+  const std::string file = write_log(folder, simulated_log(pa10(), {.duration = 12.0}));
+  std::string text = read_file(file).value();
+  const std::size_t line = text.find('\n', text.size() / 2) + 1;
+  text.replace(line, text.find(',', line) - line, "60000000.0");
+  ASSERT_TRUE(write_file(file, text));
+  const CommandOutcome outcome = run_pcavr({"identify", "robot", file, "--robot", pa10_file(), "-o",
+                                            (folder.path() / "report").string(), "--skip-bad"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.standard_error.find("the time jumps by 6e+07 s"), std::string::npos)
+      << outcome.standard_error;
 }
 
 TEST(IdentifyRobot, NamesLateTorques) {
@@ -256,7 +297,7 @@ TEST(IdentifyRobot, TheUr10esFrictionIsWithin5PercentOfItsOriginsFiguresButForOn
          {std::pair("equivalent_viscous", kViscous[j]), {"equivalent_coulomb", kCoulomb[j]}}) {
       const double error = std::abs(joint[name].get<double>() - expected);
       const auto std = joint[std::string(name) + "_std"].get<double>();
-      // Of 28 s: a tenth of them moves joint 3's viscous friction by as much.
+      // The log has 28 s: a tenth of them moves joint 3's viscous friction by as much.
       EXPECT_LT(std, 0.15 * expected) << j << ' ' << name;
       EXPECT_LT(error, 2.0 * std) << j << ' ' << name;
       const bool is_missed = j == 3 && expected == kViscous[3];

@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/contact/hunt_crossley.hpp"
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/physics/contact/hunt_crossley.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 
 #include "support/json_command.hpp"
 #include "support/temporary_folder.hpp"
@@ -49,7 +49,7 @@ std::map<std::string, std::vector<PressForces>> read_forces(const std::string& r
 
 /// Rendered over measured force, both averaged over the samples from `from` [s] on in which the tip
 /// rests deep in the object: over 60 ms the rendered force changes by less than 1 %, and it is more
-/// than half of its maximum. Of the plant's force the measured one's mean is an unbiased estimate.
+/// than half of its maximum. The mean of the measured force is an unbiased estimate of the plant's.
 double ratio_at_rest(const std::vector<PressForces>& rows, double from) {
   constexpr std::size_t kHalfWindow = 15;  // samples at 500 Hz
   constexpr double kMaxWindow = 0.07;      // [s] a longer one spans two presses
@@ -108,7 +108,7 @@ TEST_F(ImmovableObjects, AreIdentifiedToThePlantsForceAtTwoMillimetres) {
         elastic_force(*law, kDepth) / elastic_force(*contact_law_of(truth.at(box)), kDepth);
     std::printf("  %s: identified over true force at 2 mm: %.4f\n", box.c_str(), ratio);
     EXPECT_NEAR(ratio, 1.0, 0.05) << box;
-    // What friction needs is not identified of a body that does not move.
+    // Parameters of friction are not identified of a body that does not move.
     EXPECT_FALSE(found.at(box).limiting_static_friction) << box;
   }
 }

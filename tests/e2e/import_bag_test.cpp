@@ -46,7 +46,7 @@ TEST(InspectCommand, NamesABagOfAFolderOfBags) {
       << outcome.standard_error;
 }
 
-// What an imported log of a robot lacks is said before another command stops at it.
+// `inspect` reports what an imported log of a robot lacks before another command stops at it.
 TEST(InspectCommand, NamesObjectsWithoutMeshAndJointsOfAnotherRobot) {
   const TemporaryFolder folder;
   const auto write = [&](const char* file, const std::string& text) {

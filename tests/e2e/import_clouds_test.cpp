@@ -10,8 +10,8 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-#include "pcavr/cloud/cloud_file.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/cloud/cloud_file.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "support/json_command.hpp"
 
@@ -259,7 +259,7 @@ TEST_F(ImportClouds, PosesWithInvertedRotations) {
 }
 
 TEST_F(ImportClouds, OptionsOfAnArmsLog) {
-  expect_refused({"--skip-bad"}, "--skip-bad is for the log of an arm");
+  expect_refused({"--skip-bad"}, "--skip-bad is for CSV files and the log of an arm");
 }
 
 TEST_F(ImportClouds, StampsOfPosesMayBeRounded) {
@@ -320,6 +320,29 @@ TEST_F(ImportClouds, UnorganisedInTheSensorsFrameWithViewpoints) {
     const Pose& pose = made.groundtruth.poses()[static_cast<std::size_t>(i)].pose;
     EXPECT_LT(translation_distance(pose, camera_pose(i)), 1e-5) << i;
     EXPECT_LT(rotation_distance(pose, camera_pose(i)), 1e-5) << i;
+  }
+}
+
+/// A grabber writes one viewpoint wherever its camera is: half a turn of PCL's OpenNI grabber, or a
+/// mounting.
+TEST_F(ImportClouds, OneViewpointForAllIsNoPose) {
+  for (const char* viewpoint : {"0 0 0 0 1 0 0", "0.1 -0.2 1.5 0.5 -0.5 0.5 -0.5"}) {
+    for (int i = 0; i < kClouds; ++i) {
+      std::string text = format_pcd(organised_clouds()[static_cast<std::size_t>(i)], kCamera.width);
+      const std::string none = "VIEWPOINT 0 0 0 1 0 0 0";
+      const std::size_t at = text.find(none);
+      ASSERT_NE(at, std::string::npos);
+      text.replace(at, none.size(), std::string("VIEWPOINT ") + viewpoint);
+      ASSERT_TRUE(write_file(cloud_file(i), text));
+    }
+    const json report = import({"--force"});
+    EXPECT_EQ(report["poses"], "aligned") << viewpoint;
+    const Recording made = recording();
+    const std::vector<TimedPose>& poses = made.groundtruth.poses();
+    for (int i = 1; i < kClouds; ++i) {
+      const Pose moved = poses[0].pose.inverse() * poses[static_cast<std::size_t>(i)].pose;
+      EXPECT_LT(translation_distance(moved, camera_pose(0).inverse() * camera_pose(i)), 0.02) << i;
+    }
   }
 }
 

@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/median.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
 
 #include "support/json_command.hpp"
 #include "support/shared_data.hpp"

@@ -19,16 +19,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pcavr/link/link_message.hpp"
-#include "pcavr/link/link_transport.hpp"
-#include "pcavr/link/motion_limiter.hpp"
-#include "pcavr/ros2/ros2_transport.hpp"
-#include "pcavr/rosbag/cdr_messages.hpp"
-#include "pcavr/rosbag/ros_messages.hpp"
+#include "pcavr/recordings/rosbag/cdr_messages.hpp"
+#include "pcavr/recordings/rosbag/ros_messages.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
+#include "pcavr/teleoperation/link/link_transport.hpp"
+#include "pcavr/teleoperation/link/motion_limiter.hpp"
+#include "pcavr/teleoperation/ros2/ros2_transport.hpp"
 
 #include "ros2/ros2_peer.hpp"
 #include "support/command.hpp"
 #include "support/forked.hpp"
+#include "support/running_command.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace {
@@ -37,13 +38,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using std::chrono::milliseconds;
 
-/// Empty where there is no such file yet.
-std::string text_of(const fs::path& file) {
-  const pcavr::Expected<std::string> text = pcavr::read_file(file);
-  return text ? *text : std::string();
-}
-
-/// Of corrections.csv: stamps of a clock differ from those of a recording by its rounding.
+/// Content of corrections.csv: stamps of a clock differ from those of a recording by its rounding.
 std::string without_last_digits(const std::string& corrections) {
   std::string text;
   std::istringstream lines(corrections);
@@ -56,57 +51,6 @@ std::string without_last_digits(const std::string& corrections) {
   }
   return text;
 }
-
-/// A running `pcavr` with its output in files.
-class RunningCommand {
- public:
-  RunningCommand(const std::vector<std::string>& arguments, const fs::path& folder,
-                 const std::string& name)
-      : output_(folder / (name + ".out")), errors_(folder / (name + ".err")) {
-    std::vector<std::string> all{"pcavr"};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    std::vector<char*> argv;
-    for (std::string& argument : all) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    pid_ = ::fork();
-    if (pid_ != 0) return;
-    if (std::freopen(output_.c_str(), "w", stdout) == nullptr ||
-        std::freopen(errors_.c_str(), "w", stderr) == nullptr) {
-      ::_exit(126);
-    }
-    ::execv(PCAVR_COMMAND, argv.data());
-    ::_exit(127);
-  }
-  ~RunningCommand() {
-    if (pid_ > 0) {
-      ::kill(pid_, SIGKILL);
-      wait();
-    }
-  }
-  RunningCommand(const RunningCommand&) = delete;
-  RunningCommand& operator=(const RunningCommand&) = delete;
-
-  void signal(int number) const { ::kill(pid_, number); }
-  int wait() {
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  std::string output() const { return text_of(output_); }
-  std::string errors() const { return text_of(errors_); }
-  /// Waits until it has printed a line with `text` on standard error; false after a minute.
-  bool has_said(const std::string& text) const {
-    const auto is_there = [&] { return errors().find(text) != std::string::npos; };
-    for (int i = 0; i < 1200 && !is_there(); ++i) std::this_thread::sleep_for(milliseconds(50));
-    return is_there();
-  }
-
- private:
-  fs::path output_;
-  fs::path errors_;
-  pid_t pid_ = -1;
-};
 
 /// Both programs on loopback with keys, over a recording of two pushes.
 class TwoSites : public testing::Test {
@@ -159,7 +103,7 @@ class TwoSites : public testing::Test {
     const std::string output = robot.output();
     return json::parse(output.substr(output.find('\n') + 1), nullptr, false);
   }
-  /// What `evaluate` finds for a run of the recording.
+  /// The findings of `evaluate` for a run of the recording.
   static json evaluated(const std::string& run) {
     const CommandOutcome outcome =
         run_pcavr({"evaluate", path(run), "--truth", path("recording/truth"), "-o",
@@ -341,8 +285,9 @@ command: {topic: /target}
   ASSERT_EQ(std::sscanf(recording->c_str() + last_row, "%lf,%lf,%lf,%lf", &end, &x, &y, &z), 4);
   EXPECT_LT((path_base.back() - Eigen::Vector3d(x, y, z)).norm(), 0.005);
   EXPECT_LT((path_base.front() - Eigen::Vector3d(0.2, 0.0, 0.1)).norm(), 1e-6);
-  // Within the site's limit of speed, whatever the operator's hand did before the session. By the
-  // stamps: a peer that a loaded machine delays receives the newest setpoint only.
+  // The speed is within the site's limit, whatever the operator's hand did before the session. It
+  // is measured by the stamps: a peer that a loaded machine delays receives the newest setpoint
+  // only.
   const double max_speed = std::sqrt(3.0) * pcavr::MotionLimits().max_speed;
   constexpr double kSetpointAge = 0.02;  // [s] at most, when it is published
   for (std::size_t i = 1; i < path_base.size(); ++i) {

@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "pcavr/base/core/utf8.hpp"
+
 #include "support/command.hpp"
 
 namespace pcavr {
@@ -35,7 +37,77 @@ TEST(WrongUsage, IsOneLineThatNamesTheCommandsHelp) {
 TEST(WrongUsage, NamesAnUnknownCommand) {
   const CommandOutcome unknown = run_pcavr({"biuld", "recording"});
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_EQ(unknown.standard_error, "pcavr: unknown command 'biuld'; see pcavr --help\n");
+  EXPECT_EQ(unknown.standard_error,
+            "pcavr: unknown command 'biuld'; did you mean build? see pcavr --help\n");
+}
+
+TEST(WrongUsage, NamesAnUnknownCommandAlsoWhereHelpIsAskedFor) {
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"buld", "--help"}, {"--help", "buld"}, {"--json", "buld"}, {"buld", "-h"}}) {
+    const CommandOutcome unknown = run_pcavr(words);
+    EXPECT_EQ(unknown.exit_code, 2) << words[0];
+    EXPECT_NE(unknown.standard_error.find("did you mean build?"), std::string::npos) << words[0];
+  }
+  const CommandOutcome other = run_pcavr({"frobnicate", "--help"});
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_EQ(other.standard_error.find("did you mean"), std::string::npos);
+  EXPECT_EQ(run_pcavr({"--help"}).exit_code, 0);
+  EXPECT_EQ(run_pcavr({"build", "--help"}).exit_code, 0);
+  EXPECT_EQ(run_pcavr({"--version"}).exit_code, 0);
+  EXPECT_EQ(run_pcavr({"-v"}).standard_output, run_pcavr({"--version"}).standard_output);
+  const CommandOutcome help = run_pcavr({"help", "identify", "friction"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_EQ(help.standard_output, run_pcavr({"identify", "friction", "--help"}).standard_output);
+  EXPECT_EQ(run_pcavr({"help"}).standard_output, run_pcavr({"--help"}).standard_output);
+  EXPECT_EQ(run_pcavr({"help", "biuld"}).exit_code, 2);
+}
+
+/// Descriptors that are closed at the start must not become those of the outputs.
+TEST(ClosedDescriptors, LeaveTheOutputsAsTheyAre) {
+  const TemporaryFolder folder;
+  const auto simulate = [&folder](const std::string& name, const std::string& prefix) {
+    const std::string output = (folder.path() / name).string();
+    return run_pcavr({"simulate", "paper", "--no-images", "-o", output}, prefix).exit_code;
+  };
+  ASSERT_EQ(simulate("usual", ""), 0);
+  for (const std::string closed : {"<&-", "2>&-", ">&-", "<&- >&- 2>&-"}) {
+    const std::string name = "closed" + std::to_string(closed.size()) + closed[0];
+    ASSERT_EQ(simulate(name, "sh -c 'exec \"$0\" \"$@\" " + closed + "' "), 0) << closed;
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path() / "usual")) {
+      if (!entry.is_regular_file()) continue;
+      const fs::path file = fs::relative(entry.path(), folder.path() / "usual");
+      EXPECT_EQ(read_file(folder.path() / name / file).value(), read_file(entry.path()).value())
+          << closed << ' ' << file;
+    }
+  }
+}
+
+TEST(Tags, AreAtMostAThousand) {
+  const TemporaryFolder folder;
+  const std::string output = (folder.path() / "sheet.svg").string();
+  std::string many = "0";
+  for (int id = 1; id < 20'000; ++id) many += "," + std::to_string(id);
+  for (const std::string& ids :
+       {many, std::string("0-1000"), std::string("0-999,5"), std::string("0-2000000000")}) {
+    const CommandOutcome outcome = run_pcavr({"tags", "--ids", ids, "-o", output});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.standard_error.find("more than 1000 tag ids"), std::string::npos);
+    EXPECT_TRUE(fs::is_empty(folder.path()));
+  }
+}
+
+/// A terminal would act on them.
+TEST(ControlCharacters, AreNeverPrinted) {
+  const TemporaryFolder folder;
+  const fs::path recording = folder.path() / "re\x1b[2Jcording";
+  fs::create_directories(recording);
+  ASSERT_TRUE(write_file(recording / "recording.yaml",
+                         "format: \"pcavr-recording/1\\e]0;x\\a\\u202e\\x9b\\x7f\"\n"));
+  const CommandOutcome outcome = run_pcavr({"inspect", recording.string()});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.error_lines(), 1U);
+  EXPECT_FALSE(has_controls(outcome.standard_error.substr(0, outcome.standard_error.size() - 1)))
+      << printable(outcome.standard_error);
 }
 
 TEST(Simulate, RejectsOptionsThatDoNotApplyToItsCaseInOneLine) {

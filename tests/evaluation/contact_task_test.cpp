@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluation/contact_task.hpp"
+#include "results/evaluation/contact_task.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ Trajectory a_line(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   return tip;
 }
 
-/// From 0.5 to 1 s, with its peak at the end.
+/// A contact from 0.5 to 1 s, with its peak at the end.
 ContactPeak a_contact() {
   return {.begin = at(0.5), .end = at(1.0), .peak = at(1.0), .measured = 10.0};
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluation/correction_metrics.hpp"
+#include "results/evaluation/correction_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -71,8 +71,8 @@ TEST(CorrectionEffects, AreUnknownAfterTheLastPoseAndNeverEndOutsideTolerance) {
 }
 
 TEST(Settling, CountsCorrectionsThatHaveArrived) {
-  // Outside until the first correction's arrival at 0.4 s; outside again from 0.8 to 1.1 s, until
-  // the correction for 0.6 s has arrived.
+  // The error is outside until the first correction's arrival at 0.4 s, and again from 0.8 to 1.1
+  // s, until the correction for 0.6 s has arrived.
   const auto errors = errors_every_tenth({0.01, 0.01, 0.01, 0.01, 0.006, 0.002, 0.001, 0.002, 0.004,
                                           0.005, 0.006, 0.004, 0.001, 0.001});
   const Settling settling =

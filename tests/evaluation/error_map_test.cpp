@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluation/error_map.hpp"
+#include "results/evaluation/error_map.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/image_codec.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
 
 namespace pcavr {
 namespace {

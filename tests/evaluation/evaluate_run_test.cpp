@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/evaluation/evaluate.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/results/evaluation/evaluate.hpp"
 
 #include "run_samples.hpp"
 #include "support/report_data.hpp"
@@ -188,7 +188,8 @@ TEST_F(EvaluateRun, CountsCorrectionsAndTheirEffects) {
   EXPECT_EQ(metrics["corrections.bytes_saved"], 19800.0);
   EXPECT_EQ(metrics["corrections.case.1.1"], 1);
   EXPECT_EQ(metrics["corrections.what.position"], 1);
-  // Within tolerance from 1.45 s on; the correction for 1.05 s arrived at that instant.
+  // The error is within tolerance from 1.45 s on; the correction for 1.05 s arrived at that
+  // instant.
   EXPECT_NEAR(metrics["corrections.recovery.median_s"], 0.4, 1e-9);
   EXPECT_EQ(metrics["corrections.object.box.until_good.count"], 1);
   EXPECT_EQ(metrics["corrections.object.box.until_settled.count"], 0);

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "pcavr/evaluation/evaluate.hpp"
+#include "pcavr/results/evaluation/evaluate.hpp"
 
 #include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"

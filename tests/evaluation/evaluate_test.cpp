@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/evaluation/evaluate.hpp"
+#include "pcavr/results/evaluation/evaluate.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/geometry/trajectory.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/geometry/trajectory.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "shapes.hpp"
 #include "support/report_data.hpp"

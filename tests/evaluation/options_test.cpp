@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/evaluation/options.hpp"
+#include "pcavr/results/evaluation/options.hpp"
 
 #include <set>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/options.hpp"
-#include "pcavr/evaluation/object_errors.hpp"
-#include "pcavr/evaluation/trajectory_errors.hpp"
+#include "pcavr/base/core/options.hpp"
+#include "pcavr/results/evaluation/object_errors.hpp"
+#include "pcavr/results/evaluation/trajectory_errors.hpp"
 
-#include "evaluation/force_errors.hpp"
+#include "results/evaluation/force_errors.hpp"
 #include "support/option_defaults.hpp"
 
 namespace pcavr {

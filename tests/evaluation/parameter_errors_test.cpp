@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluation/parameter_errors.hpp"
+#include "results/evaluation/parameter_errors.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/contact/damping.hpp"
+#include "pcavr/physics/contact/damping.hpp"
 
 namespace pcavr {
 namespace {
@@ -56,7 +56,7 @@ TEST(ParameterErrors, DoNotIncludeThatOfAGivenMass) {
 
 TEST(ParameterErrors, IncludeTheRestitutionOfTheTrueLaw) {
   ObjectParameters truth = a_true_box();
-  // At 0.1 m/s this damping is that of a restitution of 0.6, by the exact relation.
+  // This damping is that of a restitution of 0.6 at 0.1 m/s, by the exact relation.
   truth.contact_damping =
       ParameterValue{hunt_crossley_damping(DampingLaw::exact, 1000.0, 0.6, 0.1)};
   ObjectParameters estimate;
@@ -79,8 +79,8 @@ TEST(ParameterErrors, IncludeUnknownParameters) {
 }
 
 TEST(ParameterErrors, DoNotCompareStiffnessesOfDifferentExponents) {
-  // At the penetration where the true contact's force is 8 N, (8 / 1000)^(2/3) = 0.04 m, 220 N/m
-  // give 8.8 N.
+  // 220 N/m give 8.8 N at the penetration where the true contact's force is 8 N, (8 / 1000)^(2/3) =
+  // 0.04 m.
   ObjectParameters estimate;
   estimate.contact_stiffness = ParameterValue{220.0, 2.0};
   estimate.contact_exponent = ParameterValue{1.0};

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluation/phase_errors.hpp"
+#include "results/evaluation/phase_errors.hpp"
 
 #include <gtest/gtest.h>
 
-#include "evaluation/time_nodes.hpp"
+#include "results/evaluation/time_nodes.hpp"
 #include "run_samples.hpp"
 
 namespace pcavr {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "evaluation/run_files.hpp"
+#include "results/evaluation/run_files.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "run_samples.hpp"
 #include "support/temporary_folder.hpp"

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "evaluation/correction_metrics.hpp"
-#include "evaluation/phase_timeline.hpp"
+#include "results/evaluation/correction_metrics.hpp"
+#include "results/evaluation/phase_timeline.hpp"
 
 namespace pcavr {
 

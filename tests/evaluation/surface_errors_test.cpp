@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/evaluation/surface_errors.hpp"
+#include "pcavr/results/evaluation/surface_errors.hpp"
 
 #include <numbers>
 
@@ -108,7 +108,7 @@ TEST(MeshErrors, ExcludeSurfaceOccludedByABodyUntilItMovesAway) {
   const TriangleMesh floor = a_plane(-0.2F, 0.2F, -0.2F, 0.2F, 0.0F);
   Views views = a_view_from_above(1.0);
   views.bodies = {{a_box({1, 1, 0.1F}), {Pose::from_translation({0.5, 0, 0.2})}}};
-  // From 1 m, the body's edge projects onto 0 m: it occludes half.
+  // The body's edge, seen from 1 m, projects onto 0 m: it occludes half.
   const std::size_t seen_then = compare(floor, floor, views).seen_truth_to_mesh.size();
   EXPECT_NEAR(static_cast<double>(seen_then), 800.0, 30.0);
   views.T_base_camera.push_back(views.T_base_camera[0]);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/evaluation/trajectory_errors.hpp"
+#include "pcavr/results/evaluation/trajectory_errors.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "pcavr/friction/planar_slider.hpp"
-#include "pcavr/friction/point_push.hpp"
-#include "pcavr/friction/slider.hpp"
+#include "pcavr/physics/friction/planar_slider.hpp"
+#include "pcavr/physics/friction/point_push.hpp"
+#include "pcavr/physics/friction/slider.hpp"
 
 #include "friction/surfaces.hpp"
 #include "support/heap_counter.hpp"

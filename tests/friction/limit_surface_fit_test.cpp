@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/friction/limit_surface_fit.hpp"
+#include "pcavr/physics/friction/limit_surface_fit.hpp"
 
 #include <cstdint>
 #include <cstring>
@@ -11,7 +11,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "pcavr/core/median.hpp"
+#include "pcavr/base/core/median.hpp"
 
 #include "friction/surfaces.hpp"
 #include "support/option_defaults.hpp"

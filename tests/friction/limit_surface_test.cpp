@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/physics/friction/limit_surface.hpp"
 
 #include <cmath>
 #include <numbers>

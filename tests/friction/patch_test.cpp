@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/friction/patch.hpp"
+#include "pcavr/physics/friction/patch.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/friction/planar_slider.hpp"
+#include "pcavr/physics/friction/planar_slider.hpp"
 
 #include <cmath>
 #include <limits>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/friction/patch.hpp"
+#include "pcavr/physics/friction/patch.hpp"
 
 #include "friction/surfaces.hpp"
 
@@ -126,7 +126,7 @@ TEST(PlanarSlider, IsPassiveAtAnyStepAndSurface) {
 }
 
 TEST(PlanarSlider, StartsInTheQuasiStaticDirection) {
-  // From rest, after a very short step, the twist is along the surface's normal.
+  // The twist is along the surface's normal after a very short step from rest.
   PlanarFriction friction = box();
   friction.viscous = 0.0;
   friction.inertia = friction.mass * 0.05 * 0.05;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/friction/point_push.hpp"
+#include "pcavr/physics/friction/point_push.hpp"
 
 #include <cmath>
 

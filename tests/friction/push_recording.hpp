@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "pcavr/friction/limit_surface_fit.hpp"
+#include "pcavr/physics/friction/limit_surface_fit.hpp"
 
 namespace pcavr {
 
@@ -90,7 +90,7 @@ class PushRecording {
     return push;
   }
 
-  /// On the block, in the finger's frame, the first sample taken as the sensor's bias.
+  /// Force on the block, in the finger's frame, with the first sample as the sensor's bias.
   static Eigen::Vector2d applied_force(const Push& push, std::size_t row) {
     const double c = std::sqrt(0.5);
     Eigen::Matrix2d sensor;
@@ -102,7 +102,7 @@ class PushRecording {
     pose.head<2>() += Eigen::Rotation2Dd(corner.z()) * Eigen::Vector2d(0.05, 0.05);
     return pose;
   }
-  /// Of the last 70 % of the rows, those with more than the push's mean squared force.
+  /// Rows with more than the push's mean force, of the last 70 %.
   static std::vector<std::size_t> loaded_rows(const std::vector<Eigen::Vector3d>& forces) {
     Eigen::Vector2d mean = Eigen::Vector2d::Zero();
     for (const auto& row : forces) mean += (row - forces.front()).tail<2>();

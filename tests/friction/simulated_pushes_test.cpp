@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/median.hpp"
-#include "pcavr/friction/limit_surface_fit.hpp"
+#include "pcavr/base/core/median.hpp"
+#include "pcavr/physics/friction/limit_surface_fit.hpp"
 
 #include "friction/simulated_support.hpp"
 

@@ -10,9 +10,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/friction/limit_surface_fit.hpp"
-#include "pcavr/friction/point_push.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/friction/limit_surface_fit.hpp"
+#include "pcavr/physics/friction/point_push.hpp"
 
 namespace pcavr {
 
@@ -47,7 +47,7 @@ class SimulatedSupport {
     }
   }
 
-  /// Of a translation in any direction [N].
+  /// Friction force of a translation in any direction [N].
   [[nodiscard]] double force() const { return force_; }
   /// Half the body's mean side [m]: the weight of a rotation of 1 rad in an error of direction.
   [[nodiscard]] double length() const { return 0.25 * (length_ + width_); }
@@ -178,8 +178,8 @@ class SimulatedSupport {
     return slope;
   }
 
-  /// Of a push of 6 mm: poses to 0.15 mm and 0.15 deg, forces to 1 % and 1 deg of the sensor's
-  /// axes, the point of contact to 1 mm.
+  /// Adds the noise of a push of 6 mm: poses to 0.15 mm and 0.15 deg, forces to 1 % and 1 deg of
+  /// the sensor's axes, the point of contact to 1 mm.
   static void add_noise(Random& random, double noise, const Eigen::Vector2d& point,
                         PushSample& sample) {
     const Eigen::Vector2d error(random.normal(), random.normal());

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/friction/stribeck.hpp"
+#include "pcavr/physics/friction/stribeck.hpp"
 
 #include <cmath>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStribeckSpeed = 0.003;  // [m/s]
 
-// Beside the exponential form, which has 5 % left at three times the speed.
+// The exponential form, in comparison, has 5 % left at three times the speed.
 TEST(StribeckShare, FallsAsAGaussian) {
   EXPECT_EQ(stribeck_share(0.0, kStribeckSpeed), 1.0);
   EXPECT_NEAR(stribeck_share(kStribeckSpeed, kStribeckSpeed), std::exp(-1.0), 1e-15);

@@ -4,11 +4,11 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/friction/limit_surface.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/friction/limit_surface.hpp"
 
-#include "friction/quartic.hpp"
-#include "friction/ternary_form.hpp"
+#include "physics/friction/quartic.hpp"
+#include "physics/friction/ternary_form.hpp"
 
 namespace pcavr {
 

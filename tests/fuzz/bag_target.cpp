@@ -1,13 +1,18 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/check.hpp"
-#include "pcavr/rosbag/bag_reader.hpp"
-#include "pcavr/rosbag/ros_messages.hpp"
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
+#include "pcavr/recordings/rosbag/ros_messages.hpp"
 
 #include "fuzz/targets.hpp"
-#include "rosbag/byte_source.hpp"
-#include "rosbag/mcap_reader.hpp"
-#include "rosbag/ros1_bag_reader.hpp"
+#include "recordings/rosbag/byte_source.hpp"
+#include "recordings/rosbag/mcap_reader.hpp"
+#include "recordings/rosbag/open_file.hpp"
+#include "recordings/rosbag/ros1_bag_reader.hpp"
+#include "recordings/rosbag/sqlite_bag_reader.hpp"
 
 namespace pcavr::fuzz {
 namespace {
@@ -42,6 +47,15 @@ void mcap(std::string_view bytes) {
 
 void ros1_bag(std::string_view bytes) {
   read_to_the_end(open_ros1_bag(ByteSource(span_of(bytes), "the-file")));
+}
+
+void sqlite_bag(std::string_view bytes) {
+  // A file without a name in memory.
+  const OpenFile file(::memfd_create("fuzz", MFD_CLOEXEC));
+  PCAVR_REQUIRE(file.is_open());
+  const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+  PCAVR_REQUIRE(written == static_cast<ssize_t>(bytes.size()), written);
+  read_to_the_end(open_sqlite_bag(file, "the-file"));
 }
 
 void ros_message(std::string_view bytes) {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include "pcavr/cloud/cloud_file.hpp"
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/recordings/cloud/cloud_file.hpp"
 
 #include "fuzz/targets.hpp"
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string>
 
-#include "pcavr/arm/driven_arm.hpp"
-#include "pcavr/arm/identified_arm.hpp"
-#include "pcavr/core/check.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/robots/arm/driven_arm.hpp"
+#include "pcavr/robots/arm/identified_arm.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "fuzz/targets.hpp"
 
@@ -33,7 +33,7 @@ void identified_arm(std::string_view bytes) {
                   error.to_string());
     return;
   }
-  // What is accepted can be simulated.
+  // An accepted arm can be simulated.
   DrivenArm driven(arm->model, arm->joints);
   const Eigen::VectorXd q = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(arm->model.dof));
   driven.reset(q);

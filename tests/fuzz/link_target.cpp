@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/link/link_message.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
 
 #include "fuzz/targets.hpp"
 

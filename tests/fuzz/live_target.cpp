@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 #include "pcavr/serve/live_protocol.hpp"
 
 #include "fuzz/targets.hpp"

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "fuzz/targets.hpp"
-#include "teleop/message.hpp"
+#include "teleoperation/teleop/message.hpp"
 
 namespace pcavr::fuzz {
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdint>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/scene/occupancy_tree.hpp"
-#include "pcavr/scene/octomap_file.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/perception/scene/occupancy_tree.hpp"
+#include "pcavr/perception/scene/octomap_file.hpp"
 
 #include "fuzz/targets.hpp"
 

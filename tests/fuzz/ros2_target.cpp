@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "fuzz/targets.hpp"
-#include "ros2/ros2_intake.hpp"
+#include "teleoperation/ros2/ros2_intake.hpp"
 
 namespace pcavr::fuzz {
 namespace {
@@ -35,7 +35,7 @@ Ros2Setup setup_of(bool has_joints) {
   return setup;
 }
 
-/// What reaches the site's thread is finite and ascends, whatever the peers send.
+/// Samples that reach the site's thread are finite and ascend, whatever the peers send.
 void require_sound(RecordQueue& samples,
                    std::map<std::pair<Ros2Sample::Kind, std::uint64_t>, double>& last) {
   Ros2Sample sample;

@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <string>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/object/parameters_file.hpp"
-#include "pcavr/recording/image_codec.hpp"
-#include "pcavr/recording/manifest.hpp"
-#include "pcavr/recording/png_codec.hpp"
-#include "pcavr/recording/time_series.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
+#include "pcavr/recordings/recording/manifest.hpp"
+#include "pcavr/recordings/recording/png_codec.hpp"
+#include "pcavr/recordings/recording/time_series.hpp"
 
-#include "recording/camera_keys.hpp"
-#include "recording/recording_text.hpp"
+#include "recordings/recording/camera_keys.hpp"
+#include "recordings/recording/recording_text.hpp"
 
 namespace pcavr::fuzz {
 namespace {

@@ -21,6 +21,10 @@ void parameters(std::string_view bytes);
 void cloud(std::string_view bytes);
 /// An occupancy map of OctoMap, binary or full.
 void octomap(std::string_view bytes);
+/// A triangle mesh: the first byte chooses STL (s), PLY (p), OBJ (o) or glTF.
+void mesh(std::string_view bytes);
+/// A file of a scene: the first byte chooses scene.yaml (y), a .glb (g) or mesh.ply.
+void scene(std::string_view bytes);
 /// A recorded trace of an operator's hand.
 void trace(std::string_view bytes);
 /// A robot description.
@@ -29,11 +33,14 @@ void urdf(std::string_view bytes);
 void identified_arm(std::string_view bytes);
 /// A correction from the robot's site.
 void message(std::string_view bytes);
+/// A table of poses or forces, as a program logs it: the first byte chooses the options.
+void csv(std::string_view bytes);
 /// A message between two sites.
 void link(std::string_view bytes);
-/// An MCAP file, a ROS 1 bag.
+/// An MCAP file, a ROS 1 bag, a rosbag2 database.
 void mcap(std::string_view bytes);
 void ros1_bag(std::string_view bytes);
+void sqlite_bag(std::string_view bytes);
 /// A ROS message: the first byte chooses type and serialization.
 void ros_message(std::string_view bytes);
 /// Messages of the topics of a robot on ROS 2: the first byte chooses poses or joint states of the

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/check.hpp"
-#include "pcavr/devices/trace_device.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/teleoperation/devices/trace_device.hpp"
 
 #include "fuzz/targets.hpp"
 

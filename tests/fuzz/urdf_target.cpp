@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "fuzz/targets.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/geometry/depth_grid.hpp"
+#include "pcavr/base/geometry/depth_grid.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/geometry/image.hpp"
+#include "pcavr/base/geometry/image.hpp"
 
 #include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/base/geometry/depth_noise.hpp"
 
 namespace pcavr {
 namespace {

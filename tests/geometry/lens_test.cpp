@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/geometry/lens.hpp"
+#include "pcavr/base/geometry/lens.hpp"
 
 #include <cmath>
 #include <vector>
@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/camera.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/camera.hpp"
 
 namespace pcavr {
 namespace {
@@ -108,7 +108,7 @@ TEST(LensDistortion, JacobianIsTheDerivativeOfDistort) {
     Random random(5);
     for (int trial = 0; trial < 200; ++trial) {
       const LensDistortion lens = random_lens(model, random);
-      // Inside and beyond max_radius(), but not across it, where the derivative jumps.
+      // Points are inside and beyond max_radius(), but not across it, where the derivative jumps.
       const Eigen::Vector2d p(random.uniform(-3.0, 3.0), random.uniform(-2.0, 2.0));
       if (std::abs(p.norm() - lens.max_radius()) < 1e-3) continue;
       Eigen::Matrix2d jacobian;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/base/geometry/mesh.hpp"
 
 #include <cmath>
 #include <utility>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/geometry/pixel.hpp"
+#include "pcavr/base/geometry/pixel.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/geometry/rasterise.hpp"
+#include "pcavr/base/geometry/rasterise.hpp"
 
 #include <array>
 #include <random>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/geometry/image.hpp"
+#include "pcavr/base/geometry/image.hpp"
 
 namespace pcavr {
 namespace {

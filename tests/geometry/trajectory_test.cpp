@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/geometry/trajectory.hpp"
+#include "pcavr/base/geometry/trajectory.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 namespace pcavr {
 namespace {

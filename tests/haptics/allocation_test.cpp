@@ -41,7 +41,8 @@ TEST(HapticTool, IsDeterministicAndDoesNotAllocate) {
   EXPECT_GT(contacts, 2000);
 }
 
-// Along the table, through three boxes in a row, one of them over the edge; release and reset.
+// The tip moves along the table, through three boxes in a row, one of them over the edge; release
+// and reset.
 TEST(HapticWorld, IsDeterministicAndDoesNotAllocate) {
   HapticWorldModel model = test::one_box_on_a_table(0.001);
   model.world.bodies = test::row_of_boxes(3, 0.002).bodies;

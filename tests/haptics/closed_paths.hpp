@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/haptics/haptic_tool.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/teleoperation/haptics/haptic_tool.hpp"
 
 #include "haptics/scanned_bumps.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "haptics/constrained_motion.hpp"
+#include "teleoperation/haptics/constrained_motion.hpp"
 
 #include <vector>
 

@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/contact/contact_law.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/contact/contact_law.hpp"
 
 #include "haptics/tabletop.hpp"
-#include "haptics/tip_acceleration.hpp"
+#include "teleoperation/haptics/tip_acceleration.hpp"
 
 namespace pcavr {
 namespace {
@@ -34,7 +34,7 @@ HapticWorld pressed_world(double mass) {
   return world;
 }
 
-/// In by 3 mm within 0.3 s, then +- 1 mm at 10 Hz.
+/// The depth grows to 3 mm within 0.3 s, then varies by +- 1 mm at 10 Hz.
 double depth_at(double t) {
   const double in = 0.003 * std::clamp(t / 0.3, 0.0, 1.0);
   return in + (t < 0.5 ? 0.0 : 0.001 * std::sin(kOmega * (t - 0.5)));

@@ -16,7 +16,7 @@ using test::touching_tip;
 
 HapticWorld world_of(const HapticWorldModel& model) { return HapticWorld::create(model).value(); }
 
-/// Over the edge at x = 0.5, 40 cm from where the box stands.
+/// Pushes the box over the edge at x = 0.5, 40 cm from where it stands.
 void push_off(HapticWorld& world, double distance) {
   const Eigen::Vector3d start = touching_tip() - Eigen::Vector3d(0.01, 0.0, 0.0);
   world.reset(start);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/haptics/haptic_tool.hpp"
+#include "pcavr/teleoperation/haptics/haptic_tool.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/haptics/haptic_world.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "haptics/tabletop.hpp"
 #include "haptics/world_checker.hpp"

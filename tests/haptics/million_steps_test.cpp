@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/haptics/haptic_tool.hpp"
+#include "pcavr/teleoperation/haptics/haptic_tool.hpp"
 
 #include "haptics/closed_paths.hpp"
 #include "haptics/scanned_bumps.hpp"
@@ -31,7 +31,7 @@ Count press_and_slide(double noise, double radius, double friction) {
   HapticTool tool(bumps.mesh(), test::proxy_options(radius, friction), {});
   const test::PressAndSlide hand(17);
   Count count;
-  // From above.
+  // The tip comes from above.
   Eigen::Vector3d tip = hand(0.0) + Eigen::Vector3d(0.0, 0.0, 0.02);
   EXPECT_TRUE(tool.reset(tip));
   Eigen::Vector3d proxy = tip;

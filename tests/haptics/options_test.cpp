@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/options.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/haptics/rendered_force.hpp"
-#include "pcavr/haptics/surface_proxy.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
+#include "pcavr/teleoperation/haptics/rendered_force.hpp"
+#include "pcavr/teleoperation/haptics/surface_proxy.hpp"
 
 #include "haptics/scanned_bumps.hpp"
 #include "haptics/tabletop.hpp"

@@ -12,10 +12,10 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/mesh.hpp"
-#include "pcavr/haptics/surface_proxy.hpp"
-#include "pcavr/model/triangle.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/mesh.hpp"
+#include "pcavr/base/model/triangle.hpp"
+#include "pcavr/teleoperation/haptics/surface_proxy.hpp"
 
 namespace pcavr::test {
 

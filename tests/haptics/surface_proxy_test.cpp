@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/haptics/surface_proxy.hpp"
+#include "pcavr/teleoperation/haptics/surface_proxy.hpp"
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "haptics/scanned_bumps.hpp"
 
@@ -21,7 +21,7 @@ TriangleMesh flat_square() {
   return mesh;
 }
 
-/// From 0.1 m above to `depth` [m] below at one place, a millimetre a step.
+/// Presses from 0.1 m above to `depth` [m] below at one place, a millimetre a step.
 ProxyState press(SurfaceProxy& proxy, double depth) {
   EXPECT_TRUE(proxy.reset({0.1, 0.2, 0.1}));
   ProxyState state;

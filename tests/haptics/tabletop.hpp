@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/haptics/haptic_world.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
 
 #include "haptics/closed_paths.hpp"
 #include "prediction/worlds.hpp"

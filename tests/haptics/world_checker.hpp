@@ -8,10 +8,10 @@
 
 #include <Eigen/Geometry>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/prediction/closest_surface.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/physics/prediction/closest_surface.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
 
 namespace pcavr::test {
 
@@ -52,7 +52,7 @@ class WorldChecker {
     long free = 0;
   };
 
-  /// After each step, with the hand engaged.
+  /// Call it after each step, with the hand engaged.
   void check(const HapticWorldState& now, double dt) {
     ++count_.steps;
     if (!now.p_base_proxy.allFinite() || !now.force_base.allFinite()) ++count_.not_finite;

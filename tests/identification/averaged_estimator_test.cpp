@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/identification/estimator.hpp"
-#include "pcavr/identification/signals.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/identification/estimator.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/breakaway_motion.hpp"
+#include "pcavr/physics/identification/breakaway_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ Plant random_plant(Random& random) {
   return plant;
 }
 
-/// As presses and slides give it, some per cent off.
+/// The object as presses and slides give it, some per cent off.
 PushedObject known_of(const Plant& plant, Random& random) {
   PushedObject object{.contact_law = {plant.stiffness, plant.damping, plant.exponent},
                       .compliance_std = 0.1,
@@ -44,8 +44,8 @@ PushedObject known_of(const Plant& plant, Random& random) {
   return object;
 }
 
-/// At a constant speed [m/s]; or, as a person pushes, held just below the limit and then
-/// accelerated to that speed.
+/// A path at a constant speed [m/s]; or, as a person pushes, one that is held just below the limit
+/// and then accelerated to that speed.
 std::function<double(double)> path_of(const Plant& plant, double speed, bool is_held) {
   if (!is_held) return [=](double t) { return speed * (t - 0.3); };
   const double depth = std::pow(0.88 * plant.breakaway / plant.stiffness, 1.0 / plant.exponent);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/breakaway.hpp"
+#include "pcavr/physics/identification/breakaway.hpp"
 
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/contact_fit.hpp"
+#include "pcavr/physics/identification/contact_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,16 +11,16 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/identification/local_direction.hpp"
-#include "pcavr/identification/signals.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/physics/identification/local_direction.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 
 #include "identification/plant.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Down to `depth`, constant for 0.3 s and released.
+/// A path down to `depth`, constant for 0.3 s and released.
 double press_path(double t, double depth, double speed) {
   const double down = speed * (t - 0.3);
   const double up = 2.0 * depth + 0.3 * speed - down;
@@ -188,8 +188,8 @@ TEST(IdentifyContact, FitsStiffnessAndDampingUnderAGivenExponent) {
   EXPECT_THROW(static_cast<void>(identify_contact(series_of(trials), options)), ContractError);
 }
 
-/// Of a stiff object, with smooth reversals; the tip is recorded between the force's samples, as by
-/// a controller and a sensor of their own.
+/// A press of a stiff object, with smooth reversals; the tip is recorded between the force's
+/// samples, as by a controller and a sensor of their own.
 Trial brief_press(double duration, std::uint64_t seed) {
   Plant plant;
   plant.is_fixed = true;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/estimator.hpp"
+#include "pcavr/physics/identification/estimator.hpp"
 
 #include <array>
 #include <cmath>
@@ -10,9 +10,9 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/identification/signals.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 
 #include "identification/plant.hpp"
 

@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/friction_posterior.hpp"
+#include "pcavr/physics/identification/friction_posterior.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {
@@ -337,14 +338,15 @@ TEST(FrictionPosterior, WidensTheCoulombFrictionByAViscousFrictionThatIsNotExcit
   EXPECT_GT(found.coulomb.std, 0.05 * 10.0);  // speed times the viscous friction's prior std
   ASSERT_EQ(found.sliding_force.size(), 1U);
   EXPECT_LT(found.sliding_force[0].std, 0.03 * found.sliding_force[0].force);
-  // What one speed fixes is the sum: the two are anticorrelated.
+  // One speed fixes the sum: the two are anticorrelated.
   EXPECT_LT(found.covariance(1, 2), -0.9 * found.coulomb.std * found.viscous.std);
   EXPECT_TRUE(found.coefficient.is_excited);
   EXPECT_FALSE(found.mass.is_excited);  // given, not identified
 }
 
 TEST(FrictionPosterior, HasNoNegativeCoulombFriction) {
-  // At one speed, at which half of the possible viscous frictions exceed the whole force.
+  // All pushes have one speed, at which half of the possible viscous frictions exceed the whole
+  // force.
   Random random(74);
   const Body body{.mass = 0.5, .coulomb = 0.6, .viscous = 5.0};
   FrictionPriors priors;
@@ -400,6 +402,20 @@ TEST(FrictionPosterior, StatesNoForceThatNoiseHides) {
 }
 
 TEST(FrictionPosterior, IsInvalidWithoutSamples) { EXPECT_FALSE(infer_friction({}).is_valid); }
+
+TEST(FrictionPosterior, IsInvalidWhereNothingExplainsTheSamples) {
+  Random random(7);
+  std::vector<FrictionSample> samples = pushes_of({}, {0.03, 0.06}, 0.0, random);
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(), 1e300}) {
+    std::vector<FrictionSample> bad = samples;
+    bad[3].force = value;
+    const FrictionPosterior found = infer_friction(bad, {});
+    EXPECT_TRUE(!found.is_valid || std::isfinite(found.coulomb.value)) << value;
+    EXPECT_FALSE(found.is_valid && std::isnan(value));
+  }
+  for (FrictionSample& sample : samples) sample.force_std = sample.speed_std = 1e200;
+  EXPECT_FALSE(infer_friction(samples, {}).is_valid);
+}
 
 TEST(FrictionPosterior, DoesNotIdentifyAMassThatNoFrictionAllows) {
   // Friction that varies with the speed as if a body of 30 kg slid at a coefficient of 0.014.

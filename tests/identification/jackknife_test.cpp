@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/jackknife.hpp"
+#include "pcavr/physics/identification/jackknife.hpp"
 
 #include <cmath>
 #include <vector>

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/limit_of_pushes.hpp"
+#include "pcavr/physics/identification/limit_of_pushes.hpp"
 
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/identification/inertial_peak.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/identification/inertial_peak.hpp"
 
 namespace pcavr {
 namespace {
@@ -81,21 +81,22 @@ TEST(LimitOfPushes, APeakUnderFastLoadingFarAboveTheSlidingFrictionIsInertia) {
 }
 
 TEST(HiddenByTurning, IsNothingWhereTheObjectDoesNotTurn) {
-  EXPECT_EQ(hidden_by_turning(2.0, 10.0, 0.0).value, 0.0);
-  EXPECT_EQ(hidden_by_turning(2.0, 10.0, 0.0).std, 0.0);
-  EXPECT_EQ(hidden_by_turning(0.0, 10.0, 0.2).std, 0.0);
-  EXPECT_LT(hidden_by_turning(2.0, 10.0, 0.01).value, 0.3);
-  EXPECT_GT(hidden_by_turning(2.0, 10.0, 0.06).std, hidden_by_turning(2.0, 10.0, 0.04).std);
+  EXPECT_EQ(excess_hidden_by_turning(2.0, 10.0, 0.0).value, 0.0);
+  EXPECT_EQ(excess_hidden_by_turning(2.0, 10.0, 0.0).std, 0.0);
+  EXPECT_EQ(excess_hidden_by_turning(0.0, 10.0, 0.2).std, 0.0);
+  EXPECT_LT(excess_hidden_by_turning(2.0, 10.0, 0.01).value, 0.3);
+  EXPECT_GT(excess_hidden_by_turning(2.0, 10.0, 0.06).std,
+            excess_hidden_by_turning(2.0, 10.0, 0.04).std);
 }
 
 TEST(HiddenByTurning, ASmallExcessSaysLittleWhereTurningMayHideAllOfIt) {
   BreakawayPriors priors;
   // The excess's own size does not bound what is hidden: the prior's median is 2 N.
-  const IdentifiedParameter hidden = hidden_by_turning(0.2, 10.0, 0.2);
+  const IdentifiedParameter hidden = excess_hidden_by_turning(0.2, 10.0, 0.2);
   EXPECT_GT(hidden.value, 0.4);
   EXPECT_GT(hidden.std, 0.4);
   priors.turning_onset = 0.4;
-  EXPECT_LT(hidden_by_turning(0.2, 10.0, 0.2, priors).std, 0.1);
+  EXPECT_LT(excess_hidden_by_turning(0.2, 10.0, 0.2, priors).std, 0.1);
 }
 
 TEST(HiddenByTurning, IsWhatDrawnPeaksLack) {
@@ -114,7 +115,7 @@ TEST(HiddenByTurning, IsWhatDrawnPeaksLack) {
   }
   const double mean = sum / count;
   const IdentifiedParameter hidden =
-      hidden_by_turning(excess, coulomb, share * priors.turning_onset, priors);
+      excess_hidden_by_turning(excess, coulomb, share * priors.turning_onset, priors);
   EXPECT_NEAR(hidden.value, mean, 0.02);
   EXPECT_NEAR(hidden.std, std::sqrt(squares / count - mean * mean), 0.02);
 }

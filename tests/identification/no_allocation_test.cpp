@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/identification/estimator.hpp"
-#include "pcavr/identification/signals.hpp"
+#include "pcavr/physics/identification/estimator.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 
 #include "support/heap_counter.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/options.hpp"
 
 #include <cmath>
 #include <span>
@@ -8,14 +8,14 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/identification/breakaway.hpp"
-#include "pcavr/identification/breakaway_motion.hpp"
-#include "pcavr/identification/contact_fit.hpp"
-#include "pcavr/identification/estimator.hpp"
-#include "pcavr/identification/friction_posterior.hpp"
-#include "pcavr/identification/segmentation.hpp"
-#include "pcavr/identification/signals.hpp"
-#include "pcavr/identification/sliding.hpp"
+#include "pcavr/physics/identification/breakaway.hpp"
+#include "pcavr/physics/identification/breakaway_motion.hpp"
+#include "pcavr/physics/identification/contact_fit.hpp"
+#include "pcavr/physics/identification/estimator.hpp"
+#include "pcavr/physics/identification/friction_posterior.hpp"
+#include "pcavr/physics/identification/segmentation.hpp"
+#include "pcavr/physics/identification/signals.hpp"
+#include "pcavr/physics/identification/sliding.hpp"
 
 #include "plant.hpp"
 #include "support/option_defaults.hpp"

@@ -8,8 +8,8 @@
 #include <functional>
 #include <vector>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/identification/parameter.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/identification/parameter.hpp"
 
 namespace pcavr {
 

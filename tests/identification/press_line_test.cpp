@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/press_line.hpp"
+#include "pcavr/physics/identification/press_line.hpp"
 
 #include <string>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "identification/push_effects.hpp"
+#include "physics/identification/push_effects.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -10,7 +10,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr::detail {
 namespace {
@@ -96,7 +96,7 @@ TEST(PlaceFilter, WhitensAsTheCovarianceOfAllSamplesDoes) {
   for (int i = 0; i < kCount; ++i) {
     columns.row(i) << random.normal(), random.normal(), random.normal(), 1.0;
     places.push_back((i == 0 ? 0.0 : places.back()) + random.uniform(0.1, 1.0));
-    // Of stds that differ, with a correlation of a third, negative or positive.
+    // The stds differ, with a correlation of up to a third, negative or positive.
     const double variance = random.uniform(0.1, 0.5);
     const double both = i == 0 ? 0.0 : std::sqrt(variance * values.back().own);
     values.push_back({variance, random.uniform(-0.33, 0.33) * both});

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/segmentation.hpp"
+#include "pcavr/physics/identification/segmentation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -89,7 +89,7 @@ TEST(SegmentContacts, ExtrapolatesBeginAndEndToTheSurface) {
   // A threshold of six stds is 90 ms late here, at begin and end.
   EXPECT_LT(errors[errors.size() / 2], 0.015);
   EXPECT_LT(errors[errors.size() * 9 / 10], 0.03);
-  // In one of two hundred contacts noise and drift look like a first touch.
+  // Noise and drift look like a first touch in one of two hundred contacts.
   EXPECT_LT(errors[errors.size() - 2], 0.06);
 }
 
@@ -161,7 +161,7 @@ TEST(SegmentContacts, TakesNoSlowPressForDrift) {
 }
 
 TEST(SegmentContacts, TakesNoCablesPullForAContact) {
-  // Between pushes at two places the tip travels 0.6 m at 0.25 m/s, and a cable of 2 N/m pulls on
+  // The tip travels 0.6 m at 0.25 m/s between pushes at two places, and a cable of 2 N/m pulls on
   // the sensor: 1.2 N, at ten times the rate of a sensor that warms up.
   WholeRecording all;
   Random random(5171);
@@ -186,9 +186,8 @@ TEST(SegmentContacts, TakesNoCablesPullForAContact) {
   }
 }
 
-/// After a push the tip rests on the object for a while, under a force below the threshold of
-/// contact, as a light object that has stopped holds it: 15 % of the push that would go into the
-/// bias.
+/// The tip rests on the object for a while after a push, under a force below the threshold of
+/// contact, as a light object that has stopped holds it: 15 % of the push would go into the bias.
 TEST(SegmentContacts, TakesNoRestAfterAPushForBias) {
   for (std::uint64_t seed = 5171; seed <= 5180; ++seed) {
     Random random(seed);

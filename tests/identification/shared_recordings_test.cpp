@@ -10,12 +10,12 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/identification/contact_fit.hpp"
-#include "pcavr/identification/estimator.hpp"
-#include "pcavr/identification/local_direction.hpp"
-#include "pcavr/identification/segmentation.hpp"
-#include "pcavr/identification/signals.hpp"
-#include "pcavr/identification/sliding.hpp"
+#include "pcavr/physics/identification/contact_fit.hpp"
+#include "pcavr/physics/identification/estimator.hpp"
+#include "pcavr/physics/identification/local_direction.hpp"
+#include "pcavr/physics/identification/segmentation.hpp"
+#include "pcavr/physics/identification/signals.hpp"
+#include "pcavr/physics/identification/sliding.hpp"
 
 #include "support/shared_data.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/signals.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 
 #include <cmath>
 #include <optional>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/identification/smoothed_values.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/identification/smoothed_values.hpp"
 
 namespace pcavr {
 namespace {

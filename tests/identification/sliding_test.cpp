@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/identification/sliding.hpp"
+#include "pcavr/physics/identification/sliding.hpp"
 
 #include <algorithm>
 #include <cmath>

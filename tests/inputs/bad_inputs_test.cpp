@@ -4,13 +4,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "pcavr/pipeline/identify.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 #include "inputs/simulated_series.hpp"
 #include "pipeline/input_faults.hpp"
@@ -108,12 +109,34 @@ void leave_the_scene(IdentificationInput& input) {
   }
 }
 
+/// Turns the forces as a sensor that is mounted turned by `degrees` about an axis of the tool.
+Change turn_sensor(const Eigen::Vector3d& axis_tool, double degrees) {
+  return [=](IdentificationInput& input) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis_tool));
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < input.force_base.size(); ++i) {
+      while (k + 1 < input.t_tool.size() && input.t_tool[k] < input.t_force[i]) ++k;
+      const Eigen::Quaterniond& q_base_tool = input.q_base_tool[k];
+      input.force_base[i] = q_base_tool * turn * q_base_tool.conjugate() * input.force_base[i];
+    }
+  };
+}
+
+void forget_to_zero_the_sensor(IdentificationInput& input) {
+  for (Eigen::Vector3d& force : input.force_base) force += Eigen::Vector3d(1.2, -3.4, 12.6);
+}
+
 const std::vector<BadInput>& bad_inputs() {
   static const std::vector<BadInput> all{
       {"sound", [](IdentificationInput&) {}},
       {"reversed force", flip_sign, "wrong sign"},
       {"force in other axes", swap_x_and_y, "other axes"},
       {"force in the tool's axes", write_in_tool_axes, "tool's axes"},
+      {"sensor turned by 30 degrees", turn_sensor(Eigen::Vector3d::UnitZ(), 30.0), "turned by "},
+      {"sensor tilted by 40 degrees", turn_sensor(Eigen::Vector3d::UnitX(), 40.0), "turned by "},
+      {.name = "sensor not set to zero",
+       .apply = forget_to_zero_the_sensor,
+       .note = "N where the tip is far from every object"},
       {.name = "tool in millimetres",
        .apply = write_tool_in_millimetres,
        .fault = "in millimetres",
@@ -168,7 +191,7 @@ bool has(const std::vector<std::string>& notes, const std::string& part) {
          });
 }
 
-/// What one command found.
+/// The findings of one command.
 struct Answer {
   std::string fault;  ///< message with which force or recording were refused
   std::vector<std::string> notes;
@@ -205,6 +228,9 @@ Answer replayed(const IdentificationInput& input) {
   return answer;
 }
 
+/// The fault that a message states, without the evidence behind the colon.
+std::string what_of(const std::string& fault) { return fault.substr(0, fault.find(':')); }
+
 class BadInputs : public testing::TestWithParam<std::size_t> {
  protected:
   static const IdentificationInput& sound() {
@@ -220,7 +246,8 @@ TEST_P(BadInputs, GetTheSameAnswerFromBothCommands) {
   row.apply(input);
   const Answer identify = identified(input);
   const Answer replay = replayed(input);
-  EXPECT_EQ(identify.fault, replay.fault);
+  // The evidence may differ by a contact: live, a pose that jumps waits for the next one.
+  EXPECT_EQ(what_of(identify.fault), what_of(replay.fault));
   EXPECT_NE(identify.fault.find(row.fault), std::string::npos) << identify.fault;
   EXPECT_EQ(identify.fault.empty(), std::string(row.fault).empty()) << identify.fault;
   EXPECT_EQ(replay.has_run, row.is_replayed);

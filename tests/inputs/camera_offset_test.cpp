@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "inputs/clock_offsets.hpp"
+#include "physics/inputs/clock_offsets.hpp"
 #include "teleop/plant_input.hpp"
 
 namespace pcavr {
@@ -23,6 +23,7 @@ struct TrackingErrors {
   double correlation = 0.0;  ///< with that of the frame before
   double compression = 0.0;  ///< [m] of the contact while it slides, in excess of what is known
   double delay = 0.0;        ///< [s] of the stamps
+  double first = 0.0;        ///< [s] from when on all is recorded
 };
 
 /// The offset that one push of a box at `speed` [m/s] gives, tracked at 30 Hz.
@@ -35,12 +36,13 @@ TimeOffset offset_of_push(double speed, const TrackingErrors& errors, unsigned s
   AttributedContact push;
   push.object = 0;
   push.normal_object = -Eigen::Vector3d::UnitX();
-  push.episode.begin = kPushBegin;
+  push.episode.begin = std::max(kPushBegin, errors.first);
   push.episode.end = kPushBegin + kPushDuration;
   push.episode.direction_base = Eigen::Vector3d::UnitX();
-  push.episode.slides = {{.begin = kPushBegin, .end = kPushBegin + kPushDuration}};
+  push.episode.slides = {{.begin = push.episode.begin, .end = kPushBegin + kPushDuration}};
   for (int i = 0; i <= 3000; ++i) {
     const double t = 0.001 * i;
+    if (t < errors.first) continue;
     t_tool.push_back(t);
     p_base_tip.push_back({pushed(t) - kBoxHalfSize - kPushingRadius, 0.0, 0.0});
     push.episode.t.push_back(t);
@@ -53,6 +55,7 @@ TimeOffset offset_of_push(double speed, const TrackingErrors& errors, unsigned s
   double error = errors.std * noise(generator);
   for (int i = 0; i < 90; ++i) {
     const double t = i / 30.0;
+    if (t < errors.first) continue;
     const bool is_sliding = t > kPushBegin && t < kPushBegin + kPushDuration;
     error = errors.correlation * error +
             errors.std * std::sqrt(1.0 - std::pow(errors.correlation, 2)) * noise(generator);
@@ -73,6 +76,21 @@ TEST(CameraOffset, IsThatOfTheStamps) {
   ASSERT_TRUE(offset.is_known);
   EXPECT_NEAR(offset.offset, 0.06, 3.0 * offset.std);
   EXPECT_LT(offset.std, 0.008);
+}
+
+TEST(CameraOffset, IsNotKnownWhereThePoseIsOffRatherThanLate) {
+  // The pose jumps by 3 mm as the push begins, and back as it ends: its middle alone fits a lag.
+  for (const double jump : {-0.003, 0.003}) {
+    const TimeOffset offset = offset_of_push(0.05, {.std = 1e-4, .compression = jump}, 1);
+    EXPECT_FALSE(offset.is_known && std::abs(offset.offset) > 3.0 * offset.std)
+        << offset.offset << " +- " << offset.std;
+  }
+}
+
+TEST(CameraOffset, IsNotKnownOfAPushThatWasUnderWayWhenTheRecordingBegan) {
+  for (const double first : {1.1, 1.3, 1.5}) {
+    EXPECT_FALSE(offset_of_push(0.05, {.std = 1e-4, .delay = 0.06, .first = first}, 1).is_known);
+  }
 }
 
 TEST(CameraOffset, StaysWithinItsStdWhereErrorsLastForManyFrames) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "inputs/clock_shift.hpp"
+#include "physics/inputs/clock_shift.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "inputs/clock_offsets.hpp"
+#include "physics/inputs/clock_offsets.hpp"
 
 namespace pcavr {
 namespace {
@@ -42,7 +42,7 @@ TimeOffset offset_of(Recorded recorded, double shift) {
 }
 
 TEST(ForceOffset, IsNoneOfADeepPressWithStrongDamping) {
-  // At 60 mm/s the damping changes the force by a quarter.
+  // The damping changes the force by a quarter at 60 mm/s.
   const Recorded recorded = presses(
       0.008, [](double d, double rate) { return std::pow(d, 1.5) * (19000.0 + 76000.0 * rate); });
   for (const double shift : {0.0, 0.004, -0.004}) {
@@ -61,8 +61,9 @@ TEST(ForceOffset, OfALinearContactMayBeItsDamping) {
   EXPECT_NEAR(late.offset, 0.020 - 20.0 / 8000.0, 5e-4);
 }
 
-/// Pushes at several speeds that are held for 0.2 s before the release. As the object comes to rest
-/// its friction rises by a tenth [Stribeck], so that the largest force is while it still slides.
+/// Pushes at several speeds that are held for 0.2 s before the release. The friction of an object
+/// that comes to rest rises by a tenth [Stribeck], so that the largest force is while it still
+/// slides.
 Recorded held_pushes() {
   constexpr double kRate = 500.0, kStiffness = 1e5;          // [1/s], [N/m^1.5]
   constexpr double kStop = 0.9, kRelease = 1.1, kEnd = 1.6;  // [s] of each push

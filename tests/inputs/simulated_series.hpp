@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "pcavr/inputs/input_monitor.hpp"
+#include "pcavr/physics/inputs/input_monitor.hpp"
 
 #include "pipeline/identified_case.hpp"
 

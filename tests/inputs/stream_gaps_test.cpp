@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "inputs/stream_gaps.hpp"
+#include "physics/inputs/stream_gaps.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/inputs/input_monitor.hpp"
+#include "pcavr/physics/inputs/input_monitor.hpp"
 
-#include "inputs/clock_offsets.hpp"
+#include "physics/inputs/clock_offsets.hpp"
 #include "teleop/plant_input.hpp"
 
 namespace pcavr {
@@ -74,7 +74,8 @@ class PressesWithAGap {
   [[nodiscard]] InputFindings findings() const { return examine_inputs(series_, {}); }
 
  private:
-  /// [m] Of a press for a second from `begin` [s] on; negative while the tip approaches and leaves.
+  /// [m] Penetration of a press for a second from `begin` [s] on; negative while the tip approaches
+  /// and leaves.
   static double penetration(double t, double begin) {
     const double outside = std::max(begin - t, t - begin - 1.0);
     const double varied = 0.2 * kPressDepth * std::sin(8.0 * t);  // no saturated sensor

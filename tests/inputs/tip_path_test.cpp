@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/inputs/tip_path.hpp"
+#include "pcavr/physics/inputs/tip_path.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -70,7 +70,7 @@ TEST(TipPath, RejectsSpikesAndBridgesThem) {
 }
 
 TEST(TipPath, KeepsAShortPressOfASlowlySampledTool) {
-  // At 10 Hz: rest, 15 mm down and up again within one sample, and a start at 0.25 m/s.
+  // The path at 10 Hz: rest, 15 mm down and up again within one sample, and a start at 0.25 m/s.
   std::vector<double> t;
   std::vector<Eigen::Vector3d> p;
   for (int i = 0; i < 60; ++i) {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/inputs/tip_stream.hpp"
+#include "pcavr/physics/inputs/tip_stream.hpp"
 
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/inputs/tip_path.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/inputs/tip_path.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/inputs/touch.hpp"
+#include "pcavr/physics/inputs/touch.hpp"
 
 #include <cmath>
 #include <vector>

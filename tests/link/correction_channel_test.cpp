@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/link/correction_channel.hpp"
+#include "pcavr/teleoperation/link/correction_channel.hpp"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/link/link_conditions.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/teleoperation/link/link_conditions.hpp"
 
 namespace pcavr {
 namespace {
@@ -94,7 +94,8 @@ TEST(CorrectionChannel, SendsOnceOverALinkWithoutFaults) {
   EXPECT_EQ(sender.pending(), 0U);
 }
 
-// Those that were not late wait for the command that they name; those after one that waits, too.
+// Corrections that were not late wait for the command that they name; those after one that waits,
+// too.
 TEST(CorrectionChannel, SendsAMissingOneAgainWithTheNext) {
   CorrectionSender sender;
   sender.push({0, 1.0, 0.0, {1}});

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "pcavr/link/link_message.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
 
 namespace pcavr::test {
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/link/link_clock.hpp"
+#include "pcavr/teleoperation/link/link_clock.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/link/link_conditions.hpp"
+#include "pcavr/teleoperation/link/link_conditions.hpp"
 
 #include <optional>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 namespace pcavr {
 namespace {
@@ -80,7 +80,7 @@ TEST(LinkConditions, PassesTheBottlenecksRateAndDropsBeyondItsQueue) {
   EXPECT_NEAR(arrived, 105, 3);  // 10 s at 1 kB/s, and half a second's queue
 }
 
-// What is not asked for draws no random numbers of what is.
+// Conditions that are not asked for draw no random numbers of those that are.
 TEST(LinkConditions, DoNotDisturbEachOther) {
   LinkConditions plain({.delay = 0.1, .jitter = 0.02}, Random(7));
   LinkConditions doubled({.delay = 0.1, .jitter = 0.02, .duplicate = 0.5}, Random(7));

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/link/link_message.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
 
 #include "fuzz/targets.hpp"
 #include "link/every_message.hpp"

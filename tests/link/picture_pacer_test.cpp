@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/link/picture_pacer.hpp"
+#include "pcavr/teleoperation/link/picture_pacer.hpp"
 
 #include <algorithm>
 #include <cstdint>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/link/link_conditions.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/teleoperation/link/link_conditions.hpp"
 
 namespace pcavr {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/link/command_buffer.hpp"
-#include "pcavr/link/motion_limiter.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/teleoperation/link/command_buffer.hpp"
+#include "pcavr/teleoperation/link/motion_limiter.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/marker/body_pose.hpp"
+#include "pcavr/perception/marker/body_pose.hpp"
 
 #include <cmath>
 
@@ -127,7 +127,7 @@ TEST(SolveBodyPose, RejectsAnOutlierTag) {
   EXPECT_LT(translation_distance(found.pose.T_camera_body, a_box_pose()), 0.003);
 }
 
-/// How the planar ambiguity of distant, small tags is resolved.
+/// Results of resolving the planar ambiguity of distant, small tags.
 struct FlipCount {
   int wrong = 0;  ///< solved, but with the wrong solution
   int ambiguous = 0;

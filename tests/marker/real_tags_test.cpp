@@ -11,7 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <yaml-cpp/yaml.h>
 
-#include "pcavr/marker/body_pose.hpp"
+#include "pcavr/perception/marker/body_pose.hpp"
 
 #include "support/shared_data.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/marker/tag_detector.hpp"
+#include "pcavr/perception/marker/tag_detector.hpp"
 
 #include <gtest/gtest.h>
 
@@ -152,7 +152,6 @@ TEST(TagDetector, SortsByIdAndReportsEachTagOnce) {
   const std::vector<RenderedTag> tags{
       {{"tag36h11", 9}, 0.08, facing({-0.2, 0, 0.8}, 0.3, 0, 0)},
       {{"tag36h11", 2}, 0.08, facing({0.0, 0, 0.8}, 0.3, 0, 0)},
-      {{"tag36h11", 2}, 0.08, facing({0.2, 0, 0.8}, 0.3, 0, 0)},
       {{"DICT_6X6_250", 4}, 0.08, facing({0.0, 0.15, 0.8}, 0.3, 0, 0)}};
   auto detector = TagDetector::create({"tag36h11", "DICT_6X6_250", "tag36h11"});
   const auto found = detector->detect(render_tags(tags, camera));
@@ -160,6 +159,37 @@ TEST(TagDetector, SortsByIdAndReportsEachTagOnce) {
   EXPECT_EQ(found[0].id.to_string(), "DICT_6X6_250:4");
   EXPECT_EQ(found[1].id.to_string(), "tag36h11:2");
   EXPECT_EQ(found[2].id.to_string(), "tag36h11:9");
+}
+
+TEST(TagDetector, LeavesOutAnIdThatIsInTheImageTwiceAndReportsIt) {
+  const CameraModel camera = a_camera();
+  const RenderedTag other{{"tag36h11", 9}, 0.08, facing({-0.2, 0, 0.8}, 0.3, 0, 0)};
+  for (const std::string family : {"tag36h11", "DICT_6X6_250"}) {
+    // One of the copies is smaller, and its contrast is lower.
+    const RenderedTag one{{family, 2}, 0.08, facing({0.0, 0, 0.8}, 0.3, 0, 0)};
+    const RenderedTag copy{{family, 2}, 0.05, facing({0.2, 0, 0.8}, 0.9, 0.4, 0)};
+    auto detector = TagDetector::create({"tag36h11", "DICT_6X6_250"});
+    const auto found = detector->detect(render_tags({other, one, copy}, camera));
+    ASSERT_EQ(found.size(), 1U) << family;
+    EXPECT_EQ(found[0].id, other.id);
+    ASSERT_EQ(detector->seen_twice().size(), 1U) << family;
+    EXPECT_EQ(detector->seen_twice()[0], one.id);
+    // The next image has one of them only: the detector itself remembers no copies.
+    EXPECT_EQ(detector->detect(render_tags({other, one}, camera)).size(), 2U) << family;
+    EXPECT_TRUE(detector->seen_twice().empty()) << family;
+  }
+}
+
+TEST(TagDetector, FindsBothCopiesWhereItSearchesRegionsOnly) {
+  const CameraModel camera = a_camera();
+  const GrayImage image = render_tags({{{"tag36h11", 2}, 0.08, facing({-0.2, 0, 0.8}, 0.3, 0, 0)},
+                                       {{"tag36h11", 2}, 0.08, facing({0.2, 0.1, 0.8}, 0.3, 0, 0)}},
+                                      camera);
+  TagDetector detector = a_detector("tag36h11");
+  for (int frame = 0; frame < TagDetectorOptions{}.full_search_interval + 2; ++frame) {
+    EXPECT_TRUE(detector.detect(image).empty()) << frame;
+    EXPECT_EQ(detector.seen_twice().size(), 1U) << frame;
+  }
 }
 
 TEST(TagDetector, AcceptsEmptyImages) {

@@ -8,11 +8,11 @@
 
 #include <Eigen/Dense>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/camera.hpp"
-#include "pcavr/geometry/image.hpp"
-#include "pcavr/marker/body_pose.hpp"
-#include "pcavr/marker/tag_sheet.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/camera.hpp"
+#include "pcavr/base/geometry/image.hpp"
+#include "pcavr/perception/marker/body_pose.hpp"
+#include "pcavr/perception/marker/tag_sheet.hpp"
 
 namespace pcavr::test {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/marker/tag_sheet.hpp"
+#include "pcavr/perception/marker/tag_sheet.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/marker/tag_detector.hpp"
-#include "pcavr/recording/manifest.hpp"
+#include "pcavr/perception/marker/tag_detector.hpp"
+#include "pcavr/recordings/recording/manifest.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "support/meshes.hpp"
 #include "support/temporary_folder.hpp"
@@ -128,6 +128,10 @@ void expect_box(const Expected<CadModel>& model) {
 
 TEST_F(CadFiles, ReadsAnObj) {
   expect_box(read_cad_model(write("box.obj", as_obj(box_mesh(kSize))), "box"));
+}
+
+TEST_F(CadFiles, ReadsCoordinatesInAUnit) {
+  expect_box(read_cad_model(write("box.obj", as_obj(box_mesh(1000.0F * kSize))), "box", {}, 0.001));
 }
 
 TEST_F(CadFiles, GivesTheModelItsName) {

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "model/cad_simplification.hpp"
+#include "base/model/cad_simplification.hpp"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
 
-#include "model/mesh_repair.hpp"
-#include "model/vertex_clustering.hpp"
+#include "base/model/mesh_repair.hpp"
+#include "base/model/vertex_clustering.hpp"
 #include "support/meshes.hpp"
 
 namespace pcavr::model {

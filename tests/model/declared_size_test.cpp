@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
 
 #include "support/sanitizers.hpp"
 #include "support/temporary_folder.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "model/mesh_repair.hpp"
+#include "base/model/mesh_repair.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/model/mesh_simplification.hpp"
+#include "pcavr/base/model/mesh_simplification.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "model/polygon.hpp"
+#include "base/model/polygon.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
 
 #include "support/meshes.hpp"
 

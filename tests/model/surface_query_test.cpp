@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/model/triangle.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/base/model/triangle.hpp"
 
 #include "support/meshes.hpp"
 
@@ -127,7 +127,7 @@ TEST(SurfaceQuery, IsExactForABox) {
   ASSERT_TRUE(above);
   EXPECT_NEAR(above->distance, 0.2F, 1e-7F);
   EXPECT_NEAR((above->normal - Eigen::Vector3f::UnitZ()).norm(), 0.0F, 1e-7F);
-  // From inside, the nearest face; its normal still points outward.
+  // The nearest face is found from inside, too; its normal still points outward.
   const auto inside = surface.closest({0.08F, 0.0F, 0.0F}, kFar);
   ASSERT_TRUE(inside);
   EXPECT_NEAR(inside->distance, 0.02F, 1e-7F);

@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/object/damping_choice.hpp"
+#include "pcavr/physics/object/damping_choice.hpp"
 
 #include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Of a body that impacts at 0.1 m/s.
+/// The parameters of a body that impacts at 0.1 m/s.
 ParameterTable table_with(double restitution) {
   ObjectParameters box;
   box.contact_stiffness = ParameterValue{2e6, 2e4};

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 
 #include <limits>
 
@@ -13,6 +13,7 @@ namespace {
 
 ObjectParameters all_parameters() {
   return {.mass = ParameterValue{3.0, 0.02},
+          .inertial_mass = ParameterValue{2.95, 0.04},
           .limiting_static_friction = ParameterValue{9.57, 0.11},
           .sliding_friction_coefficient = ParameterValue{0.283, 0.001},
           .viscous_friction = ParameterValue{10.0, 0.5},
@@ -28,7 +29,8 @@ ObjectParameters all_parameters() {
                       .correlated = {"mass", "sliding_friction_coefficient"},
                       .correlation = {1.0, -0.25, -0.25, 1.0},
                       .pushes = {{"limiting_static_friction", 10}, {"mass", 11}},
-                      .presses = {{"contact.stiffness", 3}}}};
+                      .presses = {{"contact.stiffness", 3}},
+                      .recordings = {"00000000000000ff", "0123456789abcdef"}}};
 }
 
 void expect_same(const std::optional<ParameterValue>& a, const std::optional<ParameterValue>& b) {
@@ -40,6 +42,7 @@ void expect_same(const std::optional<ParameterValue>& a, const std::optional<Par
 
 void expect_same(const ObjectParameters& a, const ObjectParameters& b) {
   expect_same(a.mass, b.mass);
+  expect_same(a.inertial_mass, b.inertial_mass);
   expect_same(a.limiting_static_friction, b.limiting_static_friction);
   expect_same(a.sliding_friction_coefficient, b.sliding_friction_coefficient);
   expect_same(a.viscous_friction, b.viscous_friction);
@@ -59,6 +62,7 @@ void expect_same(const ObjectParameters& a, const ObjectParameters& b) {
   EXPECT_EQ(a.sources.correlated, b.sources.correlated);
   EXPECT_EQ(a.sources.correlation, b.sources.correlation);
   EXPECT_EQ(a.sources.pushes, b.sources.pushes);
+  EXPECT_EQ(a.sources.recordings, b.sources.recordings);
   EXPECT_EQ(a.sources.presses, b.sources.presses);
   ASSERT_EQ(a.limit_surface.has_value(), b.limit_surface.has_value());
   if (!a.limit_surface) return;
@@ -135,6 +139,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"GivenThatIsNoParameter", "b:\n  mass: 3\n  given: [colour]\n", 3, "b.given[0]"},
         Refusal{"GivenTwice", "b:\n  given: [mass, mass]\n", 2, "b.given[1]"},
         Refusal{"PushesOfNoParameter", "b:\n  pushes: {weight: 3}\n", 2, "b.pushes.weight"},
+        Refusal{"RecordingWithoutContent", "b:\n  recordings: [monday]\n", 2, "b.recordings[0]"},
         Refusal{"NegativePushes", "b:\n  pushes: {mass: -3}\n", 2, "b.pushes.mass"},
         Refusal{
             "NonSquareCorrelation",

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "object_identification/breakaway_lever.hpp"
+#include "physics/object_identification/breakaway_lever.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ class Pushes {
     model_.mesh_object = test::box_mesh({0.16F, 0.16F, 0.10F});
   }
 
-  /// At 4 mm/s; the force has the lever arm `lever` [m].
+  /// Adds a push at 4 mm/s whose force has the lever arm `lever` [m].
   void add_slow(double lever, std::uint64_t seed) {
     const Trial trial =
         run(plant_, kSensors, 2.5, seed, [](double t) { return 0.004 * (t - 0.3); });
@@ -102,7 +102,8 @@ TEST(YieldInstant, IsWhereTheForceReachesCoulombFrictionForGood) {
   for (int i = 0; i < 500; ++i) {
     const double t = 0.002 * i;
     episode.t.push_back(t);
-    // Above 3 N from 0.16 to 0.20 s, then again from 0.60 s on, up to the peak at 0.9 s.
+    // The force is above 3 N from 0.16 to 0.20 s, then again from 0.60 s on, up to the peak at 0.9
+    // s.
     episode.force.push_back(t < 0.2 ? 20.0 * t - 0.2 : t < 0.3 ? 1.0 : 5.0 * std::min(t, 0.9));
   }
   episode.breakaway.t = 0.9;

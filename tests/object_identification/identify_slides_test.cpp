@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "object_identification/identify_slides.hpp"
+#include "physics/object_identification/identify_slides.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/identification/path_view.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/identification/path_view.hpp"
 
 #include "support/meshes.hpp"
 
@@ -72,8 +72,8 @@ TEST(FrictionSamples, LeaveOutTheTimeInWhichFrictionSettlesAfterAStop) {
   }
 }
 
-// In a steady push all of the contact's compression that is measured is the force's noise, which
-// says nothing of how soft the contact is. In one whose force swings it does.
+// The measured compression of the contact is only the force's noise in a steady push, which does
+// not show how soft the contact is. A push whose force swings shows it.
 TEST(FrictionSamples, ExpectNoMotionOfTheContactFromTheNoiseOfTheForce) {
   for (const double swing : {0.0, 3.0}) {
     std::vector<double> object, force;
@@ -136,7 +136,7 @@ TEST(FrictionSamples, StateWhatTheContactsComplianceChanges) {
 }
 
 TEST(FrictionSamples, StateWhatTheContactsDampingChanges) {
-  // After the breakaway the force swings by a tenth, four times a second, and the contact's
+  // The force swings by a tenth after the breakaway, four times a second, and the contact's
   // damping, which the law does not have, delays the compression: c d d' [m].
   constexpr double kRate = 8.0 * std::numbers::pi, kDamping = 5.0;  // [1/s], [s/m]
   std::vector<double> object, force;
@@ -160,7 +160,7 @@ TEST(FrictionSamples, StateWhatTheContactsDampingChanges) {
 }
 
 TEST(FrictionSamples, BeginAfterTheLoadingWhereNoBreakawayWasFound) {
-  // What holds the tip gives way while it loads the object: that looks like a slide.
+  // The tip's mount gives way while the tip loads the object: that looks like a slide.
   std::vector<double> object, force;
   for (double t = 0.0; t < 2.0; t += kStep) {
     object.push_back(0.002 * t);
@@ -191,7 +191,7 @@ TEST(FrictionSamples, OfASlowSlideHaveTheNoiseThatTheyShow) {
     return samples.empty() ? 0.0 : samples.back().force_std;
   };
   EXPECT_GT(noise_of(0.01), 0.3);
-  // At speed friction may differ from one sample to the next.
+  // Friction at speed may differ from one sample to the next.
   EXPECT_LT(noise_of(0.06), 0.3);
 }
 
@@ -250,14 +250,14 @@ struct TurningPush {
 
 TEST(FrictionSamples, DissipateByTheSupportsFrictionRadius) {
   TurningPush push(1.5);
-  // Of a support in one point all power goes into its translation, ...
+  // All power goes into the translation of a support in one point.
   const std::vector<FrictionSample> point = push.samples(1e-6);
   ASSERT_GE(point.size(), 8U);
   const double share = 1.0 - TurningPush::kRate * TurningPush::kLever / TurningPush::kSpeed;
   for (const FrictionSample& sample : point) {
     EXPECT_NEAR(sample.force, share * kSlidingForce, 0.02 * kSlidingForce) << sample.t;
   }
-  // ... of a wide one a part into its rotation.
+  // A part of it goes into the rotation of a wide support.
   const std::vector<FrictionSample> wide = push.samples(0.06);
   ASSERT_EQ(wide.size(), point.size());
   for (std::size_t i = 0; i < wide.size(); ++i) EXPECT_LT(wide[i].force, 0.98 * point[i].force);
@@ -269,7 +269,7 @@ TEST(FrictionSamples, OffTheCentreAreNoneWhereTheObjectIsNotTracked) {
   const std::vector<FrictionSample> off_centre = push.samples({});
   ASSERT_GE(off_centre.size(), 3U);
   EXPECT_LT(off_centre.back().t, kUntil);
-  // Through the centre the tip's motion is the object's.
+  // The tip's motion is the object's in a push through the centre.
   push.contact.lever = 0.0;
   EXPECT_GT(push.samples({}).back().t, kUntil + 0.3);
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/augmented_drawing.hpp"
+#include "pipeline/pictures/augmented_drawing.hpp"
 
 #include <cmath>
 
@@ -78,7 +78,7 @@ TEST_F(AugmentedDrawing, DrawsTheSilhouetteWithinAPixelThroughAnyLens) {
 TEST_F(AugmentedDrawing, DrawsAnEdgeWhereTwoFacesMeetAndNoneInAFace) {
   const CameraModel camera = a_camera(true);
   const ColorImage picture = drawn(camera, {{&box_, T_camera_box_}});
-  // Of the eight corners, those that the camera sees, and the edges between them.
+  // Edges between those of the eight corners that the camera sees.
   int edges = 0;
   for (int from = 0; from < 8; ++from) {
     for (const int bit : {1, 2, 4}) {
@@ -151,7 +151,7 @@ TEST_F(AugmentedDrawing, DrawsNothingBehindTheCameraOrOutsideTheImage) {
 
 TEST_F(AugmentedDrawing, DrawsNoEdgeAtTheImageBorder) {
   const CameraModel camera = a_camera(false);
-  // So near that its face fills the image: no edge.
+  // The box is so near that its face fills the image: no edge.
   const ColorImage picture = drawn(camera, {{&box_, a_view({0.0, 0.0, 0.07}, 0.0)}});
   for (int y = 0; y < camera.height; ++y) EXPECT_EQ(picture(0, y), picture(160, 120)) << y;
 }

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/videoio.hpp>
 
-#include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
 
 #include "pipeline/small_replay.hpp"
 #include "support/temporary_folder.hpp"

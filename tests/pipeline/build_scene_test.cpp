@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/recording/recording_writer.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 
 #include "support/temporary_folder.hpp"
 

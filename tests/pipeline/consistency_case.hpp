@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/marker/body_pose.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/perception/marker/body_pose.hpp"
 
-#include "pipeline/consistency_checks.hpp"
+#include "pipeline/checks/consistency_checks.hpp"
 
 namespace pcavr {
 

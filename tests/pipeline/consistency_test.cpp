@@ -3,7 +3,7 @@
 // Each common mistake in a recording's inputs, injected into otherwise consistent observations.
 #include <gtest/gtest.h>
 
-#include "pipeline/assess_consistency.hpp"
+#include "pipeline/checks/assess_consistency.hpp"
 #include "pipeline/consistency_case.hpp"
 #include "scene/scene_builder.hpp"
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
 
 #include "support/meshes.hpp"
 #include "support/temporary_folder.hpp"

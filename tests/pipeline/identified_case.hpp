@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -55,21 +56,24 @@ inline CadModel model_of(const PlantBody& body) {
 }
 
 /// The first `duration` seconds of a task, with the marker tracking of a recording without images.
+/// `noise_seed`: of the sensors; that of the plant by default.
 inline IdentifiedCase identified_case(ToolTask task, std::uint64_t seed, double duration,
-                                      const SensorFaults& faults = {}) {
+                                      const SensorFaults& faults = {},
+                                      std::optional<std::uint64_t> noise_seed = {}) {
   IdentifiedCase made{make_plant_case(task, seed), {}, {}};
+  const std::uint64_t sensors = noise_seed.value_or(seed);
   PlantOptions options{.substeps = made.plant.substeps};
   options.max_duration = duration;
   const PlantRun run = run_plant(made.plant.bodies, made.plant.tool, made.plant.moves, options);
   made.impacts = run.impacts;
   IdentificationInput& input = made.input;
-  const Trajectory tool = measured_tool(run, seed);
+  const Trajectory tool = measured_tool(run, sensors);
   for (const auto& [stamp, pose] : tool.poses()) {
     input.t_tool.push_back(stamp.seconds());
     input.p_base_tip.push_back(pose.translation());
     input.q_base_tool.push_back(pose.rotation());
   }
-  for (const WrenchSample& sample : measured_wrench(run, seed, faults)) {
+  for (const WrenchSample& sample : measured_wrench(run, sensors, faults)) {
     input.t_force.push_back(sample.stamp.seconds());
     input.force_base.push_back(sample.force);
   }
@@ -78,7 +82,7 @@ inline IdentifiedCase identified_case(ToolTask task, std::uint64_t seed, double 
     const PlantBody& body = made.plant.bodies[i];
     IdentifiableObject object{
         body.name, model_of(body), body.T_base_object, body.parameters.mass, {}};
-    for (const SimulatedMeasurement& seen : simulated_tracking(run, body, i, seed, faults)) {
+    for (const SimulatedMeasurement& seen : simulated_tracking(run, body, i, sensors, faults)) {
       if (!seen.is_seen) continue;
       object.tracked.push_back(
           {seen.stamp.seconds(), seen.T_base_object, seen.position_std, seen.rotation_std});

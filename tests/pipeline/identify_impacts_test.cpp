@@ -79,7 +79,7 @@ TEST(IdentifyImpacts, GiveTheDampingThatSlowPressesDoNot) {
       if (is_left_out) continue;
       ++from_impacts;
       EXPECT_EQ(object.parameters.contact_damping_law, DampingLaw::exact) << at;
-      // Where the stiffness is assumed, so is the damping, which is a multiple of it.
+      // The damping, a multiple of the stiffness, is assumed where the stiffness is.
       EXPECT_EQ(object.parameters.contact_damping->std.has_value(),
                 object.parameters.contact_stiffness->std.has_value())
           << at;

@@ -8,15 +8,14 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/friction/limit_surface.hpp"
-#include "pcavr/friction/limit_surface_fit.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/physics/friction/limit_surface.hpp"
+#include "pcavr/physics/friction/limit_surface_fit.hpp"
+#include "pcavr/physics/prediction/body_physics.hpp"
+#include "pcavr/physics/turning/turning.hpp"
 #include "pcavr/pipeline/identify.hpp"
-#include "pcavr/prediction/body_physics.hpp"
-#include "pcavr/turning/turning.hpp"
 
 #include "pipeline/identified_case.hpp"
-#include "pipeline/identify_findings.hpp"
 #include "pipeline/input_faults.hpp"
 
 namespace pcavr {
@@ -108,7 +107,7 @@ TEST(IdentifyMany, StatesNoLimitOfPushesThatTurnABoxAtTheBreakaway) {
   }
 }
 
-/// Of the CAD body's lowest face, scaled to the identified friction radius.
+/// Limit surface of the CAD body's lowest face, scaled to the identified friction radius.
 LimitSurface surface_of_support(const IdentifiableObject& object, double radius) {
   ObjectParameters known;
   known.friction_radius = ParameterValue{radius, {}};
@@ -179,20 +178,6 @@ TEST(IdentifyMany, WithholdsTheContactLawWhereMostPushesTurnTheObject) {
   EXPECT_GT(turned.limit_of_pushes.limit.value, turned.friction.coulomb.value);
   EXPECT_FALSE(turned.parameters.contact_stiffness.has_value());
   EXPECT_TRUE(turned.is_contact_off_centre);
-}
-
-TEST(IdentifyMany, ReportsThatAnObjectSlidWhereNoSampleOfItsSlidesIsUsable) {
-  const auto remark = [](double slid) {
-    ObjectIdentification found;
-    IdentifiableObject object;
-    object.is_movable = true;
-    state_findings(IdentificationGoal::friction, object, slid, found);
-    for (const ParameterFinding& row : found.findings)
-      if (row.name == "sliding_friction_coefficient") return row.remark;
-    return std::string();
-  };
-  EXPECT_EQ(remark(0.2), "slide the object for a second or more at 40 mm/s");
-  EXPECT_NE(remark(12.3).find("it slid for 12.3 s"), std::string::npos) << remark(12.3);
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 
 #include "pipeline/identified_case.hpp"
 #include "support/report_data.hpp"
@@ -351,7 +351,7 @@ TEST(Identify, UpdatesAnUntrackedObjectsPoseByItsPushes) {
 }
 
 TEST(Identify, ReportsThatSlowPushesDoNotExciteTheMassAndProposesAMotion) {
-  // Without the modulated slide at the end.
+  // The recording ends before the modulated slide.
   const IdentifiedCase slow = identified_case(ToolTask::probe, 2, 16.0);
   const auto found = identify(slow.input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
@@ -410,6 +410,22 @@ TEST(Identify, DoesNotMixTheWeighedMassWithTheOneByAccelerations) {
   ASSERT_NE(inertial, nullptr);
   EXPECT_TRUE(inertial->is_excited);
   EXPECT_LT(std::abs(inertial->value - truth().mass), 3.0 * *inertial->std);
+  ASSERT_TRUE(p.inertial_mass.has_value());
+  EXPECT_EQ(p.inertial_mass->value, inertial->value);
+  EXPECT_EQ(p.inertial_mass->std, inertial->std);
+  EXPECT_TRUE(found->warnings.empty());
+}
+
+TEST(Identify, KeepsAWeighedMassThatTheForceContradicts) {
+  for (const double factor : {0.5, 0.8, 1.3, 2.0}) {
+    IdentificationInput input = probe().input;
+    for (Eigen::Vector3d& force : input.force_base) force *= factor;
+    const auto found = identify(input, IdentificationGoal::friction);
+    ASSERT_TRUE(found.has_value()) << found.error().to_string();
+    EXPECT_EQ(found->objects[0].parameters.mass->value, *input.objects[0].mass);
+    ASSERT_EQ(found->warnings.size(), 1U) << factor;
+    EXPECT_NE(found->warnings[0].find("the given mass or the force is wrong"), std::string::npos);
+  }
 }
 
 TEST(Identify, StatesWhatTheValuesRestOn) {
@@ -433,11 +449,11 @@ TEST(Identify, StatesWhatTheValuesRestOn) {
   for (const std::string& key : p.sources.correlated) {
     EXPECT_EQ(correlation(key.c_str(), key.c_str()), 1.0);
   }
-  // Of two speeds, a higher viscous friction leaves less to Coulomb friction.
+  // A higher viscous friction leaves less to Coulomb friction at two speeds.
   EXPECT_LT(correlation("sliding_friction_coefficient", "viscous_friction"), -0.1);
   EXPECT_EQ(correlation("sliding_friction_coefficient", "viscous_friction"),
             correlation("viscous_friction", "sliding_friction_coefficient"));
-  // Over the few depths of the presses a higher exponent needs a stiffer contact.
+  // A higher exponent needs a stiffer contact over the few depths of the presses.
   EXPECT_GT(correlation("contact.stiffness", "contact.exponent"), 0.9);
   EXPECT_EQ(correlation("contact.stiffness", "viscous_friction"), 0.0);
   ASSERT_GE(p.sliding_force.size(), 2U);

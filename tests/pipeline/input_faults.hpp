@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/base/core/gravity.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
 /// Faults to inject into a sound recording, and the error that each must cause.

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
 #include "pipeline/identified_case.hpp"
@@ -45,7 +45,7 @@ TEST(InputFaults, AreReported) {
 
 /// The first press of `whole` with 0.3 s of free motion on either side, in `count` samples.
 IdentificationInput one_press(const IdentificationInput& whole, std::size_t count) {
-  // In many successive samples: single ones are spikes.
+  // The press has many successive samples: single ones are spikes.
   const auto is_pressed = [](const Eigen::Vector3d& force, bool expected) {
     return (force.norm() > 3.0) == expected;
   };
@@ -192,7 +192,8 @@ TEST(InputFaults, AreNotReportedWhereTheTipSlidesAlongAFace) {
   input.q_base_tool.clear();
   input.t_force.clear();
   input.force_base.clear();
-  // Along its +y edge of the face whose outward normal is -x, 50 mm at 10 mm/s, 0.1 mm deep.
+  // The tip moves along the +y edge of the face whose outward normal is -x, 50 mm at 10 mm/s, 0.1
+  // mm deep.
   double face = 0.0;
   for (const Eigen::Vector3f& v : box.model.mesh_object.vertices) {
     face = std::min(face, static_cast<double>(v.x()));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/loaded_tip.hpp"
+#include "pipeline/identify/loaded_tip.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/simulation/simulate.hpp"
 

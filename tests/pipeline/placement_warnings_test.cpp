@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/placement_warnings.hpp"
+#include "pipeline/build/placement_warnings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,6 +33,23 @@ TEST(PlacementWarnings, NameTheFramesThatAreLeftOut) {
   ASSERT_EQ(warnings.size(), 2U);
   EXPECT_TRUE(warnings[0].starts_with("frames 2 to 4, 7 are left out")) << warnings[0];
   EXPECT_TRUE(warnings[1].starts_with("frame 9 is left out")) << warnings[1];
+}
+
+TEST(PlacementWarnings, PosesThatAreKnownToMetresOnlyAreAnError) {
+  CameraTrack track = a_track();
+  EXPECT_FALSE(undetermined_camera(track, "hall"));
+  for (std::size_t i = 0; i < 4; ++i)
+    track.frames[i].position_std = 1.7;  // a few are left to fusion
+  EXPECT_FALSE(undetermined_camera(track, "hall"));
+  for (FramePlacement& frame : track.frames) frame.position_std = 1.7;
+  const std::optional<Error> error = undetermined_camera(track, "hall");
+  ASSERT_TRUE(error);
+  EXPECT_TRUE(error->to_string().starts_with(
+      "hall: the camera's poses are known to +-1.70 m, +-0 deg only; show base tags"))
+      << error->to_string();
+  for (FramePlacement& frame : track.frames) frame.position_std = 0.002;
+  for (FramePlacement& frame : track.frames) frame.rotation_std = 1.7;
+  EXPECT_TRUE(undetermined_camera(track, "hall"));
 }
 
 TEST(PlacementWarnings, NameGivenPosesThatTheImagesContradict) {

@@ -9,9 +9,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/devices/trace_device.hpp"
-#include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/physics/prediction/body_physics.hpp"
 #include "pcavr/simulation/live_plant.hpp"
+#include "pcavr/teleoperation/devices/trace_device.hpp"
 
 #include "identified_case.hpp"
 
@@ -47,7 +47,7 @@ Eigen::Vector3d command_at(const std::vector<PlannedPoint>& path, double t) {
   return last.p_base + share * (next->p_base - last.p_base);
 }
 
-/// What is recorded while the plant's tool follows the path.
+/// The recording while the plant's tool follows the path.
 IdentificationInput recorded_along(const std::vector<PlannedPoint>& path,
                                    const IdentificationInput& before, PlantCase plant,
                                    std::uint64_t seed) {

@@ -70,6 +70,23 @@ TEST(PluginRobot, IgnoresSamplesThatAreNotValidAndSaysSoOnce) {
   EXPECT_EQ(notices, "the robot's plugin answers -7\n");
 }
 
+TEST(PluginRobot, AnExceptionOfThePluginIsAFaultThatIsSaidOnce) {
+  EXPECT_PRED2(is_line_with, error_text(faulty("exception"), "open"), "thrown by open");
+  auto robot = make_plugin_robot(faulty("exception"), with_text("exchange"));
+  ASSERT_TRUE(robot) << robot.error().to_string();
+  RobotSamples samples;
+  (*robot)->advance(0.05, samples);
+  EXPECT_FALSE(samples.has_fault);
+  for (int i = 0; i < 100; ++i) (*robot)->advance(0.11 + 1e-3 * i, samples);
+  EXPECT_TRUE(samples.has_fault);
+  EXPECT_EQ(lines((*robot)->take_notices()), "the robot's plugin throws: thrown by exchange\n");
+  auto photographer = make_plugin_robot(faulty("exception"), with_text("picture"));
+  ASSERT_TRUE(photographer) << photographer.error().to_string();
+  const auto picture = (*photographer)->pictures()->newest(1.0);
+  ASSERT_FALSE(picture);
+  EXPECT_PRED2(is_line_with, picture.error().to_string(), "the robot's plugin throws");
+}
+
 TEST(PluginRobot, StampsSamplesByTheirAge) {
   std::string notices;
   const RobotSamples samples = samples_of("", notices);

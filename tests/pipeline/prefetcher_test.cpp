@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/prefetcher.hpp"
+#include "pipeline/build/prefetcher.hpp"
 
 #include <stdexcept>
 #include <vector>

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/recorded_arm.hpp"
+#include "pipeline/robot/recorded_arm.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/scene/scene_text.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/perception/scene/scene_text.hpp"
 
 #include "support/temporary_folder.hpp"
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 
 #include "pipeline/identified_case.hpp"
 

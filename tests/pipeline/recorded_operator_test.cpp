@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/sites/operator_interface.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
+#include "pcavr/teleoperation/sites/operator_interface.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 namespace pcavr {
 namespace {

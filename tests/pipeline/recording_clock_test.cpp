@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
 
 #include "pipeline/recorded_case.hpp"
 #include "support/temporary_folder.hpp"

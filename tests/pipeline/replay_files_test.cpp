@@ -11,10 +11,10 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 #include "pcavr/pipeline/replay.hpp"
 
-#include "pipeline/scene_bodies.hpp"
+#include "pipeline/build/scene_bodies.hpp"
 #include "pipeline/small_replay.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// By their paths inside the folder.
+/// Files by their paths inside the folder.
 std::map<std::string, std::string> files_of(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -142,7 +142,8 @@ TEST_F(ReplayFiles, ReadTheCadBodyOnce) {
   }
   ASSERT_GT(once, 0);
   OpenCounter opens(body);
-  // With images, so that objects are tracked; these show no tag, so that tracking may fail.
+  // The recording has images, so that objects are tracked; these show no tag, so that tracking may
+  // fail.
   static_cast<void>(replay_recording(recording_, scene_, options));
   EXPECT_EQ(opens.count(), once * static_cast<int>(scene_.objects.size()));
 }
@@ -156,7 +157,7 @@ TEST_F(ReplayFiles, ASessionInTheSceneBeginsWhereItsRecordingSays) {
   const auto start_x = [&] {
     return read_movable_bodies(recording_, scene_)->front().entry.T_base_object->translation().x();
   };
-  // With images the body is found where it was.
+  // The body is found where it was if there are images.
   ASSERT_FALSE(recording_.frames.empty());
   EXPECT_EQ(start_x(), box.T_base_object_start.translation().x());
   recording_.frames.clear();

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "pipeline/identify_robot_headline.hpp"
+#include "pipeline/robot/identify_robot_headline.hpp"
 
 namespace pcavr {
 namespace {

@@ -8,11 +8,11 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/pipeline/build_scene.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 #include "pcavr/simulation/simulate.hpp"
 
-#include "pipeline/follow_objects.hpp"
+#include "pipeline/build/follow_objects.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
@@ -54,7 +54,7 @@ void expect_placed(const Recording& recording, const Scene& scene, double max_sh
 TEST(ManyObjects, TwentyAreDetectedTrackedAndMasked) {
   const TemporaryFolder folder;
   const Recording recording = simulated(table_case(20, 6), 1, folder);
-  const Expected<std::vector<MovableBody>> bodies = load_movable_bodies(recording, {});
+  const Expected<std::vector<DeclaredBody>> bodies = load_movable_bodies(recording, {});
   ASSERT_TRUE(bodies);
   const SurveyOptions options{.parallelism = {2}};
   const Expected<Survey> survey = survey_recording(recording, *bodies, options, {});
@@ -112,7 +112,7 @@ TEST(ImageSize, ABoxIsPlacedInImagesOf1280x720) {
 }
 
 TEST(ImageSize, ABoxIsPlacedWhereDepthIsSmallerThanColour) {
-  // By a whole factor, and by 1.6.
+  // Depth is smaller by a whole factor, and by 1.6.
   for (const auto& [width, height] : {std::pair(320, 240), {400, 300}}) {
     SimulationCase simulation = table_case(1, 4);
     simulation.depth_width = width;

@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/marker/tag_detector.hpp"
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/perception/marker/tag_detector.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
-#include "pcavr/recording/image_codec.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "support/shared_data.hpp"
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
 #include "pipeline/input_faults.hpp"

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/recording_writer.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 
 #include "scene/scene_builder.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
 #include "support/shared_data.hpp"

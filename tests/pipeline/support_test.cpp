@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // The support's pressure under a push above it, and the friction radius of an object that turns.
-#include "pcavr/turning/support.hpp"
+#include "pcavr/physics/turning/support.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/friction/point_push.hpp"
-#include "pcavr/turning/turning.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/friction/point_push.hpp"
+#include "pcavr/physics/turning/turning.hpp"
 
 #include "support/meshes.hpp"
 
@@ -36,7 +36,7 @@ Eigen::Vector2d centre_of(const Support& support, const std::vector<double>& sha
 }
 
 TEST(Support, HasTheRadiusOfItsLowestFace) {
-  // Of a square, 0.7652 of half its side.
+  // The radius of a square is 0.7652 of half its side.
   EXPECT_NEAR(support_of(block()).radius(), 0.7652 * kHalf, 0.01 * kHalf);
   EXPECT_NEAR(support_height(block(), Pose(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.0})), 0.95,
               1e-6);
@@ -53,6 +53,20 @@ TEST(Support, BearsTheLoadAboutItsCentreOfPressure) {
   }
 }
 
+TEST(Support, IsBorneEvenlyOnAPointOrAnEdge) {
+  // A tracker's flipped pose may be tipped so.
+  for (const Eigen::Vector3d& axis :
+       {Eigen::Vector3d(1.0, 0.0, 0.0), Eigen::Vector3d(1.0, 0.6, 0.2)}) {
+    const Pose tipped(Eigen::Quaterniond(Eigen::AngleAxisd(0.7, axis.normalized())),
+                      {0.0, 0.0, 0.0});
+    const Support support(block(), tipped);
+    for (const double ahead : {1e-3, 0.02, 0.3}) {
+      const std::vector<double> shares = support.pressure({ahead, -0.3 * ahead});
+      EXPECT_NEAR(std::accumulate(shares.begin(), shares.end(), 0.0), 1.0, 1e-9) << ahead;
+    }
+  }
+}
+
 TEST(Support, BearsNoLoadBeyondItsEdge) {
   const Support support = support_of(block());
   const double reached = centre_of(support, support.pressure({0.2, 0.0})).x();
@@ -63,7 +77,7 @@ TEST(Support, BearsNoLoadBeyondItsEdge) {
 TEST(Support, MovesThePressureAheadByHeightAndForceOverWeight) {
   const Eigen::Vector2d force(0.0, 4.0);
   EXPECT_NEAR(centre_of_pressure(force, 0.05, 10.0).y(), 0.02, 1e-12);
-  // Of a typical weight where none is known.
+  // The weight is a typical one where none is known.
   EXPECT_NEAR(centre_of_pressure(force, 0.05, {}).y(), 0.015, 1e-12);
   EXPECT_TRUE(centre_of_pressure(Eigen::Vector2d::Zero(), 0.05, {}).isZero());
 }
@@ -139,7 +153,7 @@ TEST(Turning, FindsTheRadiusBesideViscousFriction) {
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->value, truth, 0.02 * truth) << size;
     EXPECT_GT(radius_of(model, pushes), 1.04 * truth) << size;
-    // Of one that is not known, the radius is not, either.
+    // The radius is not known if viscous friction is not.
     const auto unsure = radius_by(model, pushes, {0.0, kViscous});
     ASSERT_TRUE(unsure);
     EXPECT_LT(std::abs(unsure->value - truth), 1.5 * *unsure->std) << size;

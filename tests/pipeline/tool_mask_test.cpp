@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pipeline/tool_mask.hpp"
+#include "pipeline/build/tool_mask.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/stamp.hpp"
+#include "pcavr/base/core/stamp.hpp"
 
 namespace pcavr {
 namespace {

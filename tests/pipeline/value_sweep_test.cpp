@@ -9,13 +9,13 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/object/parameters_file.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"

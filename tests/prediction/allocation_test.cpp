@@ -3,7 +3,7 @@
 #include <LinearMath/btAlignedAllocator.h>
 #include <gtest/gtest.h>
 
-#include "pcavr/prediction/predictor.hpp"
+#include "pcavr/physics/prediction/predictor.hpp"
 
 #include "prediction/worlds.hpp"
 #include "support/heap_counter.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/physics/prediction/body_physics.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/friction/patch.hpp"
+#include "pcavr/physics/friction/patch.hpp"
 
 #include "prediction/worlds.hpp"
 
@@ -109,7 +109,7 @@ TEST(CompletePhysics, TakesTheFrictionRadiusFromTheLowestFace) {
   const CompletedPhysics narrow =
       complete_physics({}, test::box_model(test::kBoxSides), on_its_side);
   EXPECT_NEAR(narrow.physics.friction_radius, mean_radius_of_rectangle(0.175, 0.125), 1e-6);
-  // On an edge it is still positive.
+  // The friction radius on an edge is still positive.
   const Pose on_edge(
       Eigen::Quaterniond(Eigen::AngleAxisd(0.25 * std::numbers::pi, Eigen::Vector3d::UnitX())),
       {0.3, 0.1, 0.1});

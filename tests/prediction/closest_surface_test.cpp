@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/prediction/closest_surface.hpp"
+#include "pcavr/physics/prediction/closest_surface.hpp"
 
 #include <array>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "prediction/worlds.hpp"
 
@@ -17,7 +18,7 @@ using detail::ClosestSurface;
 
 const Eigen::Vector3d kHalf(0.5, 0.25, 0.125);  // exact in single precision
 
-/// Of a box about the origin, in closed form [Quilez].
+/// Distance to a box about the origin, in closed form [Quilez].
 double distance_to_box(const Eigen::Vector3d& p) {
   const Eigen::Vector3d q = p.cwiseAbs() - kHalf;
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
@@ -42,6 +43,87 @@ TEST(ClosestSurface, IsExactForABox) {
     ASSERT_NEAR(closest->normal.norm(), 1.0, 1e-12);
     // The closest point lies at that distance back along the outward normal.
     ASSERT_NEAR((closest->point + expected * closest->normal - p).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(ClosestSurface, InsideKeepsTheFaceThroughWhichThePointCame) {
+  const ClosestSurface surface = box();
+  const Eigen::Vector3d entry_normal = -Eigen::Vector3d::UnitX();
+  // 30 mm behind that face, 10 mm from the next one.
+  const Eigen::Vector3d p(-0.47, 0.24, 0.0);
+  EXPECT_NEAR(surface.closest(p, 1.0)->distance, -0.01, 1e-12);
+  const auto kept = surface.closest(p, 1.0, entry_normal);
+  ASSERT_TRUE(kept);
+  EXPECT_NEAR(kept->distance, -0.03, 1e-12);
+  EXPECT_LT((kept->normal - entry_normal).norm(), 1e-12);
+  EXPECT_LT((kept->point - Eigen::Vector3d(-0.5, 0.24, 0.0)).norm(), 1e-12);
+  // The nearest face counts for a point outside, and without an entry face.
+  EXPECT_NEAR(surface.closest({-0.47, 0.26, 0.0}, 1.0, entry_normal)->distance, 0.01, 1e-12);
+  EXPECT_NEAR(surface.closest(p, 1.0, Eigen::Vector3d::Zero())->distance, -0.01, 1e-12);
+}
+
+/// A prism of regular hexagons of that radius [m] about the z axis.
+TriangleMesh hexagonal_prism(float radius) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 6; ++i) {
+    const float angle = static_cast<float>(i) * std::numbers::pi_v<float> / 3.0F;
+    for (const float z : {-0.25F, 0.25F}) {
+      mesh.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+    }
+  }
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const std::uint32_t a = 2 * i;
+    const std::uint32_t b = 2 * ((i + 1) % 6);
+    mesh.triangles.push_back({a, b, b + 1});
+    mesh.triangles.push_back({a, b + 1, a + 1});
+    if (i == 0 || i == 5) continue;
+    mesh.triangles.push_back({0, b, a});
+    mesh.triangles.push_back({1, a + 1, b + 1});
+  }
+  return mesh;
+}
+
+TEST(ClosestSurface, InsideSlidesAroundAnObtuseEdgeWhereTheFaceEnds) {
+  const ClosestSurface surface(hexagonal_prism(0.5F), Pose());
+  const double angle = std::numbers::pi / 6.0;  // of the first face's normal
+  const Eigen::Vector3d entry_normal(std::cos(angle), std::sin(angle), 0.0);
+  const Eigen::Vector3d next_normal(std::cos(angle), -std::sin(angle), 0.0);
+  const Eigen::Vector3d along(-entry_normal.y(), entry_normal.x(), 0.0);  // away from the edge
+  const Eigen::Vector3d edge(0.5, 0.0, 0.0);
+  for (const double beside : {0.01, 0.001, -0.001, -0.01}) {
+    // The next face is closer for all of these: half as far where the first one ends.
+    const Eigen::Vector3d p = edge + beside * along - 0.05 * entry_normal;
+    const auto nearest = surface.closest(p, 1.0);
+    EXPECT_LT((nearest->normal - next_normal).norm(), 1e-6) << beside;
+    const auto kept = surface.closest(p, 1.0, entry_normal);
+    EXPECT_LT((kept->normal - (beside > 0.0 ? entry_normal : next_normal)).norm(), 1e-6) << beside;
+    EXPECT_NEAR(kept->distance, beside > 0.0 ? -0.05 : nearest->distance, 1e-6) << beside;
+  }
+}
+
+// A tip that starts before a face and goes anywhere but around its edge: the face's distance.
+TEST(ClosestSurface, DistanceIsThatOfTheEnteredFaceOnAnyPathBehindIt) {
+  const ClosestSurface surface = box();
+  Random random(9);
+  for (int path = 0; path < 200; ++path) {
+    Eigen::Vector3d p(-kHalf.x() - 0.01, random.uniform(-0.24, 0.24), random.uniform(-0.12, 0.12));
+    Eigen::Vector3d entry_normal = surface.closest(p, 1.0)->normal;
+    double before = surface.closest(p, 1.0)->distance;
+    int inside = 0;
+    for (int step = 0; step < 500; ++step) {
+      const Eigen::Vector3d last = p;
+      p += 0.002 * Eigen::Vector3d(random.normal() + 0.3, random.normal(), random.normal());
+      p = p.cwiseMax(-0.999 * kHalf - Eigen::Vector3d(0.05, 0.0, 0.0)).cwiseMin(0.999 * kHalf);
+      const auto closest = surface.closest(p, 1.0, entry_normal);
+      ASSERT_TRUE(closest);
+      ASSERT_LT((closest->normal + Eigen::Vector3d::UnitX()).norm(), 1e-12) << p.transpose();
+      ASSERT_NEAR(closest->distance, -kHalf.x() - p.x(), 1e-12) << p.transpose();
+      ASSERT_LE(std::abs(closest->distance - before), (p - last).norm() + 1e-12);
+      if (surface.closest(p, 1.0)->normal != closest->normal) ++inside;
+      before = closest->distance;
+      entry_normal = closest->normal;
+    }
+    ASSERT_GT(inside, 0);
   }
 }
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/friction/point_push.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/friction/point_push.hpp"
 
 #include "prediction/worlds.hpp"
 
@@ -21,7 +21,7 @@ using test::touching_tip;
 
 PredictedWorld world_of(const WorldModel& model) { return PredictedWorld::create(model).value(); }
 
-/// At `speed` into the box from first touch.
+/// A push at `speed` into the box from first touch.
 auto push(double speed, double y = 0.0) {
   return [=](double t) -> Eigen::Vector3d {
     return touching_tip(y) + Eigen::Vector3d(speed * t, 0.0, 0.0);
@@ -46,7 +46,7 @@ TEST(OneBody, ThatIsImmovableKeepsItsPoseAndIsPenetratedByTheContactLaw) {
   model.bodies[0].physics.contact = {1.5e6, 3e6, 1.5};
   PredictedWorld world = world_of(model);
   const Pose before = world.T_base_object(0);
-  // To 2 mm at 20 mm/s: 134 N, fourteen times the friction limit of its physics.
+  // The push is to 2 mm at 20 mm/s: 134 N, fourteen times the friction limit of its physics.
   test::run(world, push(0.02), 0.1, 0.001);
   const BodyState& state = world.state()[0];
   EXPECT_NEAR(state.penetration, 0.002, 1e-8);
@@ -69,7 +69,8 @@ TEST(OneBody, IsPenetratedAtTheTipsSpeedOnAFaceWhoseSurfaceIsOffset) {
   physics.tool_friction = 0.0;
   physics.surface_offset = {-0.0007, 0.0, 0.0};
   PredictedWorld world = world_of(model);
-  // On the floor, 0.1 mm deep, towards the wall at 20 mm/s, and 0.2 mm into its surface.
+  // The tip moves on the floor, 0.1 mm deep, towards the wall at 20 mm/s, and 0.2 mm into its
+  // surface.
   const double radius = model.tool_radius, z = radius - 1e-4;
   const auto tip_at = [&](double t) {
     return Eigen::Vector3d(0.05 - radius - 0.0015 + 0.02 * t, 0.0, z);

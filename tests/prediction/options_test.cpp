@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/options.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/prediction/body_physics.hpp"
-#include "pcavr/prediction/predicted_world.hpp"
-#include "pcavr/prediction/predictor.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/physics/prediction/body_physics.hpp"
+#include "pcavr/physics/prediction/predicted_world.hpp"
+#include "pcavr/physics/prediction/predictor.hpp"
 
 #include "support/option_defaults.hpp"
 #include "worlds.hpp"
@@ -111,7 +111,7 @@ TEST(PredictionOptions, OverlapsAreResolvedAtTheMaximumSpeed) {
   }
 }
 
-/// How far a correction of a second ago moves the box, with that many later ones.
+/// Position of the box [m] after an older correction, with at most `max_corrections` kept.
 double moved_by_the_first(int max_corrections) {
   PredictorOptions options;
   options.max_corrections = max_corrections;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Against the plant of `simulation`: LuGre's friction on many patches and 20 kHz, so another model.
-// The predictor gets its true parameters and the tip's true path, and no correction.
+// Predictions against the plant of `simulation`: LuGre's friction on many patches and 20 kHz, so
+// another model. The predictor gets its true parameters and the tip's true path, and no correction.
 #include <algorithm>
 #include <cmath>
 
@@ -36,7 +36,7 @@ WorldBody body_of(const PlantBody& plant) {
   return body;
 }
 
-/// While it slides, over all bodies [m].
+/// Errors while a body slides, over all bodies [m].
 struct PathError {
   double rms = 0.0;
   double worst = 0.0;
@@ -82,6 +82,16 @@ TEST(AgainstThePlant, ARotatedBoxIsPredictedToMillimetresThroughADozenPushes) {
     const PathError error = error_of(ToolTask::turn, seed);
     EXPECT_LT(error.rms, 3e-3) << seed;
     EXPECT_LT(error.worst, 6e-3) << seed;
+  }
+}
+
+// The tip is deeper in a soft box than its radius, and than it is from the side: 10 to 20 mm and 12
+// to 20 degrees off where the tip presses on whichever face is closest.
+TEST(AgainstThePlant, ASoftBoxIsPredictedWhereTheTipIsDeepBesideACorner) {
+  for (const std::uint64_t seed : {1, 3, 4}) {
+    const PathError error = error_of(ToolTask::corner, seed);
+    EXPECT_LT(error.rms, 0.5e-3) << seed;
+    EXPECT_LT(error.worst, 2e-3) << seed;
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/prediction/predictor.hpp"
+#include "pcavr/physics/prediction/predictor.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -141,7 +141,7 @@ TEST(Predictor, PhysicsAreValidFromTheirTimeOn) {
   ASSERT_TRUE(predictor.correct(correction));
   EXPECT_TRUE(same(before, *predictor.state_at(0, 1.0)));
   EXPECT_EQ(predictor.world().physics(0).friction.viscous, 20.0);
-  // After an earlier correction the re-simulation uses the physics of that time.
+  // The re-simulation after an earlier correction uses the physics of that time.
   Correction pose;
   pose.t = 0.5;
   pose.body = 1;

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/prediction/closest_surface.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/prediction/closest_surface.hpp"
 
 #include "prediction/worlds.hpp"
 

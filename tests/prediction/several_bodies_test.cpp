@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/prediction/closest_surface.hpp"
+#include "pcavr/physics/prediction/closest_surface.hpp"
 
 #include "prediction/worlds.hpp"
 

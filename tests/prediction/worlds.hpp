@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/prediction/predicted_world.hpp"
+#include "pcavr/physics/prediction/predicted_world.hpp"
 
 namespace pcavr::test {
 
@@ -50,7 +50,7 @@ inline BodyPhysics foam_physics() {
 constexpr double kTipRadius = 0.01;
 const Eigen::Vector3d kBoxSides(0.175, 0.175, 0.125);
 
-/// On the support z = 0, the centre above (x, y).
+/// A pose on the support z = 0, the centre above (x, y).
 inline Pose standing_at(double x, double y, double yaw = 0.0, double height = 0.125) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
           {x, y, 0.5 * height}};

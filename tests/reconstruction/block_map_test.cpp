@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/block_map.hpp"
+#include "perception/reconstruction/block_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {
@@ -22,8 +22,8 @@ struct CoordinatesHash {
   }
 };
 
-/// Within `side` of the corners, borders and centre of the range of 21 bits: neighbours, negative
-/// coordinates and those that differ in one bit only.
+/// A block within `side` of the corners, borders and centre of the range of 21 bits: neighbours,
+/// negative coordinates and those that differ in one bit only.
 BlockCoordinates random_block(Random& random, int side) {
   constexpr int kRange = 1 << 20;
   const auto draw = [&] {
@@ -56,7 +56,7 @@ TEST(BlockHashTable, AgreesWithAStandardMap) {
       table.insert(block, i);
       reference[block] = i;
     }
-    // After it has grown, too.
+    // The table finds all blocks after it has grown, too.
     for (const auto& [block, number] : reference) ASSERT_EQ(table.find(block), number);
   }
 }

@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // Which blocks a frame affects, against projecting every voxel.
-#include "reconstruction/block_selection.hpp"
+#include "perception/reconstruction/block_selection.hpp"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
+#include "perception/reconstruction/past_views.hpp"
 #include "reconstruction/depth_scenes.hpp"
-#include "reconstruction/past_views.hpp"
 
 namespace pcavr {
 namespace {

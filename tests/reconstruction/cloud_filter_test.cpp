@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/reconstruction/cloud_filter.hpp"
+#include "pcavr/perception/reconstruction/cloud_filter.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/reconstruction/depth_filter.hpp"
+#include "pcavr/perception/reconstruction/depth_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "reconstruction/depth_scenes.hpp"
 
@@ -20,7 +20,7 @@ const CameraModel kCamera = test::small_camera();
 const DepthNoise kNoise;
 
 TEST(FilterDepth, KeepsASlantedWall) {
-  // At 45 deg; of an exact plane only border pixels are rejected.
+  // The wall is at 45 deg; only border pixels of an exact plane are rejected.
   const auto wall = test::plane(Eigen::Vector3d(1.0, 0.0, 1.0).normalized(), 1.0);
   const DepthImage depth = test::depth_of(wall, kCamera, Pose());
   const DepthImage filtered = filter_depth(depth, kCamera, kNoise, {1});
@@ -103,10 +103,10 @@ TEST(FilterDepth, KeepsANoisyWall) {
 }
 
 TEST(FilterDepth, RemovesFlyingPixelsAtEdgesOfAnyDirection) {
-  // Between a near half plane at 1 m and a far one at 1.5 m, the pixels that the edge crosses mix
+  // The pixels that the edge between a near half plane at 1 m and a far one at 1.5 m crosses mix
   // both. The maximum difference on one surface is 3 * 1.41 * std + z / f * tan(80 deg), below 74
-  // mm at 1.5 m: of the mixed depths, those from 1.075 to 1.425 m lie on neither surface. A line of
-  // them is one or two pixels wide, so that each has both surfaces next to it.
+  // mm at 1.5 m: mixed depths from 1.075 to 1.425 m lie on neither surface. A line of them is one
+  // or two pixels wide, so that each has both surfaces next to it.
   Random random(62);
   int flying = 0;
   for (int trial = 0; trial < 100; ++trial) {
@@ -140,7 +140,8 @@ TEST(FilterDepth, RemovesFlyingPixelsAtEdgesOfAnyDirection) {
 }
 
 TEST(FilterDepth, KeepsOrRemovesEachPixelAlikeInAMirroredImage) {
-  // Of random depth with steps and holes, in widths with and without a part of a SIMD vector.
+  // The image has random depth with steps and holes, in widths with and without a part of a SIMD
+  // vector.
   Random random(63);
   for (int trial = 0; trial < 100; ++trial) {
     const int width = 1 + static_cast<int>(random.below(50));

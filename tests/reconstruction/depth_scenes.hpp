@@ -6,9 +6,9 @@
 #include <functional>
 #include <optional>
 
-#include "pcavr/geometry/camera.hpp"
-#include "pcavr/geometry/image.hpp"
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/camera.hpp"
+#include "pcavr/base/geometry/image.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 
 namespace pcavr::test {
 

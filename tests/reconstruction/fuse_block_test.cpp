@@ -9,12 +9,12 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/camera.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/camera.hpp"
 
-#include "reconstruction/kernels.hpp"
-#include "reconstruction/noise_table_sizes.hpp"
-#include "reconstruction/noise_tables.hpp"
+#include "perception/reconstruction/kernels.hpp"
+#include "perception/reconstruction/noise_table_sizes.hpp"
+#include "perception/reconstruction/noise_tables.hpp"
 
 namespace pcavr {
 namespace {

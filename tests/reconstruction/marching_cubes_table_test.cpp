@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/marching_cubes_table.hpp"
+#include "perception/reconstruction/marching_cubes_table.hpp"
 
 #include <map>
 #include <utility>

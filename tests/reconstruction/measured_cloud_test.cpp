@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/reconstruction/measured_cloud.hpp"
+#include "pcavr/perception/reconstruction/measured_cloud.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {
@@ -113,7 +113,7 @@ TEST(MeasuredCloud, NoiseDoesNotThickenASurface) {
   EXPECT_LT(outside, measured.points(1).points.size() / 10);
 }
 
-/// At a depth discontinuity each side keeps the normal of its own surface.
+/// Each side of a depth discontinuity keeps the normal of its own surface.
 TEST(MeasuredCloud, NormalsDoNotCrossEdges) {
   DepthImage depth(kCloudCamera.width, kCloudCamera.height, 1.0F);
   for (int v = 0; v < kCloudCamera.height; ++v) {

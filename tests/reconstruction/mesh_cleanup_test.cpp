@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/reconstruction/mesh_cleanup.hpp"
+#include "pcavr/perception/reconstruction/mesh_cleanup.hpp"
 
 #include <cmath>
 #include <utility>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "support/meshes.hpp"
 

@@ -10,15 +10,15 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/reconstruction/tsdf_volume.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/perception/reconstruction/tsdf_volume.hpp"
 
 #include "reconstruction/depth_scenes.hpp"
 
 namespace pcavr {
 namespace {
 
-/// With half the ray spacing of small_camera, to bound the errors on curved surfaces.
+/// A camera with half the ray spacing of small_camera, to bound the errors on curved surfaces.
 CameraModel fine_camera() {
   CameraModel camera = test::small_camera();
   camera.width *= 2;
@@ -33,7 +33,8 @@ constexpr double kMinCosine = 0.65;  ///< of the incidence, of the pixels kept
 
 /// Depth of a sphere (radius > 0) or else the plane z = 0, in base axes, seen from `T_base_camera`;
 /// none at larger incidence than that of kMinCosine: in whole squares of 2 x 2 pixels, as the mean
-/// of a part of them is not that at their centre. With noise of `std_factor` times the model's.
+/// of a part of them is not that at their centre. The depth has noise of `std_factor` times the
+/// model's.
 DepthImage view_of_body(double radius, const Pose& T_base_camera, double std_factor,
                         Random& random) {
   const test::Surface body = radius > 0.0 ? test::sphere(Eigen::Vector3d::Zero(), radius)
@@ -97,9 +98,9 @@ TEST(FusedPlane, IsFlatFromAnyPosesWithinABound) {
 }
 
 TEST(FusedPlane, AveragesNoise) {
-  // Within a window of 25 pooled pixels (std / 2 each), the fitted plane has std / 10 at the centre
-  // and less than std / 4 two pixels off it: the error of 16 frames' mean is below std / 16.
-  // In addition, the bound of the test above, of which 1/64 voxel applies to 1/32 of the vertices.
+  // The fitted plane in a window of 25 pooled pixels (std / 2 each) has std / 10 at the centre and
+  // less than std / 4 two pixels off it: the error of 16 frames' mean is below std / 16. In
+  // addition, the bound of the test above, of which 1/64 voxel applies to 1/32 of the vertices.
   constexpr int kFrames = 16;
   constexpr double kNoiseVoxel = 0.005;
   Random random(52);
@@ -115,7 +116,7 @@ TEST(FusedPlane, AveragesNoise) {
   double squares = 0.0;
   std::size_t count = 0;
   for (const Eigen::Vector3f& p : mesh.vertices) {
-    // Without the image's border, where windows are cut.
+    // The image's border, where windows are cut, is left out.
     if (std::abs(p.x()) > 0.5F || std::abs(p.y()) > 0.35F) continue;
     sum += double{p.z()};
     squares += double{p.z()} * p.z();
@@ -125,7 +126,8 @@ TEST(FusedPlane, AveragesNoise) {
   const double std_of_depth = DepthNoise{}.depth_std(1.0);
   EXPECT_LT(std::sqrt(squares / static_cast<double>(count)),
             std_of_depth / 16.0 + kNoiseVoxel / 64.0 / 4.0);
-  // Without bias: 10 000 vertices of thousands of independent windows; rounding of half a step.
+  // The mean has no bias: 10 000 vertices of thousands of independent windows; rounding of half a
+  // step.
   EXPECT_NEAR(sum / static_cast<double>(count), 0.0,
               std_of_depth / 16.0 / 10.0 + kNoiseVoxel * 0.5 / 512.0 + kNoiseVoxel / 64.0);
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/surface_extraction.hpp"
+#include "perception/reconstruction/surface_extraction.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,9 +12,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
-#include "reconstruction/marching_cubes_table.hpp"
+#include "perception/reconstruction/marching_cubes_table.hpp"
 
 namespace pcavr {
 namespace {
@@ -122,9 +122,9 @@ TEST(ExtractSurface, HasAVertexAtTheZeroCrossingOfEachEdgeAndNoOther) {
 }
 
 TEST(ExtractSurface, TrianglesHaveAnAreaAndFaceTheOutside) {
-  // Of a plane's distance field, all triangles face along its normal, and no two vertices are
-  // nearer than the distance between the nearest vertices on edges at one voxel: each is 1/64 of an
-  // edge from it, so 1/64 sqrt(2) apart.
+  // All triangles of a plane's distance field face along its normal, and no two vertices are nearer
+  // than the distance between the nearest vertices on edges at one voxel: each is 1/64 of an edge
+  // from it, so 1/64 sqrt(2) apart.
   Random random(4);
   for (int i = 0; i < 20; ++i) {
     const Eigen::Vector3d normal =
@@ -247,7 +247,7 @@ TEST(ExtractSurface, HasNoSurfaceWhereVoxelsOrTheirBlockWereFree) {
 }
 
 TEST(MarchingCubesTable, SeparatesInsideFromOutsideForAnyPlane) {
-  // Of a linear field, the triangles of a cube lie on its zero plane and face the positive side.
+  // The triangles of a cube lie on the zero plane of a linear field and face the positive side.
   Random random(9);
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3d normal =

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/reconstruction/tsdf_volume.hpp"
+#include "pcavr/perception/reconstruction/tsdf_volume.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
+#include "perception/reconstruction/kernels.hpp"
 #include "reconstruction/depth_scenes.hpp"
-#include "reconstruction/kernels.hpp"
 
 namespace pcavr {
 namespace {

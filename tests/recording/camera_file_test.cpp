@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/camera_file.hpp"
+#include "pcavr/recordings/recording/camera_file.hpp"
 
 #include <gtest/gtest.h>
 
-#include "recording/camera_keys.hpp"
+#include "recordings/recording/camera_keys.hpp"
 #include "support/shared_data.hpp"
 #include "support/source_folder.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/import.hpp"
+#include "pcavr/recordings/recording/import.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/image_codec.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
 
 #include "recording/small_recording.hpp"
 #include "support/shared_data.hpp"
@@ -124,6 +124,25 @@ TEST(Import, TakesTheDepthScaleUnderWhichReadingsAreInTheSensorsRange) {
   EXPECT_EQ(scale_of(0.5 * reading, 10.0 * reading).used, 1000.0) << "both are possible";
   options.depth_scale = 2000.0;
   EXPECT_EQ(scale_of(0.5 * reading, 2.0 * reading).used, 2000.0);
+}
+
+TEST(Import, TakesMillimetresWhereNoScaleIsStatedAndTheLayoutsOwnIsOutOfRange) {
+  const SmallRecording source;
+  make_tum(source);
+  const float reading = small_depth(1)(5, 5);  // as written, at 5000 units in a metre
+  ImportOptions options{.camera = small_camera()};
+  const auto scale_of = [&](double min_depth, double max_depth) {
+    const TemporaryFolder target;
+    options.depth_noise = DepthNoise(min_depth, max_depth);
+    return import_recording(source.path(), target.path(), options).value().depth_scale;
+  };
+  const ImportedDepthScale millimetres = scale_of(2.5 * reading, 10.0 * reading);
+  EXPECT_EQ(millimetres.used, 1000.0);
+  EXPECT_EQ(millimetres.other, 5000.0);
+  EXPECT_GT(millimetres.share_in_range.value(), 2.0 * millimetres.other_share_in_range.value());
+  const ImportedDepthScale both = scale_of(0.5 * reading, 10.0 * reading);
+  EXPECT_EQ(both.used, 5000.0);
+  EXPECT_FALSE(both.other);
 }
 
 TEST(Import, RequiresACameraForTum) {

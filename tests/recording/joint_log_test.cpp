@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/joint_log.hpp"
+#include "pcavr/recordings/recording/joint_log.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/import_joint_log.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/import_joint_log.hpp"
 
 #include "support/temporary_folder.hpp"
 

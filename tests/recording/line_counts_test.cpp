@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/line_counts.hpp"
+#include "pcavr/recordings/recording/line_counts.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "recording/small_recording.hpp"
 
@@ -37,7 +37,8 @@ TEST_F(WrittenRecording, HasALineCountForEachTextFile) {
 }
 
 TEST_F(WrittenRecording, IsRefusedWhereverItIsTruncated) {
-  // Also inside the last number, and before the very last byte, which leave four valid rows.
+  // The cuts include some inside the last number, and before the very last byte, which leave four
+  // valid rows.
   for (std::size_t size = text_.find('\n') + 1; size < text_.size(); ++size) {
     write_text(tool(), text_.substr(0, size));
     const Expected<Recording> recording = read_recording(folder_.path());

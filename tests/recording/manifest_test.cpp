@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/manifest.hpp"
+#include "pcavr/recordings/recording/manifest.hpp"
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "support/source_folder.hpp"
 
@@ -88,6 +89,25 @@ TEST(Manifest, HasTheMaterialsOfObjectsAndTool) {
       parse_manifest("format: pcavr-recording/1\nobjects:\n  - {name: box, material: "
                      "{youngs_modulus: 1e9, poisson_ratio: 0.3}}\n",
                      "m.yaml"));
+}
+
+TEST(Manifest, StatesTheUnitOfAMesh) {
+  const auto with = [](const std::string& unit) {
+    return parse_manifest(
+        "format: pcavr-recording/1\nobjects:\n  - {name: box, mesh: box.obj" + unit + "}\n",
+        "m.yaml");
+  };
+  EXPECT_EQ(with("")->objects[0].mesh_unit, 1.0);
+  for (const auto& [unit, metres] :
+       std::map<std::string, double>{{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}}) {
+    const auto manifest = with(", unit: " + unit);
+    ASSERT_TRUE(manifest) << manifest.error().to_string();
+    EXPECT_EQ(manifest->objects[0].mesh_unit, metres);
+    EXPECT_EQ(parse_manifest(format_manifest(*manifest), "m.yaml")->objects[0].mesh_unit, metres);
+  }
+  const auto refused = with(", unit: feet");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().hint, "write m, cm, mm or in");
 }
 
 TEST(Manifest, NeedsNoMoreThanItsFormat) {

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/option_file.hpp"
+#include "pcavr/recordings/recording/option_file.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/options.hpp"
-#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/base/core/options.hpp"
+#include "pcavr/base/geometry/depth_noise.hpp"
 
 namespace pcavr {
 namespace {

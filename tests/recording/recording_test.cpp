@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/time_series.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/time_series.hpp"
 
 #include "recording/small_recording.hpp"
 #include "support/shared_data.hpp"

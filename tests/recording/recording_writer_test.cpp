@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/frame_reader.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
 
 #include "recording/small_recording.hpp"
 

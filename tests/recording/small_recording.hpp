@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/line_counts.hpp"
-#include "pcavr/recording/recording_writer.hpp"
+#include "pcavr/recordings/recording/line_counts.hpp"
+#include "pcavr/recordings/recording/recording_writer.hpp"
 
 #include "support/temporary_folder.hpp"
 
@@ -50,7 +50,7 @@ class SmallRecording {
       EXPECT_TRUE(writer.add_frame(stamp, gray, stamp, small_depth(i)).has_value());
     }
     EXPECT_TRUE(writer.finish().has_value());
-    // As a user's recording, whose files may change.
+    // Makes it a user's recording, whose files may change.
     std::filesystem::remove(path() / kWrittenFile);
   }
 

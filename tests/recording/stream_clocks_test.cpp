@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/recording/stream_clocks.hpp"
+#include "pcavr/recordings/recording/stream_clocks.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "report/decimation.hpp"
+#include "base/report/decimation.hpp"
 
 #include <algorithm>
 #include <cmath>

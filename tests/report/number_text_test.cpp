@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/report/number_text.hpp"
+#include "pcavr/base/report/number_text.hpp"
 
 #include <limits>
 #include <optional>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/report/parameter_title.hpp"
+#include "pcavr/base/report/parameter_title.hpp"
 
 namespace pcavr {
 namespace {

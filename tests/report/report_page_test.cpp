@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/report/report_page.hpp"
+#include "pcavr/base/report/report_page.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "support/report_data.hpp"
 #include "support/temporary_folder.hpp"

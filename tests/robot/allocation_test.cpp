@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/robot/arm_follower.hpp"
-#include "pcavr/robot/inverse_kinematics.hpp"
-#include "pcavr/robot/link_meshes.hpp"
-#include "pcavr/robot/robot_motion.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/robots/robot/arm_follower.hpp"
+#include "pcavr/robots/robot/inverse_kinematics.hpp"
+#include "pcavr/robots/robot/link_meshes.hpp"
+#include "pcavr/robots/robot/robot_motion.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "robot/wavy_ground.hpp"
 #include "support/heap_counter.hpp"

@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/robots/robot/robot_model.hpp"
 
 namespace pcavr::test {
 
@@ -60,7 +60,7 @@ class BulletPeer {
       body_.addJointTorque(i, tau[i]);
       body_.addLinkForce(i, gravity_ * body_.getLinkMass(i));
     }
-    // With a step of 0 the velocities stay; the accelerations are left behind the base's six.
+    // The velocities stay with a step of 0; the accelerations are left behind the base's six.
     body_.computeAccelerationsArticulatedBodyAlgorithmMultiDof(0.0, scalars_, vectors_, matrices_,
                                                                false, false, false);
     const int first = body_.getNumDofs() + 6;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot/inverse_kinematics.hpp"
+#include "pcavr/robots/robot/inverse_kinematics.hpp"
 
 #include <algorithm>
 #include <numbers>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "support/source_folder.hpp"
 
@@ -73,7 +73,7 @@ TEST_P(InverseKinematicsOfArms, FindReachableTargetsWithinTheLimits) {
     restarts += result.restarts;
     if (result.status != IkStatus::kReached) continue;
     ++reached;
-    // What the result claims, by the forward kinematics.
+    // The forward kinematics confirm what the result claims.
     EXPECT_LE(translation_distance(arm.tip(q), target), options.position_tolerance * 1.0001);
     EXPECT_LE(rotation_distance(arm.tip(q), target), options.rotation_tolerance * 1.0001);
   }
@@ -131,7 +131,7 @@ TEST_P(InverseKinematicsOfArms, FollowAMovingTargetWithoutJumps) {
   EXPECT_LT(max_error, 1e-5);
 }
 
-// Through the stretched arm and back: joints stay slow, and the tip returns.
+// The path goes through the stretched arm and back: joints stay slow, and the tip returns.
 TEST_P(InverseKinematicsOfArms, PassSingularitiesWithinTheVelocityLimits) {
   Arm arm(GetParam());
   InverseKinematics solver(arm.model, arm.tool);

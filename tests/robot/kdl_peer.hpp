@@ -13,7 +13,7 @@
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
-#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/robots/robot/robot_model.hpp"
 
 namespace pcavr::test {
 
@@ -72,7 +72,7 @@ class KdlPeer {
     forward_.CartToJnt(q_, dq_, tau_, wrenches_, ddq_);
     ddq = ddq_.data;
   }
-  /// Without copies, for benchmarks.
+  /// Computes without copies, for benchmarks.
   void inverse_dynamics(const KDL::JntArray& q, const KDL::JntArray& dq, const KDL::JntArray& ddq) {
     inverse_.CartToJnt(q, dq, ddq, wrenches_, tau_);
   }

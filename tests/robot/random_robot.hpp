@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot/robot_model.hpp"
 
 namespace pcavr::test {
 

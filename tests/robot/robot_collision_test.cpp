@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot/robot_collision.hpp"
+#include "pcavr/robots/robot/robot_collision.hpp"
 
 #include <cmath>
 #include <limits>
@@ -8,19 +8,19 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/robot/arm_follower.hpp"
-#include "pcavr/robot/link_meshes.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/robots/robot/arm_follower.hpp"
+#include "pcavr/robots/robot/link_meshes.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "robot/wavy_ground.hpp"
 #include "support/source_folder.hpp"
 #include "support/temporary_folder.hpp"
 
-/// For the leak sanitizer: Assimp 5.2's Collada reader leaks what it had read of a damaged file
-/// (nothing of an intact one). Without its symbols only the library can be named.
+/// Suppression for the leak sanitizer: Assimp 5.2's Collada reader leaks what it had read of a
+/// damaged file (nothing of an intact one). Without its symbols only the library can be named.
 extern "C" const char* __lsan_default_suppressions();   // NOLINT(bugprone-reserved-identifier)
 extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
   return "leak:libassimp";
@@ -243,7 +243,7 @@ std::string collada_tetrahedron(const std::string& unit, const std::string& up_a
          "</scene></COLLADA>";
 }
 
-// As RViz shows it: the file's unit counts, its up axis does not.
+// The file's unit counts, its up axis does not, as in RViz.
 TEST(LinkMeshes, ColladaFilesAreReadInMetresOnTheirOwnAxes) {
   const TemporaryFolder folder;
   const std::string urdf =
@@ -280,6 +280,33 @@ TEST(LinkMeshes, TruncatedAndDamagedColladaIsReadOrRejected) {
     errors += read_mesh(folder.path() / "damaged.dae") ? 0 : 1;
   }
   EXPECT_GT(errors, 50);
+}
+
+/// The tetrahedron's node within `depth` others.
+std::string nested_tetrahedron(int depth) {
+  std::string text = collada_tetrahedron("0.001", "Z_UP");
+  const std::string node = "<node id='n'>", end = "</node>";
+  std::string nodes, ends = "<!-- <node> -->";
+  for (int i = 0; i < depth; ++i) {
+    nodes += "<node name=\"a>'/\"><extra/>";
+    ends += end;
+  }
+  text.insert(text.find(end) + end.size(), ends);
+  text.insert(text.find(node), nodes);
+  return text;
+}
+
+TEST(LinkMeshes, NestedColladaIsReadAsFarAsItIsSafe) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "nested.dae";
+  for (const int depth : {0, 50, 990, 1000}) {
+    ASSERT_TRUE(write_file(file, nested_tetrahedron(depth)));
+    const auto mesh = read_mesh(file);
+    EXPECT_EQ(mesh.has_value(), depth < 1000) << depth;
+    if (mesh) {
+      EXPECT_EQ(mesh->triangles.size(), 4U);
+    }
+  }
 }
 
 TEST(LinkMeshes, DeeplyNestedColladaIsAnError) {

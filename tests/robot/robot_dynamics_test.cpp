@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
 
 #include <vector>
 
@@ -61,7 +61,8 @@ TEST(RobotDynamics, AgreesWithKdlOnRandomChains) {
       max_inverse = std::max(max_inverse, relative_error(mass, kdl.mass_matrix(state.q)));
       dynamics.gravity_torque(state.q, result);
       reference = kdl.gravity_torque(state.q);
-      // Not relative: a sliding joint may be horizontal. Up to some 1000 N m are summed.
+      // The error is not relative: a sliding joint may be horizontal. Up to some 1000 N m are
+      // summed.
       ASSERT_LT((result - reference).norm(), 1e-14 * 1000.0);
     }
   }
@@ -194,7 +195,7 @@ TEST(RobotDynamics, RegressorTimesParametersIsTheTorque) {
     dynamics.inverse_dynamics(state.q, state.dq, state.x, tau);
     dynamics.regressor(state.q, state.dq, state.x, regressor);
     EXPECT_LT(relative_error(regressor * inertial_parameters(model), tau), kMaxInverseError);
-    // Also with parameters that the model was not made with.
+    // It holds with parameters that the model was not made with, too.
     const Eigen::VectorXd changed =
         inertial_parameters(model) + random_vector(random, 10 * model.joints.size(), 0.01);
     RobotDynamics(with_inertial_parameters(model, changed))

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot/robot_motion.hpp"
+#include "pcavr/robots/robot/robot_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "robot/random_robot.hpp"
 #include "support/source_folder.hpp"

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot/transmissions.hpp"
+#include "pcavr/robots/robot/transmissions.hpp"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include <fstream>
 #include <numbers>
@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
 
 #include "fuzz/targets.hpp"
 #include "support/shared_data.hpp"
@@ -199,7 +199,7 @@ TEST(Urdf, ShapesThatAreNotUnderstoodAreErrorsAndTheOthersDoNotGetLost) {
       {"<collision><geometry><sphere radius='x'/></geometry></collision>",
        "radius [x] is not a valid float; Could not parse collision element for Link [b]"},
   };
-  // Of white space behind a number, too: its mass would be lost, and the shapes.
+  // White space behind a number is refused, too: the link's mass would be lost, and the shapes.
   EXPECT_EQ(error_line(link("a", "<inertial><mass value='1 '/></inertial>")).substr(0, 76),
             "the.urdf:2: link 'a': Inertial: mass [1 ] is not a float; Could not parse in");
   for (const auto& [shape, message] : cases) {
@@ -253,6 +253,89 @@ TEST(Urdf, UnlikelyInertiasAreErrorsOnlyWhereWanted) {
       "in each moving link");
 }
 
+TEST(Urdf, NumbersBeyondAnyRobotAreErrors) {
+  const auto with_dynamics = [](const std::string& dynamics) {
+    return error_line(link("a") + link("b") +
+                      joint("j", "a", "b", "revolute",
+                            "<limit lower='-1' upper='2' velocity='3' effort='40'/><dynamics " +
+                                dynamics + "/>"));
+  };
+  EXPECT_EQ(with_dynamics("damping='10' friction='0'"), "no error");
+  for (const char* value : {"-20", "1e9"}) {
+    for (const std::string name : {"damping", "friction"}) {
+      const std::string line = with_dynamics(name + "='" + value + "'");
+      EXPECT_NE(line.find("joint 'j': " + name + " of <dynamics> is "), std::string::npos) << line;
+    }
+  }
+  const auto shape = [](const std::string& origin, const std::string& geometry) {
+    return error_line(
+        link("a", "<visual>" + origin + "<geometry>" + geometry + "</geometry></visual>"));
+  };
+  for (const std::string& line : {with_dynamics("damping='nan'"), with_dynamics("friction='inf'"),
+                                  shape("<origin xyz='0 nan 0'/>", "<sphere radius='1'/>"),
+                                  shape("<origin rpy='0 1e999 0'/>", "<sphere radius='1'/>"),
+                                  shape("", "<box size='1 inf 1'/>"),
+                                  shape("", "<mesh filename='m.stl' scale='1 1 nan'/>")}) {
+    EXPECT_NE(line.find("not a finite number"), std::string::npos) << line;
+  }
+  EXPECT_NE(shape("", "<sphere radius='1e30'/>").find("is 10000 or more"), std::string::npos);
+  EXPECT_NE(shape("", "<sphere radius='-1'/>").find("is not positive"), std::string::npos);
+}
+
+TEST(Urdf, ShapesWithoutExtentAreLeftOut) {
+  const auto part = [](const std::string& kind, const std::string& geometry) {
+    return "<" + kind + "><geometry>" + geometry + "</geometry></" + kind + ">";
+  };
+  const Expected<RobotModel> model =
+      parse(link("a", part("visual", "<cylinder radius='0.1' length='0'/>") +
+                          part("visual", "<box size='1 2 3'/>") +
+                          part("visual", "<mesh filename='m.stl' scale='0 0 0'/>") +
+                          part("collision", "<sphere radius='0'/>")));
+  ASSERT_TRUE(model) << model.error().to_string();
+  ASSERT_EQ(model->links[0].visuals.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<BoxShape>(model->links[0].visuals[0].geometry));
+  EXPECT_TRUE(model->links[0].collisions.empty());
+  std::string text;
+  for (const Error& warning : model->warnings) text += warning.to_string() + "\n";
+  for (const char* which : {"visual 1: ", "visual 3: ", "collision 1: "}) {
+    EXPECT_NE(text.find(std::string(which) + "a dimension or scale is 0: it is left out"),
+              std::string::npos)
+        << text;
+  }
+}
+
+TEST(Urdf, MeshesElsewhereOnTheDiskAreNotRead) {
+  const TemporaryFolder folder;
+  const std::filesystem::path own = folder.path() / "work" / "mine";
+  std::filesystem::create_directories(own);
+  std::filesystem::create_directories(folder.path() / "secrets");
+  const std::filesystem::path secret = folder.path() / "secrets/key.stl";
+  std::ofstream(secret) << "solid";
+  const auto found = [&](const std::string& reference, const UrdfOptions& options = {}) {
+    const Expected<RobotModel> model =
+        parse_urdf(robot(link("a", "<visual><geometry><mesh filename='" + reference +
+                                       "'/></geometry></visual>")),
+                   own / "arm.urdf", options);
+    if (!model->warnings.empty()) {
+      EXPECT_NE(model->warnings[0].message.find("outside the description's folder"),
+                std::string::npos)
+          << model->warnings[0].message;
+    }
+    return std::get<MeshShape>(model->links[0].visuals[0].geometry).file;
+  };
+  for (const std::string& reference :
+       {secret.string(), "file://" + secret.string(), std::string("../../secrets/key.stl"),
+        std::string("package://mine/../../secrets/key.stl"),
+        std::string("package://secrets/key.stl")}) {
+    EXPECT_EQ(found(reference), "") << reference;
+  }
+  const UrdfOptions given{.package_folders = {folder.path() / "secrets"}};
+  EXPECT_EQ(found("file://" + secret.string(), given), secret);
+  // A folder that says that it is a package may be found farther up.
+  std::ofstream(folder.path() / "secrets/package.xml") << "<package/>";
+  EXPECT_EQ(found("package://secrets/key.stl"), secret);
+}
+
 TEST(Urdf, OtherFilesAreErrors) {
   const auto line = [](const std::string& text) {
     return parse_urdf(text, "the.urdf").error().to_string();
@@ -281,7 +364,7 @@ TEST(Urdf, PassesTheFuzzersChecks) {
     const auto bytes = read_file(entry.path());
     ASSERT_TRUE(bytes);
     EXPECT_NO_THROW(fuzz::urdf(*bytes)) << entry.path();
-    // And truncated, at every 7th byte: a description is long.
+    // The file is truncated at every 7th byte, too: a description is long.
     for (std::size_t i = 0; i < bytes->size(); i += 7) {
       EXPECT_NO_THROW(fuzz::urdf(std::string_view(*bytes).substr(0, i))) << entry.path() << i;
     }

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/base/geometry/mesh.hpp"
 
 namespace pcavr::test {
 

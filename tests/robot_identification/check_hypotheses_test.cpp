@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/import_joint_log.hpp"
-#include "pcavr/robot_identification/log_checks.hpp"
-#include "pcavr/robot_identification/robot_fit.hpp"
+#include "pcavr/recordings/recording/import_joint_log.hpp"
+#include "pcavr/robots/robot_identification/log_checks.hpp"
+#include "pcavr/robots/robot_identification/robot_fit.hpp"
 
 #include "robot_identification/simulated_arm.hpp"
 #include "support/shared_data.hpp"
@@ -176,6 +176,80 @@ TEST(CheckHypotheses, FindsCurrentsInPlaceOfTorques) {
   const LogFindings shown = shown_by(log);
   ASSERT_FALSE(shown.errors.empty());
   EXPECT_NE(shown.errors[0].message.find("currents"), std::string::npos);
+}
+
+TEST(CheckHypotheses, FindsTorquesInMillinewtonMetres) {
+  JointLog log = short_log();
+  log.torque *= 1e3;
+  const LogFindings all = shown_by(log);
+  ASSERT_FALSE(all.errors.empty());
+  EXPECT_NE(all.errors[0].message.find("mN m"), std::string::npos) << all.errors[0].message;
+  JointLog one = short_log();
+  one.torque.col(1) *= 1e3;
+  const LogFindings of_one = shown_by(one);
+  ASSERT_FALSE(of_one.errors.empty());
+  EXPECT_NE(of_one.errors[0].place.find(one.joints[1]), std::string::npos);
+  EXPECT_NE(of_one.errors[0].message.find("mN m"), std::string::npos) << of_one.errors[0].message;
+}
+
+/// Joint 3 moves, the others rest, held by friction: their torques creep.
+JointLog log_of_one_joint(std::uint64_t seed) {
+  const SimulatedLogOptions options{.duration = 20.0, .rate = 100.0, .seed = seed};
+  Random random(seed);
+  JointLog log =
+      log_of_motion(pa10(), options, random,
+                    [](double t, Eigen::VectorXd& q, Eigen::VectorXd& dq, Eigen::VectorXd& ddq) {
+                      q.setConstant(0.3);
+                      dq.setZero();
+                      ddq.setZero();
+                      q[3] += 0.8 * std::sin(1.3 * t);
+                      dq[3] = 1.04 * std::cos(1.3 * t);
+                      ddq[3] = -1.352 * std::sin(1.3 * t);
+                    });
+  Eigen::VectorXd creep = Eigen::VectorXd::Zero(7);
+  for (Eigen::Index i = 0; i < log.torque.rows(); ++i) {
+    for (Eigen::Index j = 0; j < 7; ++j) creep[j] = 0.999 * creep[j] + 0.03 * random.normal();
+    creep[3] = 0.0;
+    log.torque.row(i) += creep.transpose();
+  }
+  return log;
+}
+
+TEST(CheckHypotheses, AccusesNoJointAtRestAndNamesThem) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    const LogFindings shown = shown_by(log_of_one_joint(seed));
+    EXPECT_TRUE(shown.errors.empty()) << seed << ": " << shown.errors.front().to_string();
+    ASSERT_FALSE(shown.warnings.empty());
+    EXPECT_NE(shown.warnings.back().message.find("rest in most of this motion"), std::string::npos)
+        << shown.warnings.back().message;
+  }
+}
+
+TEST(CheckHypotheses, FindsTheMovingJointsTorqueInARestingOnesColumn) {
+  JointLog log = log_of_one_joint(1);
+  log.torque.col(3).swap(log.torque.col(5));
+  const LogFindings shown = shown_by(log);
+  ASSERT_EQ(shown.errors.size(), 1U);
+  EXPECT_NE(shown.errors[0].message.find("swapped"), std::string::npos);
+}
+
+// One joint at a time: five of six joints rest, and their encoders flicker.
+TEST(CheckHypotheses, AcceptsTheUr10esLogsOfSingleJoints) {
+  PCAVR_NEEDS_SHARED_DATA("real/ur10e");
+  const RobotModel arm = read_urdf(shared_data("real/ur10e/ur10e.urdf")).value();
+  for (int joint = 1; joint <= 6; ++joint) {
+    const std::string file =
+        "real/ur10e/jointwise_motion/ur-20_01_22-joint_" + std::to_string(joint) + ".csv";
+    JointLog read = import_joint_log(shared_data(file), {}).value().log;
+    read.torque = 10.0 * read.current;  // about the drives' gains, N m/A
+    const MatchedRobot matched = match_joints(read, arm).value();
+    JointLog log = reordered(read, matched.columns);
+    const LogFindings rows = check_rows(log, matched.model, 0.05);
+    EXPECT_TRUE(rows.errors.empty()) << joint << ": " << rows.errors.front().to_string();
+    JointSignals signals = joint_signals(log, {});
+    const LogFindings shown = check_hypotheses(signals, matched.model);
+    EXPECT_TRUE(shown.errors.empty()) << joint << ": " << shown.errors.front().to_string();
+  }
 }
 
 TEST(FitRobot, FindsTheJointWhoseTorquesAreLate) {

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot_identification/log_checks.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot_identification/log_checks.hpp"
 
 #include "robot_identification/simulated_arm.hpp"
 
@@ -22,6 +23,24 @@ TEST(CheckRows, FindsNothingInASoundLog) {
   const LogFindings rows = check_rows(log, pa10(), kMaxGap);
   EXPECT_TRUE(rows.errors.empty()) << rows.errors.front().to_string();
   EXPECT_TRUE(rows.warnings.empty()) << rows.warnings.front().to_string();
+}
+
+TEST(CheckRows, NamesTheRowWhoseStampIsOfAnotherTime) {
+  JointLog log = short_log();
+  for (std::size_t i = 700; i < log.t.size(); ++i) log.t[i] += 6e7;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_FALSE(rows.errors.empty());
+  EXPECT_EQ(rows.errors.back().line, log.lines[700]);
+  EXPECT_EQ(rows.errors.back().message, "the time jumps by 6e+07 s");
+}
+
+TEST(CheckRows, LeavesTheSurroundingsOfAPauseOut) {
+  JointLog log = short_log();
+  for (std::size_t i = 700; i < log.t.size(); ++i) log.t[i] += 60.0;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  EXPECT_TRUE(rows.errors.empty()) << rows.errors.front().to_string();
+  ASSERT_FALSE(rows.warnings.empty());
+  EXPECT_NE(rows.warnings.back().message.find("the longest 60 s"), std::string::npos);
 }
 
 TEST(CheckRows, UnwrapsFullTurnsAndNamesJointAndRow) {
@@ -48,12 +67,18 @@ TEST(CheckRows, FullTurnsAreNotTakenForDegrees) {
   EXPECT_NE(rows.warnings.back().message.find("full turns"), std::string::npos);
 }
 
-TEST(CheckRows, FindsVelocitiesInDegrees) {
+/// A log with the velocities of the positions.
+JointLog log_with_velocities() {
   JointLog log = short_log();
   log.velocity = log.position;
   for (Eigen::Index j = 0; j < log.position.cols(); ++j) {
     log.velocity.col(j) = differentiate(log.position.col(j), log.t[1] - log.t[0]);
   }
+  return log;
+}
+
+TEST(CheckRows, FindsVelocitiesInDegrees) {
+  JointLog log = log_with_velocities();
   JointLog sound = log;
   EXPECT_TRUE(check_rows(sound, pa10(), kMaxGap).errors.empty());
   log.velocity *= 180.0 / std::numbers::pi;
@@ -61,6 +86,76 @@ TEST(CheckRows, FindsVelocitiesInDegrees) {
   ASSERT_FALSE(rows.errors.empty());
   EXPECT_NE(rows.errors[0].message.find("velocities"), std::string::npos);
   EXPECT_NE(rows.errors[0].place.find(log.joints[0]), std::string::npos);
+}
+
+LogFindings found_with_stamps(JointLog log, double per_second) {
+  for (double& t : log.t) t *= per_second;
+  return check_rows(log, pa10(), kMaxGap);
+}
+
+TEST(CheckRows, NamesTheUnitOfStampsThatVelocitiesContradict) {
+  for (const auto& [per_second, unit] :
+       {std::pair{1e3, "milliseconds"}, {1e6, "microseconds"}, {1e9, "nanoseconds"}}) {
+    const LogFindings rows = found_with_stamps(log_with_velocities(), per_second);
+    ASSERT_EQ(rows.errors.size(), 1U) << unit;
+    EXPECT_EQ(rows.errors[0].place, "t");
+    EXPECT_NE(rows.errors[0].message.find(unit), std::string::npos) << rows.errors[0].message;
+  }
+  // Ticks of 10 ms.
+  const LogFindings ticks = found_with_stamps(log_with_velocities(), 100.0);
+  ASSERT_EQ(ticks.errors.size(), 1U);
+  EXPECT_NE(ticks.errors[0].message.find("would be 0.01 s"), std::string::npos)
+      << ticks.errors[0].message;
+}
+
+TEST(CheckRows, FindsStampsThatAreNoSecondsWithoutVelocities) {
+  for (const double per_second : {1e3, 1e6, 200.0}) {  // 200: rows that are counted
+    const LogFindings rows = found_with_stamps(short_log(), per_second);
+    ASSERT_EQ(rows.errors.size(), 1U) << per_second;
+    EXPECT_NE(rows.errors[0].message.find("the stamps are milliseconds, ticks"), std::string::npos)
+        << rows.errors[0].message;
+  }
+  const LogFindings fast = found_with_stamps(short_log(), 1e-3);
+  ASSERT_FALSE(fast.errors.empty());
+  EXPECT_NE(fast.errors[0].message.find("beyond any arm's joint"), std::string::npos)
+      << fast.errors[0].message;
+}
+
+TEST(CheckRows, FindsTheOneJointWhoseVelocitiesAreInAnotherUnit) {
+  JointLog log = log_with_velocities();
+  log.velocity.col(3) *= 100.0;
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_EQ(rows.errors.size(), 1U);
+  EXPECT_NE(rows.errors[0].place.find(log.joints[3]), std::string::npos);
+}
+
+/// Joint 1 rests and its encoder flickers; all positions are rounded as they are logged.
+JointLog log_with_flicker() {
+  constexpr double kQuantum = 1e-4;  // [rad]
+  JointLog log = log_with_velocities();
+  Random random(7);
+  for (Eigen::Index i = 0; i < log.position.rows(); ++i) {
+    const double draw = random.uniform(0.0, 1.0);
+    const double flicker = draw < 0.01 ? -kQuantum : draw < 0.02 ? kQuantum : 0.0;
+    log.position(i, 1) = 0.5 + flicker;
+    log.velocity(i, 1) = 1e-3;  // the sensor's offset
+  }
+  log.position = kQuantum * (log.position / kQuantum).array().round();
+  return log;
+}
+
+TEST(CheckRows, DoesNotTakeAFlickeringEncoderAtRestForAStuckOne) {
+  JointLog log = log_with_flicker();
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  EXPECT_TRUE(rows.errors.empty()) << rows.errors.front().to_string();
+}
+
+TEST(CheckRows, FindsAStuckJointInRoundedPositions) {
+  JointLog log = log_with_flicker();
+  for (Eigen::Index i = 800; i < 860; ++i) log.position(i, 2) = log.position(800, 2);
+  const LogFindings rows = check_rows(log, pa10(), kMaxGap);
+  ASSERT_FALSE(rows.errors.empty());
+  EXPECT_NE(rows.errors[0].place.find(log.joints[2]), std::string::npos);
 }
 
 TEST(CheckRows, FindsAJump) {

@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot_identification/drive_gains.hpp"
+#include "pcavr/robots/robot_identification/drive_gains.hpp"
+
+#include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/import_joint_log.hpp"
-#include "pcavr/robot/urdf.hpp"
-#include "pcavr/robot_identification/log_checks.hpp"
-#include "pcavr/robot_identification/payload.hpp"
+#include "pcavr/recordings/recording/import_joint_log.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
+#include "pcavr/robots/robot_identification/log_checks.hpp"
+#include "pcavr/robots/robot_identification/payload.hpp"
 
 #include "robot_identification/simulated_arm.hpp"
 #include "support/shared_data.hpp"
@@ -40,6 +42,37 @@ TEST(DriveGains, FollowFromALoadOfKnownMass) {
   for (Eigen::Index j = 0; j < 7; ++j) {
     EXPECT_NEAR(found.gain[j], gain[j], 3.0 * found.std[j]) << j;
     EXPECT_LT(found.std[j], 0.05 * std::abs(gain[j])) << j;
+  }
+}
+
+// Both runs' torques are too small, as by gains of a data sheet.
+TEST(IdentifyPayload, OfTorquesByGivenGainsStatesAStdThatContainsTheGains) {
+  constexpr double kGainError = 0.87;
+  const RobotModel arm = pa10();
+  RigidInertia load;
+  load.mass = 3.0;
+  load.centre_of_mass = {0.05, -0.02, 0.10};
+  load.inertia_at_com = 0.004 * Eigen::Matrix3d::Identity();
+  RobotModel loaded = arm;
+  loaded.joints.back().body = loaded.joints.back().body + load;
+  JointLog without = simulated_log(arm, {.duration = 15.0, .seed = 43});
+  JointLog with = simulated_log(loaded, {.duration = 15.0, .seed = 44});
+  without.torque *= kGainError;
+  with.torque *= kGainError;
+  RobotFitOptions options;
+  options.is_extended = false;
+  const RobotFit fit = fit_robot(joint_signals(without, {}), arm, options);
+  const JointSignals signals = joint_signals(with, {});
+  const Payload recorded = identify_payload(signals, arm, fit);
+  EXPECT_GT(std::abs(recorded.mass - load.mass), 5.0 * recorded.mass_std);
+  const Payload given = identify_payload(signals, arm, fit, given_gain_covariance(7, 0.1));
+  EXPECT_EQ(given.mass, recorded.mass);
+  EXPECT_LT(std::abs(given.mass - load.mass), 2.0 * given.mass_std);
+  EXPECT_LT(given.mass_std, 0.15 * load.mass);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_LT(std::abs(given.centre_of_mass[axis] - load.centre_of_mass[axis]),
+              3.0 * given.centre_of_mass_std[axis])
+        << axis;
   }
 }
 

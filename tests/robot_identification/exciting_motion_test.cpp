@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot_identification/exciting_motion.hpp"
+#include "pcavr/robots/robot_identification/exciting_motion.hpp"
 
 #include <cmath>
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot_identification/friction_trial.hpp"
+#include "pcavr/robots/robot_identification/friction_trial.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/robot_identification/friction_intervals.hpp"
+#include "pcavr/robots/robot_identification/friction_intervals.hpp"
 
 #include "robot_identification/simulated_arm.hpp"
 
@@ -86,7 +86,7 @@ TEST(FrictionByInterval, ShowsFrictionThatDiffersByPosition) {
   EXPECT_NEAR(joint.intervals[1].terms[2].value, coulomb, 0.1 * coulomb);
   EXPECT_NEAR(joint.intervals[4].terms[2].value, coulomb + 2.0, 0.1 * coulomb);
   EXPECT_LT(joint.held_out.relative, 0.8 * arm.fit.joints.front().held_out.relative);
-  // Where friction does not differ, the table does no harm.
+  // The table does no harm where friction does not differ.
   EXPECT_LT(found[3].held_out.relative, 1.05 * arm.fit.joints[3].held_out.relative);
 }
 

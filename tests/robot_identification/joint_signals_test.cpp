@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot_identification/joint_signals.hpp"
+#include "pcavr/robots/robot_identification/joint_signals.hpp"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/robot_identification/robot_fit.hpp"
+#include "pcavr/robots/robot_identification/robot_fit.hpp"
 
 namespace pcavr {
 namespace {

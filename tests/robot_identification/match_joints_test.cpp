@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "pcavr/robot_identification/log_checks.hpp"
+#include "pcavr/robots/robot_identification/log_checks.hpp"
 
 #include "robot_identification/simulated_arm.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "robot_identification/physical_fit.hpp"
+#include "robots/robot_identification/physical_fit.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot_identification/presliding.hpp"
+#include "pcavr/robots/robot_identification/presliding.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/robot_identification/replay_motion.hpp"
-#include "pcavr/robot_identification/robot_fit.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/robots/robot_identification/replay_motion.hpp"
+#include "pcavr/robots/robot_identification/robot_fit.hpp"
 
 #include "robot_identification/simulated_arm.hpp"
 

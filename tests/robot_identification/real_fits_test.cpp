@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/import_joint_log.hpp"
-#include "pcavr/robot/urdf.hpp"
-#include "pcavr/robot_identification/log_checks.hpp"
-#include "pcavr/robot_identification/robot_fit.hpp"
-#include "pcavr/robot_identification/sample_clock.hpp"
+#include "pcavr/recordings/recording/import_joint_log.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
+#include "pcavr/robots/robot_identification/log_checks.hpp"
+#include "pcavr/robots/robot_identification/robot_fit.hpp"
+#include "pcavr/robots/robot_identification/sample_clock.hpp"
 
-#include "robot_identification/friction_torques.hpp"
+#include "robots/robot_identification/friction_torques.hpp"
 #include "support/shared_data.hpp"
 
 namespace pcavr {
@@ -85,8 +85,8 @@ RobotFit fit_all_rows(const JointLog& log) {
   return fit_robot(signals, matched.model, options);
 }
 
-// What the model does not explain moves the friction of each half. Of 72 differences of a normal
-// distribution 69 are within two stds, and none beyond 4.5.
+// Effects that the model does not explain move the friction of each half. A normal distribution has
+// 69 of 72 differences within two stds, and none beyond 4.5.
 TEST(RealFits, StateStdsOfFrictionThatTheHalvesOfALogConfirm) {
   PCAVR_NEEDS_SHARED_DATA("real/ur10e");
   int count = 0, within_one = 0, within_two = 0;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/robot_identification/robot_fit.hpp"
+#include "pcavr/robots/robot_identification/robot_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/robot_identification/replay_motion.hpp"
+#include "pcavr/robots/robot_identification/replay_motion.hpp"
 
 #include "robot_identification/simulated_arm.hpp"
 
@@ -65,7 +65,7 @@ TEST(FitRobot, LeavesOutEachStretchOfTheFittedPart) {
 
 TEST(FitRobot, FitsPossibleBodiesAndReplaysTheMotion) {
   const RobotModel model = pa10();
-  // At 200 Hz the instants of reversals are less certain: 0.8 degrees.
+  // The instants of reversals are less certain at 200 Hz: 0.8 degrees.
   const JointLog log = simulated_log(model, {.duration = 60.0, .rate = 500.0});
   const JointSignals signals = joint_signals(log, {});
   const RobotFit fit = fit_robot(signals, model, {});

@@ -11,11 +11,12 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/core/stamp.hpp"
-#include "pcavr/recording/joint_log.hpp"
-#include "pcavr/robot/robot_dynamics.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/core/stamp.hpp"
+#include "pcavr/recordings/recording/joint_log.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
+#include "pcavr/robots/robot_identification/joint_signals.hpp"
 
 #include "support/source_folder.hpp"
 
@@ -133,6 +134,29 @@ inline JointLog simulated_log_along(const RobotModel& model, const Eigen::Matrix
         dq = (slope + s * curve) / interval;
         ddq = curve / (interval * interval);
       });
+}
+
+/// A motor behind joint `carrier` that turns with joint `driven`, too: its speed is dq_driven +
+/// ratio dq_carrier.
+struct CoupledMotor {
+  Eigen::Index carrier = 4, driven = 5;
+  double ratio = 1.0;
+  double inertia = 0.4, viscous = 3.0, coulomb = 6.0;  ///< [kg m^2, N m s/rad, N m]
+};
+
+/// Adds the motor's torque at both joints, of the motion's derivatives without noise.
+inline void add_coupled_motor(const CoupledMotor& motor, JointLog& log) {
+  const double interval = log.t[1] - log.t[0];
+  const auto smooth = [&](Eigen::Index joint) {
+    return filter_zero_phase(log.position.col(joint), 1.0 / interval, 8.0);
+  };
+  const Eigen::VectorXd angle = smooth(motor.driven) + motor.ratio * smooth(motor.carrier);
+  const Eigen::VectorXd speed = differentiate(angle, interval);
+  const Eigen::VectorXd torque = motor.inertia * differentiate(speed, interval) +
+                                 motor.viscous * speed +
+                                 motor.coulomb * (speed.array() / 1e-3).tanh().matrix();
+  log.torque.col(motor.driven) += torque;
+  log.torque.col(motor.carrier) += motor.ratio * torque;
 }
 
 }  // namespace pcavr

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/ros2/ros2_transport.hpp"
-#include "pcavr/rosbag/cdr_messages.hpp"
+#include "pcavr/recordings/rosbag/cdr_messages.hpp"
+#include "pcavr/teleoperation/ros2/ros2_transport.hpp"
 
 #include "ros2/ros2_peer.hpp"
 #include "support/forked.hpp"

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/ros2/ros2_transport.hpp"
-#include "pcavr/rosbag/bag_reader.hpp"
-#include "pcavr/rosbag/cdr_messages.hpp"
-#include "pcavr/rosbag/ros_messages.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
+#include "pcavr/recordings/rosbag/cdr_messages.hpp"
+#include "pcavr/recordings/rosbag/ros_messages.hpp"
+#include "pcavr/teleoperation/ros2/ros2_transport.hpp"
 
 #include "ros2/ros2_peer.hpp"
 #include "support/forked.hpp"
@@ -80,7 +80,7 @@ TEST(FastDds, ReadsAndWritesTheSameBytes) {
   EXPECT_EQ(trajectory, Bytes(text.begin(), text.end()));
   EXPECT_EQ(echoed_by_fast_dds("trajectory_msgs/msg/JointTrajectory", {trajectory}),
             std::vector<Bytes>{trajectory});
-  // In fragments: beyond a datagram of UDP.
+  // Messages beyond a datagram of UDP are sent in fragments.
   const std::vector<Bytes> large(2, Bytes(300'000, 7));
   EXPECT_EQ(echoed_by_fast_dds("sensor_msgs/msg/Image", large), large);
 }
@@ -102,7 +102,8 @@ std::map<std::string, std::vector<Bytes>> recorded_messages(const std::string& b
   }
 }
 
-// What ROS 2 has recorded goes through both implementations unchanged, and our encoder writes it.
+// Messages that ROS 2 has recorded go through both implementations unchanged, and our encoder
+// writes them.
 TEST(FastDds, PassesRecordedMessagesUnchanged) {
   PCAVR_NEEDS_SHARED_DATA("real/bags/rosbag2_test");
   if (std::string(PCAVR_FAST_DDS_PEER).empty()) GTEST_SKIP() << "built without libfastrtps-dev";

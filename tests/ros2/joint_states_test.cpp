@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/ros2/ros2_robot.hpp"
+#include "pcavr/teleoperation/ros2/ros2_robot.hpp"
 
 #include "ros2/planar_arm.hpp"
 #include "ros2/ros2_peer.hpp"
@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 
 constexpr double kElbow = 0.5;  // [rad]
 
-/// Of the planar arm, on its pedestal [m].
+/// Tip of the planar arm, on its pedestal [m].
 Eigen::Vector3d p_base_tip(double shoulder) {
   return {0.4 * std::cos(shoulder) + 0.3 * std::cos(shoulder + kElbow),
           0.4 * std::sin(shoulder) + 0.3 * std::sin(shoulder + kElbow), 0.0};
@@ -67,7 +67,7 @@ TEST(JointStates, MoveTheToolOverDds) {
   double lowest = 10.0, highest = -10.0;
   for (const RobotSamples::Tool& tool : samples.tool) {
     const Eigen::Vector3d& p = tool.p_base_tip;
-    // On the circle of the tip, whatever the shoulder's angle is.
+    // The pose is on the circle of the tip, whatever the shoulder's angle is.
     EXPECT_NEAR(p.norm(), p_base_tip(0.0).norm(), 1e-9);
     const double shoulder =
         std::atan2(p.y(), p.x()) - std::atan2(p_base_tip(0.0).y(), p_base_tip(0.0).x());

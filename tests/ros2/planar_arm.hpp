@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "pcavr/ros2/ros2_setup.hpp"
+#include "pcavr/teleoperation/ros2/ros2_setup.hpp"
 
 namespace pcavr {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "ros2/ros2_joints.hpp"
+#include "teleoperation/ros2/ros2_joints.hpp"
 
 #include <cmath>
 #include <cstring>
@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "ros2/planar_arm.hpp"
-#include "ros2/ros2_intake.hpp"
 #include "support/ros_encoder.hpp"
 #include "support/temporary_folder.hpp"
+#include "teleoperation/ros2/ros2_intake.hpp"
 
 namespace pcavr {
 namespace {

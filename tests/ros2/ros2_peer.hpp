@@ -6,7 +6,7 @@
 
 #include <unistd.h>
 
-#include "pcavr/ros2/ros2_transport.hpp"
+#include "pcavr/teleoperation/ros2/ros2_transport.hpp"
 
 namespace pcavr {
 

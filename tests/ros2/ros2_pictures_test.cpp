@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "pcavr/ros2/ros2_robot.hpp"
-#include "pcavr/rosbag/cdr_messages.hpp"
-#include "pcavr/sites/site_clock.hpp"
+#include "pcavr/recordings/rosbag/cdr_messages.hpp"
+#include "pcavr/teleoperation/ros2/ros2_robot.hpp"
+#include "pcavr/teleoperation/sites/site_clock.hpp"
 
 #include "ros2/ros2_peer.hpp"
 #include "support/forked.hpp"

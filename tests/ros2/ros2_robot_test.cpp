@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/ros2/ros2_robot.hpp"
+#include "pcavr/teleoperation/ros2/ros2_robot.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -15,15 +15,15 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/rosbag/cdr_messages.hpp"
-#include "pcavr/sites/site_clock.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/recordings/rosbag/cdr_messages.hpp"
+#include "pcavr/teleoperation/sites/site_clock.hpp"
 
 #include "marker/tag_rendering.hpp"
 #include "ros2/planar_arm.hpp"
-#include "ros2/ros2_intake.hpp"
 #include "support/ros_encoder.hpp"
 #include "support/temporary_folder.hpp"
+#include "teleoperation/ros2/ros2_intake.hpp"
 
 namespace pcavr {
 namespace {
@@ -48,6 +48,11 @@ struct FakeNetwork {
   [[nodiscard]] std::size_t count() {
     const std::lock_guard lock(mutex);
     return from_robot.size();
+  }
+  /// Those sent up to now: the robot's thread may go on sending.
+  [[nodiscard]] std::vector<Bytes> sent() {
+    const std::lock_guard lock(mutex);
+    return from_robot;
   }
   [[nodiscard]] Bytes last() {
     const std::lock_guard lock(mutex);
@@ -393,16 +398,18 @@ TEST_F(Ros2RobotTest, CommandsJointsToThePoseThatIsCommanded) {
     std::this_thread::sleep_for(1ms);
   }
   ASSERT_GT(network_.count(), 50U);
-  const std::array<double, 2> first = positions_of(network_.from_robot.front());
+  const std::vector<Bytes> sent = network_.sent();
+  const std::array<double, 2> first = positions_of(sent.front());
   const std::array<double, 2> last = positions_of(network_.last());
-  // From the measured joints, in the order of the chain, no faster than the tool may turn.
+  // The commands go from the measured joints, in the order of the chain, no faster than the tool
+  // may turn.
   EXPECT_NEAR(first[0], shoulder, 0.01);
   EXPECT_NEAR(first[1], elbow, 0.01);
   EXPECT_NEAR(last[0], shoulder_target, 1e-3);
   EXPECT_NEAR(last[1], elbow_target, 1e-3);
-  for (std::size_t i = 1; i < network_.count(); ++i) {
-    const auto before = positions_of(network_.from_robot[i - 1]);
-    const auto after = positions_of(network_.from_robot[i]);
+  for (std::size_t i = 1; i < sent.size(); ++i) {
+    const auto before = positions_of(sent[i - 1]);
+    const auto after = positions_of(sent[i]);
     for (std::size_t joint = 0; joint < 2; ++joint) {
       // [rad] in a cycle of 2 ms at the joint's 1 rad/s.
       EXPECT_LE(std::abs(after[joint] - before[joint]), 0.002 + 1e-9);
@@ -419,7 +426,7 @@ TEST_F(Ros2RobotTest, TurnsTheToolNoFasterThanItMay) {
   ASSERT_GT(network_.count(), 20U);
   const BagTopic topic{"/command", "geometry_msgs/msg/PoseStamped", "cdr", {}, {}};
   Eigen::Quaterniond before = kStart.rotation();
-  for (const Bytes& bytes : network_.from_robot) {
+  for (const Bytes& bytes : network_.sent()) {
     const auto message = decode_ros_message(topic, bytes);
     ASSERT_TRUE(message);
     const Eigen::Quaterniond now = *std::get<RosPose>(*message).orientation;

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/ros2/ros2_setup.hpp"
+#include "pcavr/teleoperation/ros2/ros2_setup.hpp"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "support/source_folder.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "fuzz/targets.hpp"
 #include "support/source_folder.hpp"
@@ -16,7 +16,10 @@ namespace {
 /// The fuzzers' seeds and former findings pass in every build.
 TEST(BagCorpus, PassesForEveryFile) {
   const std::pair<const char*, void (*)(std::string_view)> kTargets[] = {
-      {"mcap", fuzz::mcap}, {"ros1_bag", fuzz::ros1_bag}, {"ros_message", fuzz::ros_message}};
+      {"mcap", fuzz::mcap},
+      {"ros1_bag", fuzz::ros1_bag},
+      {"sqlite_bag", fuzz::sqlite_bag},
+      {"ros_message", fuzz::ros_message}};
   for (const auto& [name, target] : kTargets) {
     std::size_t files = 0;
     for (const auto& entry :

@@ -4,12 +4,12 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/rosbag/bag_reader.hpp"
-#include "pcavr/rosbag/mcap_writer.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
+#include "pcavr/recordings/rosbag/mcap_writer.hpp"
 
+#include "rosbag/packed_bytes.hpp"
 #include "support/file_tree.hpp"
 #include "support/read_bag.hpp"
 #include "support/temporary_folder.hpp"
@@ -52,27 +52,22 @@ TEST(BagFolder, MetadataNamesTheFiles) {
   EXPECT_EQ(test::read_all(open_bag(folder.path())).messages.size(), 2U);
 }
 
-TEST(SqliteBag, IsReadWithoutWritingBesideIt) {
+TEST(BagFolder, PackedFilesAreReadOnce) {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder.path() / "a b%?#.db3";
-  sqlite3* database = nullptr;
-  ASSERT_EQ(sqlite3_open(file.c_str(), &database), SQLITE_OK);
-  const char* text =
-      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format "
-      "TEXT);"
-      "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data "
-      "BLOB);"
-      "INSERT INTO topics VALUES(3, '/a', 'std_msgs/msg/String', 'cdr');"
-      "INSERT INTO messages VALUES(1, 3, 20, x'6162'), (2, 3, 10, x'');";
-  ASSERT_EQ(sqlite3_exec(database, text, nullptr, nullptr, nullptr), SQLITE_OK);
-  sqlite3_close(database);
-  const FileTree before = tree(folder.path());
-  const test::ReadBag read = test::read_all(open_bag(file));
-  EXPECT_EQ(read.error, "");
-  ASSERT_EQ(read.messages.size(), 2U);
-  EXPECT_EQ(read.messages[0].payload, "ab");
-  EXPECT_EQ(read.messages[1].log_time, 10);
-  EXPECT_EQ(tree(folder.path()), before);
+  write_one(folder.path() / "b_0.mcap", "zero");
+  const Expected<std::string> bytes = read_file(folder.path() / "b_0.mcap");
+  const std::string packed = test::packed_bytes(Compression::zstd, *bytes);
+  // Someone packed the file after it was recorded, and kept it.
+  write_tree(folder.path(), {{"b_0.mcap.zst", packed}});
+  EXPECT_EQ(test::read_all(open_bag(folder.path())).messages.size(), 1U);
+  std::filesystem::remove(folder.path() / "b_0.mcap");
+  write_tree(folder.path(), {{"metadata.yaml",
+                              "rosbag2_bagfile_information:\n"
+                              "  relative_file_paths: [b_0.mcap]\n"}});
+  const test::ReadBag read = test::read_all(open_bag(folder.path()));
+  ASSERT_EQ(read.messages.size(), 1U);
+  EXPECT_EQ(read.messages[0].payload, "zero");
+  EXPECT_TRUE(read.warnings.empty());
 }
 
 TEST(OpenBag, OtherFilesAreOneLine) {

@@ -1,15 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "rosbag/decompression.hpp"
+#include "recordings/rosbag/decompression.hpp"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
-#include <bzlib.h>
 #include <gtest/gtest.h>
-#include <lz4frame.h>
-#include <zstd.h>
 
+#include "rosbag/packed_bytes.hpp"
 #include "support/read_bag.hpp"
 
 namespace pcavr {
@@ -26,30 +25,11 @@ std::string some_bytes() {
   return bytes;
 }
 
-std::string compress(Compression compression, const std::string& bytes) {
-  std::string packed(bytes.size() + 100'000, '\0');
-  std::size_t size = 0;
-  if (compression == Compression::zstd) {
-    size = ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 3);
-  } else if (compression == Compression::lz4) {
-    size = LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), nullptr);
-  } else {
-    auto written = static_cast<unsigned>(packed.size());
-    std::string copy = bytes;
-    EXPECT_EQ(BZ2_bzBuffToBuffCompress(packed.data(), &written, copy.data(),
-                                       static_cast<unsigned>(copy.size()), 1, 0, 0),
-              BZ_OK);
-    size = written;
-  }
-  packed.resize(size);
-  return packed;
-}
-
 class Decompress : public testing::TestWithParam<Compression> {};
 
 TEST_P(Decompress, ReturnsTheOriginal) {
   const std::string original = some_bytes();
-  const std::string packed = compress(GetParam(), original);
+  const std::string packed = test::packed_bytes(GetParam(), original);
   ASSERT_LT(packed.size(), original.size());
   std::vector<std::uint8_t> bytes;
   ASSERT_TRUE(
@@ -61,7 +41,7 @@ TEST_P(Decompress, ReturnsTheOriginal) {
 
 TEST_P(Decompress, ReturnsWhatIsThereOfCutData) {
   const std::string original = some_bytes();
-  const std::string packed = compress(GetParam(), original);
+  const std::string packed = test::packed_bytes(GetParam(), original);
   const auto half = test::bytes_of(packed).first(packed.size() / 2);
   std::vector<std::uint8_t> bytes;
   EXPECT_FALSE(decompress_chunk(GetParam(), half, {.size = original.size()}, bytes));
@@ -69,6 +49,28 @@ TEST_P(Decompress, ReturnsWhatIsThereOfCutData) {
       decompress_chunk(GetParam(), half, {.size = original.size(), .may_be_cut = true}, bytes));
   EXPECT_GT(bytes.size(), original.size() / 4);
   EXPECT_TRUE(original.starts_with(std::string(bytes.begin(), bytes.end())));
+}
+
+/// Each piece follows the one before; the end stays the end.
+TEST_P(Decompress, DeliversAsManyBytesAsAreWanted) {
+  const std::string original = some_bytes();
+  const std::string packed = test::packed_bytes(GetParam(), original + original);
+  std::size_t fed = 0;
+  UnpackedStream stream(GetParam(), [&]() -> Expected<std::span<const std::uint8_t>> {
+    const std::size_t size = std::min<std::size_t>(packed.size() - fed, 10'000);
+    fed += size;
+    return test::bytes_of(packed).subspan(fed - size, size);
+  });
+  std::string bytes;
+  for (std::size_t wanted = 1; bytes.size() < 2 * original.size(); wanted = 3 * wanted + 1) {
+    std::vector<std::uint8_t> piece(std::min<std::size_t>(wanted, 777'777));
+    const Expected<std::size_t> got = stream.read(piece);
+    ASSERT_TRUE(got && *got > 0);
+    bytes.append(piece.begin(), piece.begin() + static_cast<std::ptrdiff_t>(*got));
+  }
+  EXPECT_EQ(bytes, original + original);
+  std::vector<std::uint8_t> more(5);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(*stream.read(more), 0U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Libraries, Decompress,

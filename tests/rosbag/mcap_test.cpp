@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/rosbag/bag_reader.hpp"
-#include "pcavr/rosbag/mcap_writer.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
+#include "pcavr/recordings/rosbag/mcap_writer.hpp"
 
-#include "rosbag/byte_source.hpp"
-#include "rosbag/mcap_reader.hpp"
+#include "recordings/rosbag/byte_source.hpp"
+#include "recordings/rosbag/mcap_reader.hpp"
 #include "support/read_bag.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -118,6 +119,45 @@ std::string chunk_file(std::uint64_t size, const std::string& compression) {
   const std::string chunk = number(0, 8) + number(0, 8) + number(size, 8) + number(0, 4) +
                             number(compression.size(), 4) + compression + number(3, 8) + "abc";
   return "\x89MCAP0\r\n\x06" + number(chunk.size(), 8) + chunk;
+}
+
+/// A small file may state the same definition for any number of topics.
+TEST(Mcap, DefinitionsAreBounded) {
+  const TemporaryFolder folder;
+  const auto error_with = [&](int topics, int schemas) {
+    const std::filesystem::path file = folder.path() / "a.mcap";
+    Expected<McapWriter> writer = McapWriter::create(file, {.replace = true});
+    for (int i = 0; i < std::max(topics, schemas); ++i) {
+      static const std::string definition(1 << 20, 'x');
+      const std::uint16_t schema =
+          i < schemas ? writer->add_schema("T" + std::to_string(i), "ros2msg", definition) : 1;
+      if (i >= topics) continue;
+      const auto channel = writer->add_channel("/t" + std::to_string(i), "cdr", schema);
+      EXPECT_TRUE(writer->write(channel, {1}, "x"));
+    }
+    EXPECT_TRUE(writer->close());
+    return test::read_all(open_bag(file)).error;
+  };
+  EXPECT_EQ(error_with(60, 1), "");
+  EXPECT_NE(error_with(70, 1).find("a.mcap: byte"), std::string::npos);
+  EXPECT_NE(error_with(70, 1).find("more than 64 MiB"), std::string::npos);
+  EXPECT_NE(error_with(1, 70).find("schemas of more than 64 MiB"), std::string::npos);
+}
+
+TEST(Mcap, ChunksThatUnpackToFarMoreThanTheFileAreRefused) {
+  const std::string error = read_mcap(chunk_file(1'000'000'000, "zstd")).error;
+  EXPECT_NE(error.find("chunks of 1000000000 bytes up to here, in a file of"), std::string::npos)
+      << error;
+}
+
+TEST(Mcap, TimesBeyondAnyRecordersClockAreRefused) {
+  const TemporaryFolder folder;
+  Expected<McapWriter> writer = McapWriter::create(folder.path() / "a.mcap");
+  const std::uint16_t channel = writer->add_channel("/a", "json", 0);
+  ASSERT_TRUE(writer->write(channel, {std::numeric_limits<std::int64_t>::max()}, "{}"));
+  ASSERT_TRUE(writer->close());
+  EXPECT_NE(test::read_all(open_bag(folder.path() / "a.mcap")).error.find("out of range"),
+            std::string::npos);
 }
 
 TEST(Mcap, BadFilesAreOneLine) {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/rosbag/bag_reader.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
 
 #include "support/read_bag.hpp"
 #include "support/shared_data.hpp"

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "rosbag/byte_source.hpp"
-#include "rosbag/ros1_bag_reader.hpp"
+#include "recordings/rosbag/byte_source.hpp"
+#include "recordings/rosbag/ros1_bag_reader.hpp"
 #include "support/read_bag.hpp"
 #include "support/ros1_bag_text.hpp"
 
@@ -57,6 +57,27 @@ TEST(Ros1Bag, CutAnywhereIsReadUpToTheLastWholeMessage) {
     before = read.messages.size();
   }
   EXPECT_EQ(before, 3U);
+}
+
+/// Closed by its recorder before any topic came.
+TEST(Ros1Bag, AnEmptyBagIsWhole) {
+  using Text = Ros1BagText;
+  const std::string start = "#ROSBAG V2.0\n";
+  const auto bag = [&](std::uint64_t index_at, std::uint64_t connections) {
+    return start + Text::record({{"op", Text::op(3)},
+                                 {"index_pos", Text::number(index_at, 8)},
+                                 {"conn_count", Text::number(connections, 4)},
+                                 {"chunk_count", Text::number(0, 4)}},
+                                std::string(100, ' '));
+  };
+  const std::size_t size = bag(0, 0).size();
+  const test::ReadBag empty = read_ros1(bag(size, 0));
+  EXPECT_EQ(empty.error, "");
+  EXPECT_TRUE(empty.warnings.empty()) << empty.warnings.front();
+  // Cut before its index, or where its index should be.
+  EXPECT_EQ(read_ros1(bag(size, 1)).warnings.size(), 1U);
+  EXPECT_EQ(read_ros1(bag(size + 1, 0)).warnings.size(), 1U);
+  EXPECT_EQ(read_ros1(bag(0, 0)).warnings.size(), 1U) << "not closed";
 }
 
 TEST(Ros1Bag, AnIndexThatMiscountsIsReported) {

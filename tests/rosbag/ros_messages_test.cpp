@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/rosbag/ros_messages.hpp"
+#include "pcavr/recordings/rosbag/ros_messages.hpp"
 
 #include <string>
 
@@ -102,6 +102,16 @@ TEST_P(RosMessages, JointsImagesAndCamera) {
   EXPECT_EQ(info.intrinsics(1, 2), 241.0);
   EXPECT_EQ(info.projection(0, 0), 500.0);
   EXPECT_EQ(info.distortion.size(), 5U);
+  EXPECT_EQ(info.binning_x, 1) << "0 means none";
+  const auto region = decode<RosCameraInfo>(
+      "sensor_msgs/CameraInfo",
+      encoder().camera_info(kAt, "c", 640, 480, 500.0, 320.0, 241.0, {2, 3, 10, 20, 200, 300}));
+  EXPECT_EQ(region.binning_x, 2);
+  EXPECT_EQ(region.binning_y, 3);
+  EXPECT_EQ(region.region_x, 10);
+  EXPECT_EQ(region.region_y, 20);
+  EXPECT_EQ(region.region_width, 300);
+  EXPECT_EQ(region.region_height, 200);
 }
 
 INSTANTIATE_TEST_SUITE_P(Serializations, RosMessages,
@@ -133,6 +143,13 @@ TEST(RosMessageErrors, AreOneLine) {
   RosEncoder many(Format::ros1);
   many.header({1}, "").number(0xFFFFFFFFU);
   EXPECT_EQ(error_of(joints, many.bytes()), "is shorter than its type sensor_msgs/JointState");
+  // Small messages that would take far more memory than they have bytes.
+  RosEncoder empty_names(Format::ros1);
+  empty_names.header({1}, "").number(20'000U);
+  EXPECT_EQ(error_of(joints, empty_names.bytes() + std::string(80'000, '\0')), "has 20000 joints");
+  RosEncoder long_name(Format::ros1);
+  long_name.header({1}, std::string(70'000, 'x'));
+  EXPECT_NE(error_of(joints, long_name.bytes()), "");
 }
 
 }  // namespace

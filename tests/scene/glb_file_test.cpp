@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/scene/glb_file.hpp"
+#include "pcavr/perception/scene/glb_file.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/raw_bytes.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/raw_bytes.hpp"
 
-#include "scene/display_mesh.hpp"
-#include "scene/glb_writer.hpp"
+#include "perception/scene/display_mesh.hpp"
+#include "perception/scene/glb_writer.hpp"
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"
 

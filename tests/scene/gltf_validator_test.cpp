@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
 
 #include "scene/scene_builder.hpp"
 #include "support/source_folder.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/scene/guard_surface.hpp"
+#include "pcavr/perception/scene/guard_surface.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/scene/occupancy_map.hpp"
-#include "pcavr/scene/occupancy_tree.hpp"
-#include "pcavr/scene/scene_text.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/perception/scene/occupancy_map.hpp"
+#include "pcavr/perception/scene/occupancy_tree.hpp"
+#include "pcavr/perception/scene/scene_text.hpp"
 
 #include "support/temporary_folder.hpp"
 

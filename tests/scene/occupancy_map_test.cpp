@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/scene/occupancy_map.hpp"
+#include "pcavr/perception/scene/occupancy_map.hpp"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "scene/scene_builder.hpp"
 #include "support/octomap_reference.hpp"
@@ -116,7 +116,7 @@ TEST(OccupancyMap, FreesAHitThatLaterRaysTraverse) {
 }
 
 TEST(OccupancyMap, ClampingKeepsTheMapAdaptable) {
-  // After any number of misses (clamped at -2), three hits (+2.54) make it occupied.
+  // Three hits (+2.54) make it occupied after any number of misses (clamped at -2).
   EXPECT_EQ(after_measurements({2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 1, 1, 1}).at({0.05, 0.05, 1.05}),
             Cell::occupied);
 }

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/scene/occupancy_tree.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/perception/scene/occupancy_tree.hpp"
 
 #include "fuzz/targets.hpp"
 #include "support/source_folder.hpp"

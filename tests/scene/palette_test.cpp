@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/scene/palette.hpp"
+#include "pcavr/perception/scene/palette.hpp"
 
 #include <cmath>
 #include <fstream>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/glb_writer.hpp"
+#include "perception/scene/glb_writer.hpp"
 #include "support/source_folder.hpp"
 
 namespace pcavr {

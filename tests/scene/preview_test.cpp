@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/preview.hpp"
+#include "perception/scene/preview.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/recording/image_codec.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
 
 #include "scene/scene_builder.hpp"
 
@@ -235,7 +235,7 @@ TEST(Preview, DrawsAnObjectInItsColour) {
   const ColorImage picture = render_preview(a_box_on_a_table(), {1});
   EXPECT_EQ(picture.width(), kPreviewWidth);
   EXPECT_EQ(picture.height(), kPreviewHeight);
-  // That of the first movable object: blue.
+  // The colour of the first movable object: blue.
   const auto blue = std::ranges::count_if(
       picture.pixels(), [](const Rgb8& c) { return c.b > 100 && c.b > c.g + 40 && c.g > c.r; });
   EXPECT_GT(blue, 2000);

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pcavr/scene/scene.hpp"
+#include "pcavr/perception/scene/scene.hpp"
 
 namespace pcavr {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -9,9 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/image_codec.hpp"
-#include "pcavr/scene/ply_file.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/perception/scene/ply_file.hpp"
+#include "pcavr/perception/scene/scene_text.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
 
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"
@@ -190,7 +191,7 @@ TEST_F(SceneBundle, StatesWhichWayIsUpWhereTheWorldFrameIsArbitrary) {
     return read_scene_manifest(folder.path()).value().up_base;
   };
   EXPECT_LT((up_of(scene) + Eigen::Vector3d::UnitY()).norm(), 1e-6);
-  // With a tag of base, base is a robot's.
+  // A tag of base makes base a robot's.
   scene.tags = a_box_on_a_table().tags;
   scene.tags.resize(1);
   EXPECT_EQ(up_of(scene), Eigen::Vector3d::UnitZ());
@@ -373,18 +374,40 @@ TEST_F(SceneBundle, IsValidWithoutObjectsMeshOrFrames) {
   for (const SceneCheck& check : *checks) EXPECT_TRUE(check.is_sound) << check.what << check.figure;
 }
 
-TEST_F(SceneBundle, DoesNotDrawAnObjectThatWasNotSeen) {
+TEST_F(SceneBundle, NamesAnObjectThatWasNotFoundApartAndDoesNotDrawIt) {
   Scene scene = a_box_on_a_table();
   scene.objects.push_back(an_object("ghost", {0.2, 0.0, 0.04}));
   scene.objects.back().evidence = kNotSeen;
+  scene.objects.back().reason = "its tag tag36h11:7 is in no frame";
+  scene.tags.push_back({{"tag36h11", 7}, 0.1, MarkerRole::object, "ghost", Pose()});
   const TemporaryFolder other;
   ASSERT_TRUE(write_scene(scene, other.path(), {1}));
-  EXPECT_TRUE(read_scene_manifest(other.path())->objects.size() == 2);
+  const auto manifest = read_scene_manifest(other.path());
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  EXPECT_EQ(manifest->objects.size(), 1U);
+  ASSERT_EQ(manifest->not_found.size(), 1U);
+  EXPECT_EQ(manifest->not_found[0].to_string(),
+            "ghost is not in the scene: its tag tag36h11:7 is in no frame");
+  EXPECT_FALSE(std::filesystem::exists(other.path() / "objects/ghost.glb"));
   EXPECT_EQ(*read_file(other.path() / "scene.glb"), *read_file(folder_.path() / "scene.glb"));
   EXPECT_EQ(*read_file(other.path() / "preview.png"), *read_file(folder_.path() / "preview.png"));
   const auto checks = inspect_scene(other.path());
   ASSERT_TRUE(checks) << checks.error().to_string();
   for (const SceneCheck& check : *checks) EXPECT_TRUE(check.is_sound) << check.what;
+  const auto is_of_ghost = [](const SceneCheck& check) { return check.what == "objects: ghost"; };
+  EXPECT_EQ(std::count_if(checks->begin(), checks->end(), is_of_ghost), 1);
+}
+
+TEST_F(SceneBundle, ReadsAnOlderScenesUnseenObjectAsNotFound) {
+  std::string text = *read_file(folder_.path() / "scene.yaml");
+  const std::size_t evidence = text.find("evidence: ");
+  ASSERT_NE(evidence, std::string::npos);
+  text.replace(evidence, text.find('\n', evidence) - evidence, "evidence: not_seen");
+  const auto manifest = parse_scene_manifest(text, "scene.yaml");
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  EXPECT_TRUE(manifest->objects.empty());
+  ASSERT_EQ(manifest->not_found.size(), 1U);
+  EXPECT_EQ(manifest->not_found[0].name, "box");
 }
 
 TEST_F(SceneBundle, FindsEachTruncatedFile) {

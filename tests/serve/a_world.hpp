@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "pcavr/devices/remote_device.hpp"
 #include "pcavr/serve/live_world.hpp"
+#include "pcavr/teleoperation/devices/remote_device.hpp"
 
 #include "haptics/tabletop.hpp"
 

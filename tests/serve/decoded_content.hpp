@@ -36,7 +36,7 @@ inline bool has_path(const ContentSource& source, std::string_view path) {
   return content && *content;
 }
 
-/// For ByteReader; `text` must outlive it.
+/// Bytes for a ByteReader; `text` must outlive it.
 inline std::span<const std::uint8_t> bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }

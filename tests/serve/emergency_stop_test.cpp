@@ -27,8 +27,8 @@ double coasting_distance(double speed) {
   return speed * speed * friction.mass / (2.0 * friction.coulomb_force);
 }
 
-// From the stop on nothing but friction acts on the box. Only the release ends it, and then the
-// clutch has to open first.
+// Only friction acts on the box from the stop on. Only the release ends it, and then the clutch has
+// to open first.
 TEST_F(EmergencyStop, AnEmergencyStopDisengagesTheToolUntilItsRelease) {
   move(kInTheBox, 1500);
   cycle_.emergency_stop();
@@ -102,7 +102,7 @@ TEST(OperatorPageStop, TheDevicesButtonIsOneRequestToTheRobotsSite) {
   EXPECT_EQ(requests().is_stopped, true);
 }
 
-// So that a robot with these limits can follow it.
+// A robot with these limits can follow it.
 TEST_F(EmergencyStop, ALimitedToolBrakesWhenTheClutchOpens) {
   cycle_.limit_motion(MotionLimits());
   move(test::kToolStart + Eigen::Vector3d(0.0, 0.2, 0.3), 1000);

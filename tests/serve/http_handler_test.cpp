@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 #include "pcavr/serve/certificate.hpp"
 #include "pcavr/serve/qr_code.hpp"
 
@@ -167,6 +167,31 @@ TEST_F(HttpHandlerTest, RejectsCrossOriginRequests) {
   EXPECT_EQ(handler.respond(request).status, 200U);
 }
 
+TEST_F(HttpHandlerTest, ViewersOfThisMachineMayComeFromAnyOfItsPorts) {
+  const HttpHandler handler = make_handler();
+  HttpRequest request = get("/");
+  request.viewer_protocol = "foxglove.sdk.v1";
+  EXPECT_EQ(handler.reject_upgrade(request)->status, 401U) << "not paired";
+  request.is_loopback = true;
+  EXPECT_FALSE(handler.reject_upgrade(request));
+  for (const char* origin : {"http://localhost:8080", "http://127.0.0.1", "https://[::1]:1"}) {
+    request.origin = origin;
+    EXPECT_FALSE(handler.reject_upgrade(request)) << origin;
+  }
+  for (const char* origin : {"https://evil.example", "http://localhost.evil.example:80", "null",
+                             "http://localhost:80@evil.example", "file://", "http://127.0.0.1.x"}) {
+    request.origin = origin;
+    EXPECT_EQ(handler.reject_upgrade(request)->status, 403U) << origin;
+  }
+  request.origin = "http://localhost:8080";
+  request.is_loopback = false;
+  EXPECT_EQ(handler.reject_upgrade(request)->status, 403U) << "another machine";
+  request.is_loopback = true;
+  request.viewer_protocol.clear();
+  request.target = "/live";
+  EXPECT_EQ(handler.reject_upgrade(request)->status, 403U) << "a page commands the tool";
+}
+
 TEST_F(HttpHandlerTest, RejectsUnknownHostsAgainstDnsRebinding) {
   HttpHandler handler = make_handler(false);
   HttpRequest request = get("/");
@@ -223,10 +248,33 @@ TEST_F(HttpHandlerTest, UnreadableFilesAndOtherMethodsAreErrors) {
 }
 
 TEST_F(HttpHandlerTest, RedirectsPlainHttpToHttps) {
+  const HttpHandler handler = make_handler();
   HttpRequest request = get("/a?b");
-  const HttpResponse response = HttpHandler::redirect_to_https(request);
+  const HttpResponse response = handler.redirect_to_https(request);
   EXPECT_EQ(response.status, 308U);
   EXPECT_EQ(header(response, "Location"), "https://192.168.1.5:8080/a?b");
+}
+
+TEST_F(HttpHandlerTest, RedirectsToNoOtherHost) {
+  const HttpHandler handler = make_handler();
+  for (const char* host : {"evil.example", "evil.example:8080", "192.168.1.5:8080@evil.example",
+                           "192.168.1.5:80@evil.example/", "192.168.1.5.evil.example", "",
+                           "[::1]@evil.example", "[::1", "localhost:", "localhost:8080x",
+                           "user@localhost", "localhost/..", "localhost:80808080"}) {
+    HttpRequest request = get("/a");
+    request.host = host;
+    const HttpResponse response = handler.redirect_to_https(request);
+    EXPECT_EQ(response.status, 421U) << host;
+    EXPECT_EQ(header(response, "Location"), "") << host;
+  }
+  for (const char* target : {"@evil.example/", "http://evil.example/", ".evil.example", "", "*"}) {
+    EXPECT_EQ(header(handler.redirect_to_https(get(target)), "Location"),
+              "https://192.168.1.5:8080/")
+        << target;
+  }
+  HttpRequest literal = get("/x");
+  literal.host = "[fe80::1]:8080";
+  EXPECT_EQ(header(handler.redirect_to_https(literal), "Location"), "https://[fe80::1]:8080/x");
 }
 
 TEST(Pairing, EachServerHasItsOwnCode) {
@@ -244,10 +292,31 @@ TEST(Pairing, LimitsAttemptsPerMinuteByAddressAndInTotal) {
   EXPECT_EQ(pairing.pair("x", "a", 61.0)->outcome, Outcome::wrong);
   int attempts = 0;
   for (int i = 0; i < 100; ++i) {
-    const std::string address = "b" + std::to_string(i);
+    const std::string address = "b" + std::to_string(i % 20);
     attempts += pairing.pair("x", address, 62.0)->outcome == Outcome::wrong ? 1 : 0;
   }
   EXPECT_EQ(attempts, 29);
+}
+
+TEST(Pairing, CanNotBeKeptFromAnyoneByOthers) {
+  Pairing pairing = std::move(Pairing::create()).value();
+  using Outcome = Pairing::Outcome;
+  for (int i = 0; i < 600; ++i) {
+    static_cast<void>(pairing.pair("x", "10.0.0." + std::to_string(i % 60), 0.0));
+  }
+  EXPECT_EQ(pairing.pair("x", "10.0.0.7", 1.0)->outcome, Outcome::too_many_attempts);
+  EXPECT_EQ(pairing.pair(pairing.code(), "192.168.1.9", 1.0)->outcome, Outcome::paired);
+}
+
+TEST(Pairing, CountsTheAddressesOfAnIpv6NetworkAsOne) {
+  Pairing pairing = std::move(Pairing::create()).value();
+  int attempts = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto answer = pairing.pair("x", "2001:db8:1:2::" + std::to_string(i), 0.0);
+    attempts += answer->outcome == Pairing::Outcome::wrong ? 1 : 0;
+  }
+  EXPECT_EQ(attempts, 5);
+  EXPECT_EQ(pairing.pair("x", "2001:db8:1:3::1", 0.0)->outcome, Pairing::Outcome::wrong);
 }
 
 TEST(LoadOrCreateCertificate, CoversThisMachineAndIsKeptWithAPrivateKey) {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "fuzz/targets.hpp"
 #include "support/source_folder.hpp"

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/robot/link_meshes.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/robots/robot/link_meshes.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "serve/live_cycle_fixture.hpp"
 #include "support/heap_counter.hpp"
@@ -212,11 +212,12 @@ TEST_F(LiveCycleTest, SpeedIsThatOfTheBody) {
   const double before = cycle_.newest().world.bodies[0].T_base_object.translation().x();
   const WorldSnapshot& state = move(kInTheBox + Eigen::Vector3d(0.0002, 0.0, 0.0), 1);
   const Eigen::Vector3d after = state.world.bodies[0].T_base_object.translation();
-  // Up to the body's rotation, which moves its origin less than a tenth as much here.
+  // The tolerance allows for the body's rotation, which moves its origin less than a tenth as much
+  // here.
   EXPECT_NEAR(state.speeds[0], (after.x() - before) / kCycle, 0.1 * state.speeds[0] + 1e-9);
 }
 
-/// Beside the box, with its tip at the tool's start.
+/// An arm beside the box, with its tip at the tool's start.
 std::unique_ptr<LiveArm> an_arm(const TriangleMesh& guards = {}) {
   const RobotModel model =
       read_urdf(source_folder() / "calib/robots/irb120_like/irb120_like.urdf").value();

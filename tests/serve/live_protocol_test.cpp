@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {
@@ -272,7 +272,7 @@ TEST(LiveProtocol, SurvivesRandomBytes) {
     }
     const auto read = decode_page_message(bytes);
     if (!read) continue;
-    // What is accepted survives a round trip.
+    // An accepted message survives a round trip.
     EXPECT_TRUE(decode_page_message(encode(*read)));
   }
 }

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/teleop/live_sites.hpp"
+#include "pcavr/teleoperation/teleop/live_sites.hpp"
 
 #include "serve/live_cycle_fixture.hpp"
 #include "teleop/retraction_message.hpp"
@@ -15,7 +15,7 @@
 namespace pcavr {
 namespace {
 
-// Where the robot's tool is moved out of an object, the page shows it there, and not in the object.
+// The page shows the robot's tool where it is moved out of an object, and not in the object.
 TEST(OperatorPage, ShowsTheToolWhereItIsRetractedTo) {
   constexpr double kRetraction = 0.005;  // [m]
   DeviceSample sample{test::kToolStart, Eigen::Quaterniond::Identity(), false, true};

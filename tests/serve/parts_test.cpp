@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "serve/gzip.hpp"
 #include "serve/pulse_generator.hpp"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/bytes.hpp"
+#include "pcavr/base/core/bytes.hpp"
 
 #include "pipeline/small_replay.hpp"
 #include "serve/decoded_content.hpp"
@@ -20,7 +20,7 @@ constexpr double kStart = 100.0;  // [s]
 constexpr double kPhaseChange = 102.0013;
 constexpr double kJerk = 103.4567;  // where the error is largest
 
-/// At rest, then along x at 0.1 m/s with rotation, then at rest again.
+/// A pose at rest, then along x at 0.1 m/s with rotation, then at rest again.
 Pose true_pose(double t) {
   const double duration = std::clamp(t - 102.0, 0.0, 3.0);
   return Pose(Eigen::Quaterniond(Eigen::AngleAxisd(0.2 * duration, Eigen::Vector3d::UnitZ())),

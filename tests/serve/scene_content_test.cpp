@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/bytes.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/core/raw_bytes.hpp"
-#include "pcavr/scene/ply_file.hpp"
+#include "pcavr/base/core/bytes.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/raw_bytes.hpp"
+#include "pcavr/perception/scene/ply_file.hpp"
 
 #include "scene/scene_builder.hpp"
 #include "serve/content_text.hpp"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"
@@ -27,7 +27,7 @@ class SceneWorldTest : public testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsAboveIt) {
+TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsBesideIt) {
   SceneWorldOptions options;
   options.tool_radius = 0.02;
   options.force.max_force = 7.0;
@@ -43,8 +43,10 @@ TEST_F(SceneWorldTest, TheBoxIsMovableAtItsPoseAndTheToolStartsAboveIt) {
   EXPECT_EQ(world->model.supports_base.size(), 1U);
   EXPECT_EQ(world->triangles, 5000U);
   EXPECT_EQ(model.static_mesh_base.triangles.size(), 5000U);
-  EXPECT_GT(world->p_base_tool_start.z(), 0.08 + 0.09);
-  EXPECT_NEAR(world->p_base_tool_start.x(), 0.6, 1e-6);
+  EXPECT_NEAR(world->p_base_tool_start.z(), 0.04, 1e-6);  // the box's mid-height
+  const Eigen::Vector2d to_tool = world->p_base_tool_start.head<2>() - Eigen::Vector2d(0.6, 0.05);
+  EXPECT_LT(to_tool.dot(Eigen::Vector2d(0.6, 0.05)), 0.0);  // on the base's side
+  EXPECT_GT(to_tool.norm(), 0.02 + options.start_clearance);
   EXPECT_TRUE(world->notes.empty());
 }
 

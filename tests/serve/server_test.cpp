@@ -13,7 +13,7 @@
 #include <boost/asio/ssl.hpp>
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 #include "pcavr/serve/certificate.hpp"
 
 #include "serve/a_world.hpp"
@@ -212,7 +212,7 @@ TEST_F(ServerTest, MalformedHttpGetsAnErrorResponse) {
 TEST_F(ServerTest, AHundredPagesAtOnceAreServedOrRejectedWithANotice) {
   open();
   std::vector<std::unique_ptr<PageClient>> pages;
-  // From eight addresses: one alone gets a quarter of the places.
+  // The pages come from eight addresses: one alone gets a quarter of the places.
   for (int i = 0; i < 100; ++i) {
     pages.push_back(
         std::make_unique<PageClient>(port(), "", "127.0.0." + std::to_string(1 + i % 8)));

@@ -3,14 +3,18 @@
 #include "pcavr/serve/session_recorder.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
-#include "pcavr/core/input_file.hpp"
-#include "pcavr/core/output.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/base/core/input_file.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "serve/live_cycle_fixture.hpp"
 #include "support/temporary_folder.hpp"
@@ -34,10 +38,12 @@ class SessionRecorderTest : public LiveCycleTest {
       object.mass = 1.5;
     }
     recorder_.emplace(manifest, cycle_.names(), 0.01);
+    EXPECT_TRUE(recorder_->prepare(folder_.path()));
+    recorder_->start(folder_.path());
     cycle_.record(*recorder_);
   }
   [[nodiscard]] Recording finished() {
-    const auto summary = recorder_->finish(folder_.path());
+    const auto summary = recorder_->finish();
     EXPECT_TRUE(summary.has_value());
     EXPECT_EQ(summary->dropped, 0U);
     const auto recording = read_recording(folder_.path());
@@ -70,6 +76,35 @@ TEST_F(SessionRecorderTest, APushIsARecordingOfToolForceAndBody) {
       read_file(folder_.path() / "tracked/objects" / cycle_.names()[0] / "tracked.txt");
   ASSERT_TRUE(tracked.has_value());
   EXPECT_NEAR(static_cast<double>(std::count(tracked->begin(), tracked->end(), '\n')), 47.0, 2.0);
+}
+
+TEST_F(SessionRecorderTest, ASessionWithoutAnEndIsARecordingOfWhatWasDone) {
+  move(kInTheBox, 400);
+  const auto rows = [this] {
+    const std::string text = read_file(folder_.path() / "tool.csv").value();
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  for (int i = 0; i < 100 && rows() < 190; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  const auto recording = read_recording(folder_.path());  // as after the process was killed
+  ASSERT_TRUE(recording.has_value()) << recording.error().to_string();
+  EXPECT_NEAR(static_cast<double>(recording->tool.size()), 200.0, 10.0);
+}
+
+TEST_F(SessionRecorderTest, AFullDiskLosesNothingThatIsWritten) {
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const auto ignored = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit full{8192, before.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &full);
+  move(kInTheBox, 1000);
+  const auto summary = recorder_->finish();
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, ignored);
+  ASSERT_FALSE(summary.has_value());
+  EXPECT_NE(summary.error().message.find("not complete"), std::string::npos);
+  EXPECT_EQ(read_file(folder_.path() / "tool.csv")->size(), 8192U);
 }
 
 TEST_F(SessionRecorderTest, SlowedTimeIsRecordedAsSimulated) {

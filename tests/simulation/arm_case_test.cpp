@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/robot/robot_dynamics.hpp"
-#include "pcavr/robot/urdf.hpp"
+#include "pcavr/robots/robot/robot_dynamics.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 #include "pcavr/simulation/sensors.hpp"
 
@@ -56,7 +56,7 @@ TEST(ArmPlant, PressesByItsOwnDynamics) {
   EXPECT_LT(max_force(run), 100.0);
 }
 
-// At rest with the tip pressing, the motors carry gravity and the contact, up to static friction.
+// The motors carry gravity and the contact, up to static friction, at rest with the tip pressing.
 TEST(ArmPlant, MotorsCarryGravityAndTheContact) {
   const auto& [plant, run] = arm_press();
   const PlantArm& arm = *plant.tool.arm;

@@ -32,7 +32,7 @@ IdealFrame frame_of_plane(const Eigen::Vector3d& normal, double offset) {
 
 IdealFrame wall_at(double z) { return frame_of_plane(-Eigen::Vector3d::UnitZ(), -z); }
 
-/// Without dropouts and outliers.
+/// A sensor without dropouts and outliers.
 DepthSensor noise_only() {
   DepthSensor sensor;
   sensor.loss_probability = 0.0;
@@ -73,7 +73,7 @@ TEST(DepthSensor, AxialNoiseHasTheModelsStdAtEveryRange) {
   for (const double z : {0.6, 1.0, 2.0, 3.5}) {
     const IdealFrame frame = wall_at(z);
     const Moments error = moments(measure_depth(sensor, kCamera, frame, 7), frame.depth);
-    // Over the image the incidence grows to 37 degrees, which adds up to 0.1 mm; 76800 pixels with
+    // The incidence grows to 37 degrees over the image, which adds up to 0.1 mm; 76800 pixels with
     // correlated noise estimate the std to 2 %.
     EXPECT_NEAR(error.std, sensor.noise.depth_std(z), 0.02 * sensor.noise.depth_std(z) + 1e-4) << z;
     EXPECT_NEAR(error.mean, 0.0, 0.03 * sensor.noise.depth_std(z)) << z;

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/base/core/random.hpp"
 #include "pcavr/simulation/sensors.hpp"
 
 namespace pcavr {
@@ -91,6 +92,34 @@ TEST(LivePlant, IsDeterministicAndIgnoresACommandThatIsNotFinite) {
 }
 
 // The truth is in the scene's time: the plant's, and what it was skipped.
+/// A tool that leaves a push in any direction, as after an interruption, also up along the face,
+/// where its friction carries the box.
+TEST(LivePlant, StaysFiniteHoweverTheToolLeavesAPush) {
+  Random random(9);
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    PlantCase plant = make_plant_case(ToolTask::push, seed);
+    plant.tool.p_base_start = push_at(plant, 0.0);
+    LivePlant live(plant, seed);
+    LivePlantSamples samples;
+    Eigen::Vector3d p_base = push_at(plant, 0.0);
+    for (int leg = 0; leg < 12; ++leg) {
+      const Eigen::Vector3d direction =
+          leg % 3 == 0 ? push_at(plant, 1.2) - push_at(plant, 0.2)
+                       : Eigen::Vector3d(random.normal(), random.normal(), 2.0 * random.normal());
+      const double speed = leg % 3 == 0 ? 0.1 : 0.5 * random.uniform();  // [m/s]
+      for (int i = 0; i < 120; ++i) {
+        p_base += speed * LivePlant::kStep * direction.normalized();
+        live.step(p_base, samples);
+      }
+      ASSERT_TRUE(live.p_base_tip().allFinite()) << seed << ' ' << leg;
+      for (std::size_t i = 0; i < live.size(); ++i) {
+        ASSERT_TRUE(live.body(i).p_base.allFinite() && live.body(i).twist.allFinite())
+            << seed << ' ' << leg;
+      }
+    }
+  }
+}
+
 TEST(LivePlant, KeepsWhatTrulyHappenedFromTheStartOnAndThroughASkip) {
   const PlantCase plant = case_with_tool_at_box();
   LivePlant live(plant, 3);

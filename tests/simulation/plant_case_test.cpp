@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/gravity.hpp"
+#include "pcavr/base/core/gravity.hpp"
 
 #include "simulation/plant_bodies.hpp"
 
@@ -20,7 +20,7 @@ PlantRun run_of(const PlantCase& plant) { return run_plant(plant.bodies, plant.t
 
 std::size_t step_of(double t) { return static_cast<std::size_t>(std::lround(t / PlantRun::kStep)); }
 
-/// How often a body began to slide after it was free.
+/// Number of times that a body began to slide after it was free.
 int slides(const PlantRun& run, std::size_t body) {
   int count = 0;
   bool was_free = false;
@@ -192,6 +192,27 @@ TEST(PlantCase, SoftBoxesAreDeformedByMoreThanTheTipsRadius) {
   }
 }
 
+TEST(PlantCase, ASoftBoxIsPressedThroughTheFaceThatTheTipEnteredAlsoBesideACorner) {
+  const PlantCase plant = make_plant_case(ToolTask::corner, 1);
+  const PlantRun run = run_of(plant);
+  for (std::size_t i = 0; i < plant.bodies.size(); ++i) {
+    const Eigen::Vector3d half = plant.bodies[i].parts.front().half_extents;
+    int deep = 0;
+    for (std::size_t step = 0; step < run.p_base_tip.size(); ++step) {
+      const double t = PlantRun::kStep * static_cast<double>(step);
+      const Pose T_object_base = T_base_object_at(run, plant.bodies[i], i, t).inverse();
+      const Eigen::Vector3d tip = T_object_base * run.p_base_tip[step];
+      const Eigen::Vector3d clearance = tip.cwiseAbs() - half;
+      const bool is_deep = clearance.maxCoeff() < 0.0 && clearance.y() < clearance.x();
+      if (!is_deep) continue;
+      ++deep;
+      const Eigen::Vector3d force = T_object_base.rotation() * run.force_base[step];
+      ASSERT_GT(force.y(), 2.0 * std::abs(force.x())) << t;  // friction at most
+    }
+    EXPECT_GT(deep, 200) << plant.bodies[i].name;
+  }
+}
+
 TEST(PlantCase, ImpactsLast2To80MillisecondsAndBounce) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const PlantCase plant = make_plant_case(ToolTask::impact, seed);
@@ -207,7 +228,7 @@ TEST(PlantCase, ImpactsLast2To80MillisecondsAndBounce) {
       EXPECT_LT(impact.restitution, 1.0) << seed;
     }
     EXPECT_EQ(count, 10) << seed;
-    // In half the step the same, to a thousandth of the restitution.
+    // Half the step gives the same, to a thousandth of the restitution.
     const PlantRun finer =
         run_plant(plant.bodies, plant.tool, plant.moves, {.substeps = 2 * plant.substeps});
     ASSERT_EQ(finer.impacts.size(), run.impacts.size()) << seed;

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/friction/limit_surface.hpp"
-#include "pcavr/friction/point_push.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/physics/friction/limit_surface.hpp"
+#include "pcavr/physics/friction/point_push.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 
 namespace pcavr {
@@ -35,7 +35,7 @@ PlantBody a_box() {
   return body;
 }
 
-/// In front of the box's face towards -y, `offset` along x, just above the table.
+/// A tool in front of the box's face towards -y, `offset` along x, just above the table.
 PlantTool a_tool_at_minus_y(double offset = 0.0) {
   PlantTool tool;
   tool.p_base_start = {offset, -0.06 - tool.radius - 0.0005, 0.015};
@@ -121,8 +121,8 @@ TEST(Plant, APressOnTheTopRaisesTheLimit) {
   body.parameters.tool_friction_coefficient = 1.0;
   PlantTool tool;
   tool.p_base_start = {0.0, 0.0, 0.1 + tool.radius + 0.001};
-  // Down until the force is about 30 N, then sideways: the tip can carry 30 N, the support
-  // 0.41 (19.6 + 30).
+  // The tool moves down until the force is about 30 N, then sideways: the tip can carry 30 N, the
+  // support 0.41 (19.6 + 30).
   const ToolMove down{
       .target = {0.0, 0.0, -0.005}, .is_offset = true, .speed = 0.01, .until_force = 30.0};
   const PlantRun run = run_plant({body}, tool, {down, along_y(0.002, 0.001)});
@@ -155,11 +155,11 @@ TEST(Plant, FrictionThatDependsOnTheLoadGrowsLessThanIt) {
   }
   const double weight = body.parameters.mass * kStandardGravity;
   const double load = 1.0 + normal / weight;
-  // At most that of an even pressure: the push at the top makes it uneven, and friction grows less
-  // where there is more. Coulomb friction would be a quarter more.
+  // The limit is at most that of an even pressure: the push at the top makes it uneven, and
+  // friction grows less where there is more. Coulomb friction would be a quarter more.
   EXPECT_LT(maximum, 8.0 * std::pow(load, 0.8));
   EXPECT_GT(maximum, 0.85 * 8.0 * std::pow(load, 0.8));
-  // Under its weight alone the limit is that of the parameters.
+  // The limit under the body's weight alone is that of the parameters.
   const PlantRun alone = run_plant({body}, a_tool_at_minus_y(), {along_y(0.004, 0.001)});
   EXPECT_NEAR(max_force(alone), 8.0, 0.03 * 8.0);
 }
@@ -215,7 +215,7 @@ TEST(Plant, StatesTheFrictionThatItsSlidesMet) {
     }
     EXPECT_NEAR(parameters_met(slow, body, 0).limiting_static_friction, limit, 0.015 * limit);
   }
-  // By the weight alone it is another, so that the comparison above can fail.
+  // The coefficient by the weight alone is another, so that the comparison above can fail.
   const PlantRun run = run_plant({worn}, a_tool_at_minus_y(), {along_y(0.05, 0.05)});
   EXPECT_LT(parameters_met(run, worn, 0).sliding_friction_coefficient,
             0.98 * worn.parameters.sliding_friction_coefficient);
@@ -233,8 +233,8 @@ PlantBody a_dry_box() {
   return body;
 }
 
-/// How a dry box moves while the tip goes slowly along y, `offset` of the middle, at the height
-/// of the support, without tipping moment.
+/// Twist of a dry box while the tip goes slowly along y, `offset` from the middle, at the height of
+/// the support, without tipping moment.
 Eigen::Vector3d slow_twist(const PlantBody& body, double offset) {
   PlantTool tool = a_tool_at_minus_y(offset);
   tool.p_base_start.z() = 0.0;

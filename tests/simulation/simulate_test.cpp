@@ -10,13 +10,13 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/marker/body_pose.hpp"
-#include "pcavr/marker/tag_detector.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/object/parameters_file.hpp"
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/perception/marker/body_pose.hpp"
+#include "pcavr/perception/marker/tag_detector.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "support/temporary_folder.hpp"
 
@@ -357,7 +357,7 @@ TEST(Simulate, DepthImagesLieOnTheTrueSurfaces) {
     // of a normal's magnitude (0.67) by the cosine of the incidence.
     EXPECT_GT(errors[errors.size() / 2], 0.3);
     EXPECT_LT(errors[errors.size() / 2], 0.7);
-    // Beyond 5 sigma: only outliers and shifted edges.
+    // Only outliers and shifted edges are beyond 5 sigma.
     EXPECT_LT(errors[errors.size() * 99 / 100], 5.0);
   }
 }
@@ -405,8 +405,8 @@ TEST(Simulate, DetectedTagsMatchTheProjectedTruth) {
     const TemporaryFolder folder;
     const std::vector<double> errors = corner_errors(simulated(simulation, 1, folder.path()));
     ASSERT_GE(errors.size(), 12U) << name;
-    // With noise and JPEG the corner error is about 0.03 px. With a regular 4x4 grid of sub-samples
-    // (edges to 1/8 px) it would be 0.09 px for the push's upright tags.
+    // The corner error with noise and JPEG is about 0.03 px. A regular 4x4 grid of sub-samples
+    // (edges to 1/8 px) would make it 0.09 px for the push's upright tags.
     EXPECT_LT(errors[errors.size() / 2], 0.06) << name;
   }
 }

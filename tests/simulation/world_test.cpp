@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "simulation/clutter.hpp"
 #include "simulation/layout.hpp"
@@ -24,7 +24,7 @@ Surface revolved(const std::vector<Eigen::Vector2d>& profile) {
   return surface;
 }
 
-/// In a closed surface each edge is traversed once in each direction.
+/// Whether a surface is closed: each edge is traversed once in each direction.
 bool is_closed(const TriangleMesh& mesh) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> forth;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> back;
@@ -68,7 +68,7 @@ TEST(Shapes, AreClosedAndHaveTheVolumeOfTheirFormula) {
                        .floor = -0.02},
                       0);
   EXPECT_TRUE(is_closed(holed.mesh));
-  // By Cavalieri's principle the hole has the volume of an upright one.
+  // The hole has the volume of an upright one by Cavalieri's principle.
   EXPECT_NEAR(signed_volume(holed.mesh), 0.16 * 0.18 * 0.08 - 0.024 * 0.022 * 0.06, 1e-7);
 }
 

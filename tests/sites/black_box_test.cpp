@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/sites/black_box.hpp"
+#include "pcavr/teleoperation/sites/black_box.hpp"
 
 #include <algorithm>
 #include <array>
@@ -23,12 +23,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/core/record_queue.hpp"
-#include "pcavr/rosbag/bag_reader.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/core/record_queue.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
 
-#include "sites/site_log.hpp"
 #include "support/temporary_folder.hpp"
+#include "teleoperation/sites/site_log.hpp"
 
 namespace pcavr {
 namespace {
@@ -78,7 +78,7 @@ TEST(RecordQueue, DropsAndCountsWhatDoesNotFit) {
   EXPECT_EQ(record, body);
 }
 
-/// What a bag contains, by topic.
+/// Content of a bag, by topic.
 struct BagContent {
   std::vector<BagTopic> topics;
   std::map<std::string, std::vector<std::vector<std::uint8_t>>> payloads;
@@ -194,6 +194,16 @@ TEST(BlackBox, WritesWhatASiteDoesWithTypesThatOtherToolsKnow) {
   EXPECT_EQ(bag.json("/link", 0)["round_trip"], 0.4);
 }
 
+TEST(BlackBox, ObjectsHaveTopicsAndFramesOfTheirOwn) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(topic_parts_of({"box 1", "lid"}), (Names{"box_1", "lid"}));
+  EXPECT_EQ(topic_parts_of({"a b", "a_b", "a-b"}), (Names{"a_b_2", "a_b", "a_b_3"}));
+  EXPECT_EQ(topic_parts_of({"a_b", "a-b", "a b"}), (Names{"a_b", "a_b_3", "a_b_2"}));
+  EXPECT_EQ(topic_parts_of({"a b", "a_b", "a_b_2"}), (Names{"a_b_3", "a_b", "a_b_2"}));
+  // Frames: those of the predictions, and the tool's.
+  EXPECT_EQ(topic_parts_of({"a", "a predicted", "tool"}), (Names{"a", "a_predicted_2", "tool_2"}));
+}
+
 TEST(BlackBox, StatesWhatItHadToDrop) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "log.mcap";
@@ -221,8 +231,7 @@ double realtime() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// A site that logs at 1 kHz until it is killed.
-/// Of a process that logs, in memory that outlives it.
+/// A site that logs at 1 kHz until it is killed. This is its progress, in memory that outlives it.
 struct LoggingProcess {
   std::atomic<double> logged = 0.0;         ///< [s] when it logged last
   std::atomic<std::uint32_t> messages = 0;  ///< one a millisecond at most

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "pcavr/sites/link_sites.hpp"
-#include "pcavr/sites/site_clock.hpp"
+#include "pcavr/teleoperation/sites/link_sites.hpp"
+#include "pcavr/teleoperation/sites/site_clock.hpp"
 
 namespace pcavr {
 namespace {
@@ -123,7 +123,8 @@ TEST(LinkDelays, EachStageAgreesWithAnOutsideClockWithinAMillisecond) {
     of_sent.push_back(distance_to_nearest(person.sent, stamps.sent));
     of_applied.push_back(distance_to_nearest(robot.applied, stamps.applied));
     of_sensed.push_back(distance_to_nearest(robot.sensed, stamps.sensed));
-    // From the device's own stamp to the arrival, by the outside clock, against the stages.
+    // The time from the device's own stamp to the arrival, by the outside clock, is compared with
+    // the stages.
     const double stages = (stamps.received - stamps.sent) + (stamps.applied - stamps.received) +
                           (stamps.sensed - stamps.applied) + (stamps.sent_back - stamps.sensed) +
                           (stamps.received_back - stamps.sent_back);

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/link/link_message.hpp"
-#include "pcavr/sites/black_box.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
+#include "pcavr/teleoperation/sites/black_box.hpp"
 
-#include "sites/site_log.hpp"
 #include "support/temporary_folder.hpp"
+#include "teleoperation/sites/site_log.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kFirstForce = 30.0;    // [N] at 1 s
 
 double force_at(double t) { return kFirstForce - kFallingRate * (t - 1.0); }
 
-/// For the time `t`, at `now` [s].
+/// Logs a command for the time `t`, at `now` [s].
 void log_command(double now, double t, SiteLog& log) {
   LinkCommand command{.t = t};
   command.predictions.resize(1);

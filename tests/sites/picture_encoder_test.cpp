@@ -1,16 +1,17 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sites/picture_encoder.hpp"
+#include "teleoperation/sites/picture_encoder.hpp"
 
 #include <chrono>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 #include <thread>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/recording/image_codec.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
 
 namespace pcavr {
 namespace {
@@ -75,6 +76,7 @@ class Camera final : public PictureSource {
  public:
   [[nodiscard]] Expected<std::optional<CameraPicture>> newest(double t) override {
     if (t == 3.0) return Error{.message = "the lens fell off"};
+    if (t == 3.5) throw std::runtime_error("the driver failed");
     if (last_ == t) return std::optional<CameraPicture>();
     last_ = t;
     return std::optional(CameraPicture{t, ColorImage(64, 48)});
@@ -107,6 +109,10 @@ TEST(PictureEncoder, GivesWhatWasAskedForOnceAndSaysWhatFailed) {
   const auto fault = wait_for([&] { return encoder.take_fault(); });
   ASSERT_TRUE(fault);
   EXPECT_NE(fault->find("lens"), std::string::npos);
+  encoder.request(3.5, 10'000);
+  const auto thrown = wait_for([&] { return encoder.take_fault(); });
+  ASSERT_TRUE(thrown);
+  EXPECT_NE(thrown->find("the driver failed"), std::string::npos);
   encoder.request(4.0, 10'000);
   EXPECT_TRUE(wait_for([&] { return encoder.take(); }));
 }

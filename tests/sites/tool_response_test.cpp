@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sites/tool_response.hpp"
+#include "teleoperation/sites/tool_response.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {
@@ -55,7 +55,7 @@ TEST(ToolResponse, IsFoundFromAFewPushes) {
   EXPECT_NEAR(found.value()->compliance, 2e-5, 1e-6);
 }
 
-// As of a site that did not run for seconds.
+// The gap is that of a site that did not run for seconds.
 TEST(ToolResponse, GoesOnAfterAGap) {
   ToolResponse found;
   push({}, 1, found);
@@ -80,7 +80,7 @@ TEST(ToolResponse, IsNotThatOfNoArm) {
   EXPECT_FALSE(found.value());
 }
 
-// Of the sensor: a force without a shortfall.
+// Spikes of the sensor are forces without a shortfall.
 TEST(ToolResponse, IsNotTakenForStifferByAForcesSpikes) {
   ToolResponse found;
   push({.force = 10.0, .spike = 35.0}, 4, found);

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "sites/soak/soak_checker.hpp"
 #include "support/heap_watermark.hpp"

@@ -12,13 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/link/site_transport.hpp"
+#include "pcavr/teleoperation/link/site_transport.hpp"
 
-#include "sites/site_steps.hpp"
+#include "teleoperation/sites/site_steps.hpp"
 
 namespace pcavr {
 
-/// What one site has sent and the other has not received yet. The delay is the operator's site's.
+/// Messages that one site has sent and the other has not received yet. The delay is the operator's
+/// site's.
 struct Wire {
   std::deque<std::vector<std::uint8_t>> to_robot;
   std::deque<std::vector<std::uint8_t>> to_operator;
@@ -55,7 +56,7 @@ class WireServer final : public RobotTransport {
 
 class WireClient final : public OperatorTransport {
  public:
-  /// At its end the site waits for what is under way: virtual time goes on.
+  /// The site waits for what is under way at its end: virtual time goes on.
   WireClient(Wire& wire, double& t) : wire_(wire), t_(t) {}
   void wait(double timeout) override { t_ += timeout; }
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> receive() override {

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/pipeline/plant_robot.hpp"
-#include "pcavr/sites/link_sites.hpp"
+#include "pcavr/teleoperation/sites/link_sites.hpp"
 
 #include "teleop/plant_input.hpp"
 #include "teleop/retraction_message.hpp"

@@ -9,7 +9,7 @@
 
 #include <sys/wait.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "support/temporary_folder.hpp"
 

@@ -50,7 +50,7 @@ class ForkedProcess {
     return status;
   }
 
-  /// In the child.
+  /// The next two are for the child.
   static void report_ready() { ::close(ready_end()); }
   [[noreturn]] static void wait_for_end() {
     while (true) ::pause();

@@ -7,8 +7,8 @@
 #include <functional>
 #include <numbers>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/mesh.hpp"
 
 namespace pcavr::test {
 

@@ -6,7 +6,7 @@
 
 #include <octomap/OcTree.h>
 
-#include "pcavr/scene/occupancy_map.hpp"
+#include "pcavr/perception/scene/occupancy_map.hpp"
 
 namespace pcavr {
 

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/options.hpp"
 
 namespace pcavr::test {
 
-/// Of a new object, every field has its documented default, which lies inside its range; and each
-/// row sets the field that it gets.
+/// Expects every field of a new object to have its documented default, which lies inside its range,
+/// and each row to set the field that it gets.
 template <typename Options>
 void expect_documented_defaults() {
   Options options;

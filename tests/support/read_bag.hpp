@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/rosbag/bag_reader.hpp"
+#include "pcavr/recordings/rosbag/bag_reader.hpp"
 
 namespace pcavr::test {
 

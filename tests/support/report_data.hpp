@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "pcavr/core/output.hpp"
-#include "pcavr/report/report_page.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/report/report_page.hpp"
 
 /// The JSON text that a report's page shows: inside the page, or alone where the page was not
 /// built.

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/stamp.hpp"
+#include "pcavr/base/core/stamp.hpp"
 
 /// The bytes of a ROS 1 bag, made record by record.
 class Ros1BagText {

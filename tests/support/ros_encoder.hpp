@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "pcavr/core/stamp.hpp"
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/core/stamp.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 
 /// Serialises ROS messages field by field: as ROS 1 does, or as CDR in either byte order.
 class RosEncoder {
@@ -65,14 +65,17 @@ class RosEncoder {
     header(stamp, frame).number(height).number(width).text(encoding).number(std::uint8_t{0});
     return number(static_cast<std::uint32_t>(pixels.size() / height)).byte_sequence(pixels);
   }
-  /// Without distortion.
+  /// Binning in x and y; region of interest: x, y, height, width.
+  using SensorRegion = std::array<std::uint32_t, 6>;
+  /// Encodes a camera info without distortion.
   RosEncoder& camera_info(pcavr::Stamp stamp, std::string_view frame, std::uint32_t width,
-                          std::uint32_t height, double f, double cx, double cy) {
+                          std::uint32_t height, double f, double cx, double cy,
+                          const SensorRegion& region = {}) {
     header(stamp, frame).number(height).number(width).text("plumb_bob").doubles({0, 0, 0, 0, 0});
     for (const double k : {f, 0.0, cx, 0.0, f, cy, 0.0, 0.0, 1.0}) number(k);
     for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) number(r);
     for (const double p : {f, 0.0, cx, 0.0, 0.0, f, cy, 0.0, 0.0, 0.0, 1.0, 0.0}) number(p);
-    for (int i = 0; i < 6; ++i) number(std::uint32_t{0});  // binning and region
+    for (const std::uint32_t value : region) number(value);
     return number(std::uint8_t{0});
   }
   RosEncoder& transform(pcavr::Stamp stamp, std::string_view parent, std::string_view child,

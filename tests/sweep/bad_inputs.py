@@ -5,9 +5,10 @@
 
     tests/sweep/bad_inputs.py --pcavr build/dev/apps/pcavr/pcavr --seed 1 --count 300
 
-A trial fails where the command crashes, runs for over 20 s, reports an internal error, prints its
-error in other than one line, changes an input, leaves a partial output, or succeeds without a
-warning on data that contradict each other by a factor of 1.5 or more. The same seed and count give
+A trial fails where the command crashes, computes for over 20 s, takes over 6 GB, reports an internal
+error, prints its error in other than one line or with control characters, writes a number that is
+not finite, changes an input, leaves a partial output, or succeeds without a warning on data that
+contradict each other by a factor of 1.5 or more. The same seed and count give
 the same trials; `--only 17` runs the 17th alone and keeps its files. Needs only python3.
 """
 import argparse
@@ -21,6 +22,8 @@ import sys
 import tempfile
 
 import faults
+import hostile
+import sources
 import trial
 
 FRAMES = 8  # of the recording with images: enough to track, quick to build
@@ -58,14 +61,29 @@ def make_sound_inputs(pcavr, folder):
     shutil.rmtree(folder / "parameters.report", ignore_errors=True)
     run(pcavr, "replay", sound.push, "--scene", sound.push_scene, "--tracked",
         sound.push / "tracked", "--parameters", sound.parameters, "-o", sound.run)
+    sound.bag, sound.arm, sound.arm_report = (folder / name for name in ("bag", "arm", "arm-report"))
+    sources.write_bag(sound.bag)
+    sound.arm.mkdir()
+    (sound.arm / "arm.urdf").write_text(sources.arm_urdf())
+    (sound.arm / "joints.csv").write_text(sources.arm_log(random.Random(13)))
+    run(pcavr, "identify", "robot", sound.arm / "joints.csv", "--robot", sound.arm / "arm.urdf",
+        "-o", sound.arm_report)
+    run(pcavr, "import", sound.bag, "-o", folder / "imported", "--tool-topic", "/tip",
+        "--wrench-topic", "/ft")
     return sound
+
+
+def draw(rng, sound, work):
+    kinds = faults.FAULTS | hostile.HOSTILE
+    name = rng.choices(list(kinds), [weight for weight, _ in kinds.values()])[0]
+    return name, kinds[name][1](rng, sound, work)
 
 
 def run_one(pcavr, sound, work, seed, number, keep):
     rng = random.Random(f"{seed}/{number}")
     private = work / str(number)
     private.mkdir()
-    kind, bad_trial = faults.draw(rng, sound, private)
+    kind, bad_trial = draw(rng, sound, private)
     outcome = trial.run_trial(pcavr, bad_trial)
     if not keep and not outcome.faults:
         shutil.rmtree(private, ignore_errors=True)

@@ -430,7 +430,7 @@ def contradiction(rng, sound, work):
                  output, is_contradiction=True)
 
 
-# name: (weight, function); the weights sum to 1.
+# name: (weight, function)
 FAULTS = {
     "manifest value": (0.16, recording_fault(corrupt_manifest_value, "manifest")),
     "table cell": (0.14, recording_fault(corrupt_table_cell, "table")),
@@ -447,9 +447,3 @@ FAULTS = {
     "ended early": (0.02, ended_early),
     "contradiction": (0.05, contradiction),
 }
-
-
-def draw(rng, sound, work):
-    names = list(FAULTS)
-    name = rng.choices(names, [FAULTS[n][0] for n in names])[0]
-    return name, FAULTS[name][1](rng, sound, pathlib.Path(work))

@@ -4,12 +4,18 @@
 import dataclasses
 import json
 import pathlib
+import re
 import signal
 import subprocess
 import time
 
-TIMEOUT = 20.0  # s; no rejection takes longer
+MAX_COMPUTING = 20  # s of one processor; no rejection takes longer
+TIMEOUT = 300.0  # s, for what waits for ever: computing is bounded above, also beside six other programs
 MAX_ERROR_LENGTH = 1500  # characters of an error line, with file names
+MAX_MEMORY = 6_000_000  # KiB of addresses, of which a sound run of these inputs takes a third
+CONTROLS = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+NOT_FINITE = re.compile(r"(?<![A-Za-z_])[-+.]?(nan|inf|infinity)(?![A-Za-z_])", re.IGNORECASE)
+RESULTS = (".csv", ".json", ".txt", ".yaml")
 
 
 @dataclasses.dataclass
@@ -51,7 +57,7 @@ def state_of(path):
 def run_shell(pcavr, trial):
     """Exit code, standard output, standard error and seconds; exit code None after a timeout."""
     quoted = " ".join("'" + str(arg).replace("'", "'\\''") + "'" for arg in trial.args)
-    line = f"{trial.prefix} exec '{pcavr}' {quoted}"
+    line = f"ulimit -v {MAX_MEMORY} -t {MAX_COMPUTING}; {trial.prefix} exec '{pcavr}' {quoted}"
     start = time.monotonic()
     process = subprocess.Popen(["bash", "-c", line], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                stdin=subprocess.DEVNULL)
@@ -76,7 +82,11 @@ def faults_of_output(trial, exit_code, out, err):
     faults = []
     if "internal error" in err or "please report" in err:
         faults.append("internal error")
-    errors = [line for line in err.splitlines() if line.startswith("pcavr: ")]
+    if "out of memory" in err and "ulimit" not in trial.prefix:
+        faults.append("took more than its memory")
+    errors = [line for line in err.split("\n") if line.startswith("pcavr: ")]
+    if CONTROLS.search("\n".join(errors)):
+        faults.append("printed a control character")
     if exit_code == 1 and "inspect" not in trial.args:
         if len(errors) != 1:
             faults.append(f"{len(errors)} error lines")
@@ -95,6 +105,19 @@ def faults_of_output(trial, exit_code, out, err):
     if trial.must_fail and exit_code == 0:
         faults.append("success where the command must fail")
     return faults
+
+
+def number_faults(output):
+    """Of a result with a number that is not finite."""
+    if output is None or not output.exists():
+        return []
+    files = [output] if output.is_file() else sorted(output.rglob("*"))
+    for path in files:
+        if path.suffix in RESULTS and path.is_file():
+            found = NOT_FINITE.search(path.read_text(errors="replace"))
+            if found:
+                return [f"wrote '{found.group()}' to {path.relative_to(output.parent)}"]
+    return []
 
 
 def faults_of_files(trial, existed, before, exit_code):
@@ -128,6 +151,8 @@ def run_trial(pcavr, trial):
         faults = [f"ended by signal {-exit_code}" if exit_code < 0 else f"exit code {exit_code}"]
     else:
         faults = faults_of_output(trial, exit_code, out, err)
+        if exit_code == 0:
+            faults += number_faults(trial.output)
     faults += faults_of_files(trial, existed, before, exit_code)
     last = [line for line in err.splitlines() if line.strip()]
     return Outcome(trial, faults, seconds, exit_code, last[-1] if last else "")

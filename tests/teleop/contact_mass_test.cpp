@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/identification/contact_fit.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/identification/contact_fit.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 #include "teleop/plant_input.hpp"
 
@@ -133,7 +133,7 @@ TEST(ContactMass, IsRenderedWithin2PercentOfTheForceAt10Hertz) {
   const Errors with = rendered_errors(true);
   EXPECT_LT(with.amplitude, 0.02);
   EXPECT_LT(std::abs(with.mean), 0.02);
-  // Without the mass, the force is a third too large: it decreases where the tip is deepest.
+  // The force is a third too large without the mass: it decreases where the tip is deepest.
   EXPECT_GT(rendered_errors(false).amplitude, 0.2);
 }
 

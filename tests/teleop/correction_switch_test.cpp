@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/correction_switch.hpp"
+#include "teleoperation/teleop/correction_switch.hpp"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "teleop/message.hpp"
-#include "teleop/sent_parameters.hpp"
+#include "teleoperation/teleop/message.hpp"
+#include "teleoperation/teleop/sent_parameters.hpp"
 
 namespace pcavr {
 namespace {
@@ -169,7 +169,7 @@ TEST(CorrectionSwitch, ForgetsTheEffectWhenTheSlideEnds) {
   EXPECT_FALSE(correction_switch.had_no_effect(CorrectionCase::both_sliding));
 }
 
-/// What a correction of case 1.3 contains after both groups of parameters have changed, where the
+/// Content of a correction of case 1.3 after both groups of parameters have changed, where the
 /// operator's force is off by the given share.
 std::string content_while_sliding(double force_gap, bool parameters_by_force) {
   ParameterDifference changed;

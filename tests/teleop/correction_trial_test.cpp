@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/correction_trial.hpp"
+#include "teleoperation/teleop/correction_trial.hpp"
 
 #include <cmath>
 #include <future>
@@ -10,10 +10,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/physics/prediction/body_physics.hpp"
 
-#include "teleop/pending_trial.hpp"
 #include "teleop/plant_input.hpp"
+#include "teleoperation/teleop/pending_trial.hpp"
 
 namespace pcavr {
 namespace {
@@ -154,11 +154,11 @@ TEST(PendingTrial, RejectsOnAThreadOrNotFromAFixedTimeOn) {
       correction.pose = PlanarPose{};
       correction.twist = Eigen::Vector3d::Zero();
       correction.parameters.mass = ParameterValue{1.0};
-      PendingTrial pending(policy, 2.0, trial, std::move(correction), proposal);
+      PendingTrial pending({policy}, 2.0, trial, std::move(correction), proposal);
       EXPECT_FALSE(pending.is_due(2.004));
       EXPECT_FALSE(pending.would_wait(2.004));
       EXPECT_TRUE(pending.is_due(2.0051));
-      const CorrectionMessage left = pending.take();
+      const CorrectionMessage left = pending.take().value();
       EXPECT_EQ(left.pose.has_value(), !is_worse);
       EXPECT_EQ(left.twist.has_value(), !is_worse);
       EXPECT_EQ(left.parameters.mass.has_value(), !is_worse);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/input_watch.hpp"
+#include "teleoperation/teleop/input_watch.hpp"
 
 #include <future>
 #include <vector>
@@ -16,10 +16,10 @@ namespace {
 class WatchedPush {
  public:
   explicit WatchedPush(std::launch background)
-      : watch(made_.input.objects, made_.input.tool_radius, {}, background) {}
+      : watch(made_.input.objects, made_.input.tool_radius, {}, Background{background}) {}
 
   /// All samples from where it was up to `t` [s].
-  void pass_on(double t) {
+  void notify_change(double t) {
     const TeleopInput& input = made_.input;
     for (; tool_ < input.t_tool.size() && input.t_tool[tool_] <= t; ++tool_) {
       watch.add_tool(input.t_tool[tool_], input.p_base_tip[tool_], std::nullopt);
@@ -42,7 +42,7 @@ class InputWatchInTheBackground : public testing::TestWithParam<std::launch> {};
 
 TEST_P(InputWatchInTheBackground, AppliesWhatItFoundAtAFixedTimeOfTheData) {
   WatchedPush push(GetParam());
-  push.pass_on(push.end());
+  push.notify_change(push.end());
   const double begin = push.end();
   EXPECT_FALSE(push.watch.examine(begin, true));
   EXPECT_FALSE(push.watch.examine(begin + 0.9 * InputWatch::kExaminationTime, true));
@@ -53,11 +53,12 @@ TEST_P(InputWatchInTheBackground, AppliesWhatItFoundAtAFixedTimeOfTheData) {
 
 TEST_P(InputWatchInTheBackground, KeepsTheSamplesThatComeMeanwhile) {
   WatchedPush push(GetParam()), unexamined(std::launch::deferred);
-  push.pass_on(0.5 * push.end());
+  push.notify_change(0.5 * push.end());
   static_cast<void>(push.watch.examine(0.5 * push.end(), true));
-  push.pass_on(push.end());
-  unexamined.pass_on(push.end());
-  const InputFindings found = push.watch.findings(), all = unexamined.watch.findings();
+  push.notify_change(push.end());
+  unexamined.notify_change(push.end());
+  const InputFindings found = push.watch.findings().value(),
+                      all = unexamined.watch.findings().value();
   ASSERT_TRUE(found.fault && all.fault);
   EXPECT_EQ(found.fault->error.to_string(), all.fault->error.to_string());
   EXPECT_EQ(found.tool_to_force.offset, all.tool_to_force.offset);

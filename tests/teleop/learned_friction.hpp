@@ -4,16 +4,16 @@
 
 #include <optional>
 
-#include "teleop/object_learner.hpp"
+#include "teleoperation/teleop/online_identification.hpp"
 
 namespace pcavr {
 
 /// Learns from a contact as the robot's site does, which searches for its friction apart.
-inline void learn_with_friction(ObjectLearner& learner, const ContactRecord& record, double begin,
-                                const ObjectLearner::ContactFacts& facts) {
-  learner.learn(record, begin, facts);
-  if (const std::optional<FrictionSearch> search = learner.next_search())
-    learner.accept(search->run());
+inline void learn_with_friction(OnlineIdentification& knowledge, const ContactRecord& record,
+                                double begin, const OnlineIdentification::ContactFacts& facts) {
+  knowledge.learn(record, begin, facts);
+  if (const std::optional<FrictionSearch> search = knowledge.next_search())
+    knowledge.accept(search->run());
 }
 
 }  // namespace pcavr

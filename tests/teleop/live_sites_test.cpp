@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/teleop/live_sites.hpp"
+#include "pcavr/teleoperation/teleop/live_sites.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -12,10 +12,10 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
-#include "teleop/message.hpp"
 #include "teleop/plant_input.hpp"
+#include "teleoperation/teleop/message.hpp"
 
 namespace pcavr {
 namespace {
@@ -121,6 +121,19 @@ TEST(LiveSites, SendTheCorrectionsOfAReplayHoweverLateTheyRun) {
   expect_same(run_live(made.input, options, options.round_trip(), 60, 0.1), replayed.corrections);
 }
 
+TEST(LiveSites, ProcessAFewCyclesAtATimeWhereALoopMustGoOn) {
+  const PlantInput made = plant_input(3, false);
+  const TeleopOptions options;
+  auto robot = LiveRobotSite::create(made.input, options, 0.0).value();
+  robot.set_waiting(false);
+  const std::vector<LinkPrediction> predictions(made.input.objects.size());
+  for (int i = 1; i <= 900; ++i) robot.add_predictions(1e-3 * i, predictions);
+  static_cast<void>(robot.advance(0.9));
+  EXPECT_GT(robot.backlog(), 850U);
+  for (int i = 0; i < 900 && robot.backlog() > 0; ++i) static_cast<void>(robot.advance(0.9));
+  EXPECT_EQ(robot.backlog(), 0U);
+}
+
 TEST(LiveSites, SendTheSameCorrectionsIfTheyDoNotWaitForThreads) {
   const PlantInput made = plant_input(3, false);
   TeleopOptions options;
@@ -176,7 +189,7 @@ TEST(LiveSites, GiveWayAsTheRobotsArmDoes) {
   EXPECT_TRUE(force(bent).isZero());
 }
 
-// As at the begin of a session: the correction speaks of a time that this world has not.
+// The correction is for a time that this world does not have, as at the begin of a session.
 TEST(LiveSites, UseParametersThatComeTooLate) {
   const TeleopInput input = plant_input(3, true).input;
   const Eigen::Vector3d away = input.objects.front().T_base_object * Eigen::Vector3d(0.0, 0.0, 0.5);
@@ -248,7 +261,7 @@ double time_to_notice_loss(double speed) {
   return 1.0;
 }
 
-// By force, whatever the camera sees and the tip does.
+// The force shows the loss, whatever the camera sees and the tip does.
 TEST(LiveSites, NoticeTheLossOfAContactWithin50Milliseconds) {
   for (const double speed : {0.0, 0.03, -0.03}) EXPECT_LT(time_to_notice_loss(speed), 0.05);
 }

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/teleop/run_teleop.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 #include "support/heap_watermark.hpp"
 #include "teleop/plant_input.hpp"
@@ -110,8 +110,8 @@ TEST(LongRun, StoresNothingPerCycle) {
   const double period = once.t_tool.back() - once.t_tool.front() + 1.0;
   const double growth = (peak_of(12) - peak_of(4)) / (8.0 * period);
   std::printf("a push lasts %.1f s; memory grows by %.0f bytes a second\n", period, growth);
-  // In the first minute, and the first ten, the buffers still fill: 88 bytes per force sample at
-  // 500 Hz, and some 100 per sample while the noise is measured. Each object's shown poses and
+  // The buffers still fill in the first minute, and the first ten: 88 bytes per force sample at 500
+  // Hz, and some 100 per sample while the noise is measured. Each object's shown poses and
   // predictions at 1 kHz alone would be 400 000.
   EXPECT_LT(growth, 150e3);
 }

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/output.hpp"
+#include "pcavr/base/core/output.hpp"
 
 #include "fuzz/targets.hpp"
 #include "support/source_folder.hpp"
-#include "teleop/message.hpp"
+#include "teleoperation/teleop/message.hpp"
 
 namespace pcavr {
 namespace {

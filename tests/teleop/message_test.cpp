@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/message.hpp"
+#include "teleoperation/teleop/message.hpp"
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {

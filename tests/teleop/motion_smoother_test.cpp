@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/motion_smoother.hpp"
+#include "teleoperation/teleop/motion_smoother.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 namespace pcavr {
 namespace {
@@ -49,7 +49,7 @@ double error_of(const Path& path, double begin, double end) {
   return std::sqrt(squares / count);
 }
 
-/// Down at 10 mm/s, held for 0.3 s from 1.5 s on, and away at 50 mm/s.
+/// A press down at 10 mm/s, held for 0.3 s from 1.5 s on, and away at 50 mm/s.
 double held_press(double t) {
   const double down = -0.01 * std::min(t, 1.5);
   return down + 0.05 * std::max(0.0, t - 1.8);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/teleop/options.hpp"
+#include "pcavr/teleoperation/teleop/options.hpp"
 
 #include <cmath>
 #include <set>
@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/gravity.hpp"
-#include "pcavr/core/options.hpp"
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/base/core/options.hpp"
 
 #include "support/option_defaults.hpp"
-#include "teleop/correction_switch.hpp"
-#include "teleop/phase_monitor.hpp"
-#include "teleop/sent_parameters.hpp"
+#include "teleoperation/teleop/correction_switch.hpp"
+#include "teleoperation/teleop/phase_monitor.hpp"
+#include "teleoperation/teleop/sent_parameters.hpp"
 
 namespace pcavr {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/phase_monitor.hpp"
+#include "teleoperation/teleop/phase_monitor.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 
 #include "teleop/plant_input.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kInterval = 0.002;
 
-/// How a push is made: the tip advances, F = stiffness d^1.5, until the object breaks away at 9 N,
+/// Motion of a push: the tip advances, F = stiffness d^1.5, until the object breaks away at 9 N,
 /// and from then on at 15 mm/s.
 struct PushMotion {
   double loading_speed = 0.015;  // [m/s]
@@ -82,7 +82,7 @@ TEST(PhaseMonitor, StampsContactSlideAndStop) {
 }
 
 TEST(PhaseMonitor, StampsTheTouchOfATipThatSlowsDownInTheContact) {
-  // As an arm does that a hard face stops: 20 mm/s up to 2 N, then 1.5 mm/s.
+  // The tip moves as by an arm that a hard face stops: 20 mm/s up to 2 N, then 1.5 mm/s.
   constexpr double kTouch = 0.5;            // [s]
   constexpr double kFaceStiffness = 250e3;  // [N/m^1.5]
   Random random(12);
@@ -149,7 +149,7 @@ TEST(PhaseMonitor, DistinguishesAPressFromAPush) {
   }
   EXPECT_TRUE(monitor.is_press());
   EXPECT_EQ(time_of(monitor, MotionPhase::sliding), -1.0);
-  // Not where its force has risen above the noise: that is 30 ms later.
+  // The stamp is not where the force has risen above the noise: that is 30 ms later.
   EXPECT_NEAR(time_of(monitor, MotionPhase::static_contact), push.t_touch, 0.012);
 }
 
@@ -230,8 +230,8 @@ TEST(PhaseMonitor, UsesTheCameraWithoutForce) {
   EXPECT_EQ(monitor.phase(), MotionPhase::static_contact);
 }
 
-/// On simulated pushes that were not used for tuning. Missed are re-sticks shorter than the window
-/// of the speed estimate.
+/// The simulated pushes were not used for tuning. Re-sticks shorter than the window of the speed
+/// estimate are missed.
 TEST(PhaseMonitor, DetectsThePlantsPhaseChanges) {
   TeleopOptions options;
   options.with_corrections = false;

@@ -10,7 +10,7 @@
 
 #include "pcavr/simulation/plant_case.hpp"
 #include "pcavr/simulation/sensors.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 namespace pcavr {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/prediction_log.hpp"
+#include "teleoperation/teleop/prediction_log.hpp"
 
 #include <cmath>
 

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "teleop/message.hpp"
+#include "teleoperation/teleop/message.hpp"
 
 namespace pcavr {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/robot_object.hpp"
+#include "teleoperation/teleop/robot_object.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/prediction/body_physics.hpp"
 
 #include "teleop/plant_input.hpp"
 
@@ -50,7 +50,7 @@ TeleopObject slow_box() {
           {}};
 }
 
-/// As the robot's site keeps it; `box` must outlive it.
+/// The object as the robot's site keeps it; `box` must outlive it.
 RobotObject object_of(const TeleopObject& box) {
   const TeleopOptions options;
   const BodyPhysics physics = complete_physics(box.parameters, box.model, box.T_base_object,

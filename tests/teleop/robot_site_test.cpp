@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/robot_site.hpp"
+#include "teleoperation/teleop/robot_site.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -11,12 +12,12 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/inputs/tip_path.hpp"
-#include "pcavr/prediction/body_physics.hpp"
+#include "pcavr/physics/inputs/tip_path.hpp"
+#include "pcavr/physics/prediction/body_physics.hpp"
 
-#include "teleop/command_path.hpp"
 #include "teleop/plant_input.hpp"
-#include "teleop/recording_feed.hpp"
+#include "teleoperation/teleop/command_path.hpp"
+#include "teleoperation/teleop/recording_feed.hpp"
 
 namespace pcavr {
 namespace {
@@ -42,7 +43,7 @@ class LoneRobotSite {
     const double start = tip_.t.front(), step = options_.predictor.step;
     Expected<OperatorSite> site =
         OperatorSite::create(input_, physics_, options_, start, command_.at(0));
-    RobotSite robot(input_, options_, physics_, start);
+    RobotSite robot(input_, options_, physics_, start, background);
     PredictionLog log(start, step, input_.objects.size());
     std::vector<CorrectionMessage> sent;
     const auto cycles = static_cast<std::size_t>((tip_.t.back() - start) / step);
@@ -54,10 +55,14 @@ class LoneRobotSite {
       for (CorrectionMessage& message : robot.advance(now, log)) sent.push_back(message);
       log.discard_before(robot.oldest_needed());
     }
+    robot.apply_identifications();
+    static_cast<void>(robot.findings());
     notes = robot.notes();
+    failures = robot.take_failures();
     return sent;
   }
-  std::vector<std::string> notes;
+  Background background;
+  std::vector<std::string> notes, failures;
 
  private:
   const TeleopInput& input_;
@@ -81,8 +86,8 @@ TEST(RobotSite, GivesTheSameForAnyInterleavingWithinACycle) {
   const TeleopInput& input = made.input;
   LoneRobotSite site(input);
   RecordingFeed in_order(input, 0.03);
-  const auto expected =
-      site.run([&](double now, std::size_t, RobotSite& robot) { in_order.pass_on(now, robot); });
+  const auto expected = site.run(
+      [&](double now, std::size_t, RobotSite& robot) { in_order.notify_change(now, robot); });
   // Tracking first, then the force, then the tool.
   std::size_t tool = 0, force = 0;
   std::vector<std::size_t> tracked(input.objects.size(), 0);
@@ -108,9 +113,9 @@ TEST(RobotSite, CorrectsTheSameTimesIfSamplesArriveInBursts) {
   LoneRobotSite site(made.input);
   RecordingFeed even(made.input, 0.03), bursts(made.input, 0.03);
   const auto expected =
-      site.run([&](double now, std::size_t, RobotSite& robot) { even.pass_on(now, robot); });
+      site.run([&](double now, std::size_t, RobotSite& robot) { even.notify_change(now, robot); });
   const auto late = site.run([&](double now, std::size_t cycle, RobotSite& robot) {
-    if (cycle % 5 == 0) bursts.pass_on(now, robot);
+    if (cycle % 5 == 0) bursts.notify_change(now, robot);
   });
   ASSERT_GT(expected.size(), 2U);
   ASSERT_EQ(expected.size(), late.size());
@@ -124,12 +129,12 @@ TEST(RobotSite, IgnoresAndNotesBadSamples) {
   const PlantInput made = plant_input(3, false);
   LoneRobotSite site(made.input);
   RecordingFeed sound(made.input, 0.03), disturbed(made.input, 0.03);
-  const auto expected =
-      site.run([&](double now, std::size_t, RobotSite& robot) { sound.pass_on(now, robot); }, 6000);
+  const auto expected = site.run(
+      [&](double now, std::size_t, RobotSite& robot) { sound.notify_change(now, robot); }, 6000);
   EXPECT_TRUE(site.notes.empty());
   const auto same = site.run(
       [&](double now, std::size_t cycle, RobotSite& robot) {
-        disturbed.pass_on(now, robot);
+        disturbed.notify_change(now, robot);
         if (cycle < 200 || cycle % 10 != 0) return;
         robot.add_tool(now - 1.0, Eigen::Vector3d::Zero());
         robot.add_wrench(now, Eigen::Vector3d::Constant(std::nan("")));
@@ -139,6 +144,28 @@ TEST(RobotSite, IgnoresAndNotesBadSamples) {
       6000);
   expect_same(expected, same);
   EXPECT_EQ(site.notes.size(), 3U);
+}
+
+TEST(RobotSite, RejectsAndNotesPosesOfATrackerThatFlips) {
+  const PlantInput made = plant_input(3, false);
+  LoneRobotSite site(made.input);
+  RecordingFeed sound(made.input, 0.03), disturbed(made.input, 0.03);
+  const auto expected = site.run(
+      [&](double now, std::size_t, RobotSite& robot) { sound.notify_change(now, robot); }, 6000);
+  const Pose flip(Eigen::Quaterniond(Eigen::AngleAxisd(1.6, Eigen::Vector3d::UnitX())),
+                  Eigen::Vector3d::Zero());
+  const auto same = site.run(
+      [&](double now, std::size_t cycle, RobotSite& robot) {
+        disturbed.notify_change(now, robot);
+        if (cycle < 500 || cycle % 500 != 0) return;
+        // The pose comes after the frames that have come.
+        robot.add_tracked(
+            0, {now - 0.03 + 1e-9, made.input.objects[0].T_base_object * flip, 1e-3, 1e-2});
+      },
+      6000);
+  expect_same(expected, same);
+  ASSERT_EQ(site.notes.size(), 1U);
+  EXPECT_NE(site.notes[0].find("the pose jumps and returns"), std::string::npos);
 }
 
 // Case 2 of paper C: off the object until it is identified anew, and then it may go on.
@@ -153,7 +180,7 @@ TEST(RobotSite, KeepsTheToolOffUntilTheContactIsIdentified) {
   LoneRobotSite site(made.input, options);
   RecordingFeed feed(made.input, 0.03);
   const auto sent =
-      site.run([&](double now, std::size_t, RobotSite& robot) { feed.pass_on(now, robot); });
+      site.run([&](double now, std::size_t, RobotSite& robot) { feed.notify_change(now, robot); });
   std::vector<bool> is_kept_off(made.input.objects.size(), false);
   int releases = 0;
   for (const CorrectionMessage& message : sent) {
@@ -174,6 +201,39 @@ TEST(RobotSite, KeepsTheToolOffUntilTheContactIsIdentified) {
   EXPECT_GT(releases, 0);
 }
 
+/// Each call of a task of this name throws.
+Background failing(std::launch policy, const std::string& name) {
+  return {policy, [name](const char* task) { PCAVR_REQUIRE(name != task, "made to fail"); }};
+}
+
+TEST(RobotSite, GoesOnWithWhatItHadWhereATaskFails) {
+  const PlantInput made = plant_input(3, false);
+  struct Case {
+    std::launch policy;
+    std::string task;
+  };
+  for (const Case& one : {Case{std::launch::deferred, PendingIdentification::kTask},
+                          Case{std::launch::async, PendingSearch::kTask},
+                          Case{std::launch::async, PendingTrial::kTask},
+                          Case{std::launch::deferred, InputWatch::kTask}}) {
+    LoneRobotSite site(made.input);
+    site.background = failing(one.policy, one.task);
+    RecordingFeed feed(made.input, 0.03);
+    const auto sent = site.run(
+        [&](double now, std::size_t, RobotSite& robot) { feed.notify_change(now, robot); });
+    // A correction that could not be tried is not sent.
+    EXPECT_EQ(sent.empty(), one.task == PendingTrial::kTask) << one.task;
+    const std::string expected = one.task + " failed, and what was known before is kept: ";
+    ASSERT_FALSE(site.failures.empty()) << one.task;
+    for (const std::string& failure : site.failures) {
+      EXPECT_EQ(failure.rfind(expected, 0), 0U) << failure;
+      EXPECT_NE(failure.find("made to fail"), std::string::npos) << failure;
+    }
+    // A failure is noted once for the whole session; a live site also reports each one.
+    EXPECT_EQ(std::count(site.notes.begin(), site.notes.end(), site.failures.front()), 1);
+  }
+}
+
 TEST(RobotSite, SendsAllOfItsStateAfterAnOutage) {
   const PlantInput made = plant_input(3, false);
   LoneRobotSite site(made.input);
@@ -182,7 +242,7 @@ TEST(RobotSite, SendsAllOfItsStateAfterAnOutage) {
   std::optional<double> back;
   const auto sent = site.run(
       [&](double now, std::size_t cycle, RobotSite& robot) {
-        feed.pass_on(now, robot);
+        feed.notify_change(now, robot);
         if (cycle != kOutage) return;
         robot.restart(now);
         back = now;

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/sample_queue.hpp"
+#include "teleoperation/teleop/sample_queue.hpp"
 
 #include <algorithm>
 #include <future>
 
 #include <gtest/gtest.h>
 
-#include "teleop/message.hpp"
-#include "teleop/robot_site.hpp"
+#include "teleoperation/teleop/message.hpp"
+#include "teleoperation/teleop/robot_site.hpp"
 
 namespace pcavr {
 namespace {
@@ -31,7 +31,7 @@ class SampleQueueTest : public testing::Test {
 
   TeleopInput world_;
   TeleopOptions options_;
-  RobotSite site_{world_, options_, {}, 0.0, std::launch::deferred};
+  RobotSite site_{world_, options_, {}, 0.0};
   SampleQueue queue_{0.03};
 };
 
@@ -39,7 +39,7 @@ TEST_F(SampleQueueTest, PassesOnInSharesWhatIsOlderThanTheStart) {
   const double start = kStampInterval * (kSamplesThatWait - 100);
   std::size_t most = 0, cycles = 0;
   for (std::size_t before = 0; received() < kSamplesThatWait - 100 && cycles < 200; ++cycles) {
-    queue_.pass_on(start - 1e-6, site_, start);
+    queue_.notify_change(start - 1e-6, site_, start);
     most = std::max(most, received() - before);
     before = received();
   }
@@ -48,12 +48,12 @@ TEST_F(SampleQueueTest, PassesOnInSharesWhatIsOlderThanTheStart) {
 }
 
 TEST_F(SampleQueueTest, PassesOnAllThatIsNotOlder) {
-  queue_.pass_on(10.0, site_, 0.0);
+  queue_.notify_change(10.0, site_, 0.0);
   EXPECT_EQ(received(), kSamplesThatWait);
 }
 
 TEST_F(SampleQueueTest, KeepsWhatIsNotDue) {
-  queue_.pass_on(0.0995, site_);
+  queue_.notify_change(0.0995, site_);
   EXPECT_EQ(received(), 100U);
 }
 

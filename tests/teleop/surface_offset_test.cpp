@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/surface_offset.hpp"
+#include "teleoperation/teleop/surface_offset.hpp"
 
 #include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "teleop/object_learner.hpp"
-#include "teleop/sent_parameters.hpp"
+#include "teleoperation/teleop/online_identification.hpp"
+#include "teleoperation/teleop/sent_parameters.hpp"
 
 namespace pcavr {
 namespace {
@@ -56,7 +56,7 @@ TEST(SurfaceOffset, OfAWallLeavesThatOfTheFloor) {
   EXPECT_TRUE(offset.value(kLaw, floor)->isApprox(Eigen::Vector3d(1.5e-3, -1e-3, -2e-4)));
 }
 
-/// In an oblique hole: what displaces the wall is the tracked pose, which leaves the floor.
+/// The wall of an oblique hole is displaced by the tracked pose, which leaves the floor.
 TEST(SurfaceOffset, OfAnInclinedWallDoesNotChangeTheHeightOfTheFloor) {
   const Eigen::Vector3d wall = Eigen::Vector3d(0.94, 0.0, 0.34).normalized();
   const Eigen::Vector3d floor(0.0, 0.0, -2e-4);
@@ -66,7 +66,7 @@ TEST(SurfaceOffset, OfAnInclinedWallDoesNotChangeTheHeightOfTheFloor) {
   EXPECT_NEAR(found.z(), floor.z(), 1e-12);
   EXPECT_NEAR(wall.dot(found), 0.6e-3, 1e-9);
   EXPECT_EQ(offset.value(kLaw)->z(), 0.0);
-  // Of a level face it is measured.
+  // The height of a level face is measured.
   for (int i = 0; i < 10; ++i) offset.add(Eigen::Vector3d::UnitZ(), 0.0, kStd, kForce);
   EXPECT_NEAR(offset.value(kLaw, floor)->z(), 0.5e-3, 1e-9);
   EXPECT_NEAR(wall.dot(offset.value(kLaw, floor).value()), 0.6e-3, 1e-9);
@@ -90,7 +90,7 @@ TEST(SurfaceOffset, IsSentWithTheContactParametersAndWithdrawnBeforeItIsAcknowle
   const ParameterDifference changed = difference(now, acknowledged, nullptr);
   ASSERT_TRUE(changed.has_contact);
   EXPECT_EQ(changed.contact.contact_surface_offset, now.contact_surface_offset);
-  // Then the law that was learned explains the gap, while that message is on its way.
+  // The law that was learned then explains the gap, while that message is on its way.
   const ParameterDifference withdrawn = difference(acknowledged, acknowledged, &changed.contact);
   ASSERT_TRUE(withdrawn.has_contact);
   EXPECT_EQ(*withdrawn.contact.contact_surface_offset, Eigen::Vector3d::Zero());
@@ -121,7 +121,7 @@ TEST(SentParameters, RepeatFrictionThatAMessageInFlightChanges) {
 }
 
 /// A slow slide at a constant force: by force and tip alone it looks like a soft contact.
-TEST(ObjectLearner, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
+TEST(OnlineIdentification, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
   std::vector<double> t;
   std::vector<Eigen::Vector3d> force, tip;
   for (int i = 0; i < 1000; ++i) {
@@ -131,15 +131,15 @@ TEST(ObjectLearner, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
     force.emplace_back(std::min(2000.0 * 0.0025 * pressed, 4.0), 0.0, 0.0);
   }
   for (const bool has_moved : {false, true}) {
-    ObjectLearner learner(ObjectParameters{});
-    learner.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = has_moved});
-    EXPECT_EQ(learner.known().contact_stiffness.has_value(), !has_moved);
+    OnlineIdentification knowledge(ObjectParameters{});
+    knowledge.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = has_moved});
+    EXPECT_EQ(knowledge.known().contact_stiffness.has_value(), !has_moved);
   }
 }
 
-/// Along an inclined wall, as in an oblique hole: the tip's path is not its penetration, whether
+/// The tip's path along an inclined wall, as in an oblique hole, is not its penetration, whether
 /// the force is nearer to level, as of a push, or to upright, as of a press.
-TEST(ObjectLearner, LearnsNoLawFromAnInclinedFace) {
+TEST(OnlineIdentification, LearnsNoLawFromAnInclinedFace) {
   std::vector<double> t;
   std::vector<Eigen::Vector3d> force, tip;
   for (int i = 0; i < 1000; ++i) {
@@ -152,9 +152,9 @@ TEST(ObjectLearner, LearnsNoLawFromAnInclinedFace) {
       force[i].z() = -slope * force[i].x();
       tip[i].z() = -slope * tip[i].x();
     }
-    ObjectLearner learner(ObjectParameters{});
-    learner.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = false});
-    EXPECT_EQ(learner.known().contact_stiffness.has_value(), slope == 0.0);
+    OnlineIdentification knowledge(ObjectParameters{});
+    knowledge.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = false});
+    EXPECT_EQ(knowledge.known().contact_stiffness.has_value(), slope == 0.0);
   }
 }
 

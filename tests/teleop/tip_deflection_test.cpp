@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/tip_deflection.hpp"
+#include "teleoperation/teleop/tip_deflection.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTipStep = 0.001;  // [s]
 
-// As it is drawn back from a pushed object: the force ends and the command accelerates to 0.1 m/s
+// The tip is drawn back from a pushed object: the force ends and the command accelerates to 0.1 m/s
 // within 50 ms, which a spring of 15 Hz follows 0.1 mm late.
 TEST(TipDeflection, IsThatOfADampedSpringBetweenCommandAndTip) {
   constexpr double kRate = 94.0;  // [rad/s]

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "teleop/tool_retraction.hpp"
+#include "teleoperation/teleop/tool_retraction.hpp"
 
 #include <gtest/gtest.h>
 

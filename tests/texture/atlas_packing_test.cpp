@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "texture/atlas_packing.hpp"
+#include "perception/texture/atlas_packing.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/image.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/image.hpp"
 
 namespace pcavr {
 namespace {

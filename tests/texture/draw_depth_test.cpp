@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "texture/draw_depth.hpp"
+#include "perception/texture/draw_depth.hpp"
 
 #include <gtest/gtest.h>
 
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
 
 namespace pcavr {
 namespace {

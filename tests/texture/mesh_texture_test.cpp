@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/texture/mesh_texture.hpp"
+#include "pcavr/perception/texture/mesh_texture.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "pcavr/marker/tag_detector.hpp"
-#include "pcavr/marker/tag_sheet.hpp"
+#include "pcavr/perception/marker/tag_detector.hpp"
+#include "pcavr/perception/marker/tag_sheet.hpp"
 
 #include "texture/painted_wall.hpp"
 
@@ -28,7 +28,7 @@ MeshTexture paint(std::vector<TriangleMesh>& levels, const std::vector<TextureVi
   return paint_texture(levels, views, wall_camera(), DepthNoise(), options, {threads});
 }
 
-/// Without the offset of colour from depth, whose search takes the time.
+/// Options without the offset of colour from depth, whose search takes the time.
 TextureOptions without_registration() {
   TextureOptions options;
   options.register_color = false;
@@ -56,7 +56,7 @@ TEST(MeshTexture, HasTheColoursOfTheImagesInEveryLevel) {
         worst = std::max(worst, difference.cwiseAbs().maxCoeff());
       }
     }
-    // Over the 3 mm of a pixel's smoothing the pattern changes by 6.
+    // The pattern changes by 6 over the 3 mm of a pixel's smoothing.
     EXPECT_LT(worst, 10.0) << "level " << level;
   }
 }
@@ -128,7 +128,7 @@ TEST(MeshTexture, HasNoColourOfANearerSurfaceBesideIt) {
   }
 }
 
-// Up to there the mesh may reach, and what was fused there has the post's colour.
+// The mesh may reach up to the edge, and what was fused there has the post's colour.
 TEST(MeshTexture, HasNoFusedColourOfANearerSurfaceJustBehindItsEdge) {
   TextureView view = view_of_post();
   for (int y = 0; y < view.depth.height(); ++y) view.depth(149, y) = view.depth(148, y);
@@ -197,7 +197,7 @@ TextureView vignetted(TextureView view, double vignetting) {
 }
 
 TEST(MeshTexture, TheVignettingOfTheCameraIsFound) {
-  // Of the light in the corners, 22 % are lost.
+  // The corners lose 22 % of the light.
   constexpr double kVignetting = 0.5;
   std::vector<TextureView> views = take_views(blobs);
   for (TextureView& view : views) view = vignetted(std::move(view), kVignetting);
@@ -257,7 +257,7 @@ TEST(MeshTexture, AnOffsetOfColourFromDepthIsFound) {
   std::vector<TriangleMesh> levels = wall_levels();
   const MeshTexture texture = paint(levels, views);
   ASSERT_TRUE(texture.registration.is_estimated);
-  // What counts is where a point at the wall's distance is seen.
+  // The pixel of a point at the wall's distance counts.
   const Eigen::Vector3d p(0.1, -0.05, 0.6);
   const Eigen::Vector2d truth = color_camera.project(T_color_depth * p);
   const Eigen::Vector2d found =
@@ -267,7 +267,7 @@ TEST(MeshTexture, AnOffsetOfColourFromDepthIsFound) {
 }
 
 TEST(MeshTexture, AColourCameraOfAnotherFocalLengthIsFound) {
-  // As of a Kinect: 525 px beside 585 px, and axes that are not parallel.
+  // The cameras are like a Kinect's: 525 px beside 585 px, and axes that are not parallel.
   CameraModel color_camera = wall_camera();
   color_camera.fx *= 0.9;
   color_camera.fy *= 0.9;

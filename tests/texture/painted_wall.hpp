@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "pcavr/texture/mesh_texture.hpp"
+#include "pcavr/perception/texture/mesh_texture.hpp"
 
 namespace pcavr::test {
 
@@ -96,7 +96,7 @@ inline TextureView take_view(const Pose& T_base_camera, const WallColor& color,
   return view;
 }
 
-/// From seven places around.
+/// Views from seven places around.
 inline std::vector<Pose> wall_views() {
   std::vector<Pose> views;
   for (const Eigen::Vector3d& eye :

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/texture/unseen_support.hpp"
+#include "pcavr/perception/texture/unseen_support.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/model/cad_model.hpp"
+#include "pcavr/base/model/cad_model.hpp"
 
-#include "texture/continue_grain.hpp"
+#include "perception/texture/synthesise_grain.hpp"
 #include "texture/painted_wall.hpp"
 
 namespace pcavr {
@@ -87,7 +87,7 @@ TEST(UnseenSupport, ContinuesTheGrainOfThePlane) {
     products += truth * (found.colors[i].g - 110.0);
     squares += truth * truth;
   }
-  // Of the stripes' contrast; smooth colours have none.
+  // The filled hole has at least this share of the stripes' contrast; smooth colours have none.
   EXPECT_GT(products / squares, 0.6);
 }
 
@@ -114,7 +114,7 @@ TEST(ContinueGrain, DoesNotCopyAShadow) {
       is_gap(x, y) = 1;
     }
   }
-  continue_grain(image, is_known, is_gap);
+  synthesise_grain(image, is_known, is_gap);
   int lowest = 255;
   int highest = 0;
   for (int y = 5; y < 25; ++y) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/texture/view_selection.hpp"
+#include "pcavr/perception/texture/view_selection.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tracking/camera_alignment.hpp"
+#include "perception/tracking/camera_alignment.hpp"
 
 #include <array>
 
 #include <gtest/gtest.h>
 
 #include "camera_scene.hpp"
-#include "tracking/camera_surface.hpp"
+#include "perception/tracking/camera_surface.hpp"
 
 namespace pcavr::tracking {
 namespace {

@@ -7,15 +7,15 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/marker/tag_detector.hpp"
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/import.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/tracking/camera_tracker.hpp"
+#include "pcavr/perception/marker/tag_detector.hpp"
+#include "pcavr/perception/tracking/camera_tracker.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/import.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
+#include "perception/tracking/camera_surface.hpp"
 #include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"
-#include "tracking/camera_surface.hpp"
 
 namespace pcavr {
 namespace {
@@ -80,8 +80,8 @@ Recording thinned(Recording recording, std::size_t step) {
   return recording;
 }
 
-// Views 0.2 to 0.4 m apart; the tag is seen in the first and the last ones. From the one before, a
-// view aligns as well when it slides along the table.
+// Views 0.2 to 0.4 m apart; the tag is seen in the first and the last ones. A view aligns with the
+// one before as well when it slides along the table.
 TEST(CameraPositionError, OfViewsFarApartIsBelowAMillimetreOrTheyAreNotPlaced) {
   PCAVR_NEEDS_SHARED_DATA("tabletop");
   const Recording recording = read_recording(shared_data("tabletop")).value();
@@ -95,7 +95,8 @@ TEST(CameraPositionError, OfViewsFarApartIsBelowAMillimetreOrTheyAreNotPlaced) {
   }
 }
 
-// Against the track by all frames: the given poses contradict the images by up to 75 mm at the end.
+// Errors are against the track by all frames: the given poses contradict the images by up to 75 mm
+// at the end.
 TEST(CameraPositionError, OfRealViewsFarApartIsWithinThreeStandardDeviations) {
   PCAVR_NEEDS_SHARED_DATA("real/seven_scenes");
   const TemporaryFolder folder;

@@ -11,11 +11,11 @@
 
 #include <Eigen/Geometry>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/geometry/camera.hpp"
-#include "pcavr/marker/body_pose.hpp"
-#include "pcavr/recording/frame_reader.hpp"
-#include "pcavr/recording/manifest.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/base/geometry/camera.hpp"
+#include "pcavr/perception/marker/body_pose.hpp"
+#include "pcavr/recordings/recording/frame_reader.hpp"
+#include "pcavr/recordings/recording/manifest.hpp"
 
 /// A table with two blocks on it in front of a wall, all with a smooth random texture, and one base
 /// tag: rendered exactly, so that the ground truth is known.

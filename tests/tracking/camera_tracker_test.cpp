@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/tracking/camera_tracker.hpp"
+#include "pcavr/perception/tracking/camera_tracker.hpp"
 
 #include <cmath>
 #include <functional>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/check.hpp"
+#include "pcavr/base/core/check.hpp"
 
 #include "camera_scene.hpp"
 
@@ -239,6 +239,37 @@ TEST(CameraTracker, IsAnchoredByGroundtruthWithOutliers) {
   EXPECT_LT(max_position_error(result), kPositionTolerance);
 }
 
+TEST(CameraTracker, KeepsGivenPosesWhereAnotherPlaceLooksTheSame) {
+  // A hall of equal bays, 3 m apart: from frame 14 on the camera is in another one than before.
+  const Eigen::Vector3d bay(0.0, 3.0, 0.0);
+  const auto path = [&](double t) {
+    const Pose in_bay = walk(t);
+    return t < 13.5 * kPeriod ? in_bay : Pose(in_bay.rotation(), in_bay.translation() + bay);
+  };
+  SimulatedRecording recording;
+  recording.frames = 20;
+  recording.is_tag_seen = [](int) { return false; };
+  for (int i = 0; i < recording.frames; ++i) {
+    recording.groundtruth.append(stamp_of(i * kPeriod), path(i * kPeriod));
+  }
+  const CameraTrack result = track(recording);
+  EXPECT_EQ(count(result, PlacementStatus::placed), recording.frames);
+  EXPECT_GT(result.links_rejected, 0U);
+  EXPECT_LT(max_position_error(result, path), 0.015);  // 3 std of the given poses
+}
+
+TEST(CameraTracker, RejectsNoLinksWhereMostContradictTheGivenPosesAsInAnotherUnit) {
+  SimulatedRecording recording;
+  for (int i = 0; i < recording.frames; ++i) {
+    const Pose truth = walk(i * kPeriod);
+    recording.groundtruth.append(stamp_of(i * kPeriod),
+                                 Pose(truth.rotation(), 1000.0 * truth.translation()));
+  }
+  const CameraTrack result = track(recording);
+  EXPECT_EQ(result.links_rejected, 0U);
+  for (const FramePlacement& frame : result.frames) EXPECT_EQ(frame.segment, 0);
+}
+
 /// Paints a chessboard on the table, whose squares have an edge of 8 cm.
 void paint_chessboard(const CameraModel& camera, const Pose& T_base_camera, RgbdFrame& frame) {
   for (int y = 0; y < camera.height; ++y) {
@@ -257,7 +288,7 @@ void paint_chessboard(const CameraModel& camera, const Pose& T_base_camera, Rgbd
 TEST(CameraTracker, DoesNotSlideAlongAPatternWhereTheGivenPosesSayHowItMoved) {
   SimulatedRecording recording;
   recording.frames = 6;
-  // From one view to the next nearly as far as the pattern's period of 16 cm.
+  // Each view is nearly as far from the one before as the pattern's period of 16 cm.
   recording.path = [](double t) {
     const double along = 0.13 * t / kPeriod;
     return look_at({-0.8 + along, 0.1, 0.9}, {-0.4 + along, 0.1, 0.0});

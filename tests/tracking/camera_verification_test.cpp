@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tracking/camera_verification.hpp"
+#include "perception/tracking/camera_verification.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
 #include "camera_scene.hpp"
-#include "tracking/camera_features.hpp"
-#include "tracking/camera_graph.hpp"
+#include "perception/tracking/camera_features.hpp"
+#include "perception/tracking/camera_graph.hpp"
 
 namespace pcavr::tracking {
 namespace {
@@ -32,7 +32,7 @@ class TwoViews {
     }
   }
 
-  /// With an error of the second view's pose along the table [m].
+  /// Evidence with an error of the second view's pose along the table [m].
   [[nodiscard]] Evidence evidence(double slide = 0.0) const {
     const Pose second(pose(1).rotation(), pose(1).translation() + Eigen::Vector3d(0.0, slide, 0.0));
     return compare_views(grid_, DepthNoise(), views_[0], views_[1], pose(0).inverse() * second);

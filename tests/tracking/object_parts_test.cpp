@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tracking/object_contour.hpp"
-#include "tracking/object_rest.hpp"
+#include "perception/tracking/object_contour.hpp"
+#include "perception/tracking/object_rest.hpp"
 #include "tracking/object_scene.hpp"
 
 namespace pcavr::tracking {

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "pcavr/core/median.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/tracking/object_tracker.hpp"
+#include "pcavr/base/core/median.hpp"
+#include "pcavr/perception/tracking/object_tracker.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "support/shared_data.hpp"
 

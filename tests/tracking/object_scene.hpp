@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/tracking/object_tracker.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/perception/tracking/object_tracker.hpp"
 
 #include "support/meshes.hpp"
 
@@ -35,7 +35,7 @@ inline std::vector<TagPlacement> box_tags() {
           {{"tag36h11", 2}, 0.06, Pose(upright, {0.08, 0, 0})}};
 }
 
-/// At (0.6, 0.2, 0.55) in base, looking at the origin.
+/// Camera at (0.6, 0.2, 0.55) in base, looking at the origin.
 inline Pose scene_camera_pose() {
   const Eigen::Vector3d position(0.6, 0.2, 0.55);
   const Eigen::Vector3d forward = -position.normalized();

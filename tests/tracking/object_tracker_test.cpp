@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/tracking/object_tracker.hpp"
+#include "pcavr/perception/tracking/object_tracker.hpp"
 
 #include <cmath>
 

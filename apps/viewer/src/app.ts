@@ -27,8 +27,10 @@ export class App {
   playback: Playback | null = null; // of a replay, once it is loaded
   private callbacks: FrameCallback[] = [];
   private drawnCallbacks: (() => void)[] = [];
+  private blindCallbacks: ((isBlind: boolean) => void)[] = [];
   private isDirty = true;
   private lastFrame = NaN; // [ms]
+  private isBlind = false;
   private lastShown: LiveState | null = null;
   private skippedFrames = 0; // since the last one that was not skipped
 
@@ -49,6 +51,8 @@ export class App {
     const ratio = Math.min(window.devicePixelRatio, maxPixelRatio);
     this.renderer.setPixelRatio(this.isSoftwareRendered ? 1 : ratio);
     this.renderer.xr.enabled = true;
+    canvas.addEventListener('webglcontextlost', () => this.setBlind(true));
+    canvas.addEventListener('webglcontextrestored', () => this.setBlind(false));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
     this.resize();
   }
@@ -64,6 +68,12 @@ export class App {
 
   onDrawn(callback: () => void): void {
     this.drawnCallbacks.push(callback);
+  }
+
+  /// Called when the browser has taken the graphics context away, so that nothing can be drawn, and
+  /// when it has given it back.
+  onBlind(callback: (isBlind: boolean) => void): void {
+    this.blindCallbacks.push(callback);
   }
 
   /// Requests a redraw in the next frame.
@@ -84,7 +94,7 @@ export class App {
     const seconds = Number.isFinite(this.lastFrame) ? (time - this.lastFrame) / 1000 : 0;
     this.lastFrame = time;
     for (const callback of this.callbacks) callback(time, seconds, frame);
-    if (!this.isDirty && !isInVr) return;
+    if (this.isBlind || (!this.isDirty && !isInVr)) return;
     this.isDirty = false;
     this.renderer.render(this.scene, this.camera);
     this.session.recordDrawn();
@@ -104,6 +114,12 @@ export class App {
     this.skippedFrames =
       isStale && this.skippedFrames < maxSkippedFrames ? this.skippedFrames + 1 : 0;
     return this.skippedFrames > 0;
+  }
+
+  private setBlind(isBlind: boolean): void {
+    this.isBlind = isBlind;
+    this.isDirty = true;
+    for (const callback of this.blindCallbacks) callback(isBlind);
   }
 
   private resize(): void {

@@ -2,13 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { App } from './app';
 import { DesktopTool } from './input/desktop_tool';
+import { FollowTool } from './input/follow_tool';
 import { Navigation } from './input/navigation';
 import { Picking } from './input/picking';
 import type { ReplayPlayer } from './replay/replay';
 import { makeCloud, makeOccupancy } from './scene/cells';
 import { SceneLoader, type Progress } from './scene/loading';
+import type { LayerName } from './scene/layers';
 import { addMarks } from './scene/marks';
+import type { ViewSide } from './scene/view';
 import { fetchBytes, type SceneModel, type SessionInfo } from './scene/scene_model';
+import { Measured, type Comparison } from './session/measured';
 import { RestartCheck } from './session/restart';
 import { TestHook } from './test_hook';
 import { armText } from './ui/arm_text';
@@ -18,15 +22,18 @@ import { Hud } from './ui/hud';
 import { Labels } from './ui/labels';
 import { LinkPanel } from './ui/link_panel';
 import { fillDetail, fillLayersPanel, presentLayers } from './ui/layers_panel';
-import { fillHeightLegend, fillLegend } from './ui/legend';
+import { addTrackedLegend, fillHeightLegend, fillLegend } from './ui/legend';
 import type { LivePlot } from './ui/live_plot';
 import type { Messages } from './ui/messages';
 import { differenceText, MeasureLabels } from './ui/measure_labels';
 import { ObjectsPanel } from './ui/objects_panel';
 import { PageLink } from './ui/page_link';
+import { PlotGrip } from './ui/plot_grip';
 import { pair } from './ui/pairing';
 import { RobotPicture } from './ui/robot_picture';
+import { savePicture } from './ui/save_picture';
 import { Sheet } from './ui/sheet';
+import { addShortcuts } from './ui/shortcuts';
 import type { Theme, ThemeSwitch } from './ui/theme';
 import { ToolPanel } from './ui/tool_panel';
 
@@ -42,6 +49,7 @@ export class Page {
   private readonly loader: SceneLoader;
   private readonly navigation: Navigation;
   private readonly picking: Picking;
+  private readonly follow: FollowTool;
   private readonly objects: ObjectsPanel;
   private readonly labels: Labels;
   private readonly hud: Hud;
@@ -57,10 +65,14 @@ export class Page {
   private robotPicture: RobotPicture | null = null;
   private replay: ReplayPlayer | null = null;
   private plot: LivePlot | null = null;
+  private makePlot: ((hasRobot: boolean) => void) | null = null;
   private lastStats = -Infinity; // [ms]
   private pulses = -1;
   private hasFirstFrame = false;
   private hadState = false;
+  private readonly measuredState = new Measured();
+  private readonly legend = byId('phase-legend', HTMLParagraphElement);
+  private readonly enableLayer: (name: LayerName) => void;
   private isLinkRestored = false;
 
   constructor(
@@ -81,6 +93,7 @@ export class Page {
     );
     this.hook = window.__pcavr = new TestHook(app, this.loader);
     this.navigation = new Navigation(app.camera, app.canvas, () => app.invalidate());
+    this.follow = new FollowTool(app, this.navigation, () => this.tool?.isPointed ?? false);
     this.picking = new Picking(view, app.canvas, () => app.invalidate());
     this.objects = new ObjectsPanel(view.bodies, (text) => messages.announce(text));
     this.labels = new Labels(view, byId('stage', HTMLElement));
@@ -90,10 +103,11 @@ export class Page {
     addMarks(view, model);
     // Without a scan only the support planes show what the bodies stand on.
     if (model.mesh.length === 0) view.layers.show('planes', true);
-    fillLayersPanel(view.layers, presentLayers(model, this.isReplay));
+    this.enableLayer = fillLayersPanel(view.layers, presentLayers(model, this.isReplay));
     view.layers.onChange(() => app.invalidate());
     this.showDetail = fillDetail(model, (level) => void this.loader.choose(level));
-    fillLegend(byId('phase-legend', HTMLParagraphElement), this.isReplay);
+    fillLegend(this.legend);
+    if (this.isReplay) addTrackedLegend(this.legend, 'outline: tracked pose');
     this.loadOnDemand();
     this.link = new PageLink(view, this.navigation, () => this.replay?.timeline ?? null);
     this.link.restoreLayers();
@@ -104,12 +118,14 @@ export class Page {
     theme.onChange = (chosen) => this.setTheme(chosen);
     app.onFrame((time, seconds) => this.frame(time, seconds));
     app.onDrawn(() => this.drawn());
+    app.onBlind((isBlind) => this.showBlind(isBlind));
   }
 
   async load(): Promise<void> {
     const loading = this.loader.load(this.triangleBudget());
     if (this.isReplay) await this.loadReplay();
     else await this.addTool();
+    new PlotGrip();
     await loading;
     this.frameAtFirst();
     const time = this.link.restoreView();
@@ -134,15 +150,20 @@ export class Page {
 
   private async addTool(): Promise<void> {
     const handle = byId('handle', HTMLButtonElement);
-    this.tool = new DesktopTool(this.app, this.picking, handle);
+    const heightHandle = byId('height-handle', HTMLButtonElement);
+    this.tool = new DesktopTool(this.app, this.picking, handle, heightHandle);
     this.tool.isEnabled = true;
-    this.toolPanel = new ToolPanel(this.app, this.tool, handle);
+    this.toolPanel = new ToolPanel(this.app, this.tool, handle, heightHandle);
     const { tool } = this;
     this.linkPanel = new LinkPanel(this.app, () => tool.disengage());
     this.robotPicture = new RobotPicture();
     const { LivePlot } = await import('./ui/live_plot');
     byId('dock', HTMLElement).hidden = false;
-    this.plot = new LivePlot(byId('plots', HTMLDivElement), this.model);
+    // With the first state it is known whether there is a robot whose force is measured.
+    this.makePlot = (hasRobot) =>
+      (this.plot = new LivePlot(byId('plots', HTMLDivElement), this.model, hasRobot));
+    const state = this.app.session.latest();
+    if (this.hadState) this.makePlot(Boolean(state?.link));
   }
 
   private fillHead(info: SessionInfo): void {
@@ -160,6 +181,20 @@ export class Page {
         this.navigation.setMode(radio.value as 'orbit' | 'walk'),
       );
     byId('frame-all', HTMLButtonElement).addEventListener('click', () => this.frameAll());
+    for (const button of document.querySelectorAll<HTMLButtonElement>('[data-side]')) {
+      const side = button.dataset.side as ViewSide;
+      button.hidden = side === 'camera' && this.model.cameras.length === 0;
+      button.addEventListener('click', () => this.lookFrom(side));
+    }
+    byId('save-picture', HTMLButtonElement).addEventListener('click', () =>
+      savePicture(this.app, this.model.name),
+    );
+    const follow = byId('follow-tool', HTMLButtonElement);
+    follow.addEventListener('click', () => {
+      this.follow.isOn = !this.follow.isOn;
+      setPressed(follow, this.follow.isOn);
+    });
+    addShortcuts(this.isReplay);
     const measure = byId('measure', HTMLButtonElement);
     const distance = byId('distance', HTMLOutputElement);
     measure.addEventListener('click', () => {
@@ -220,6 +255,14 @@ export class Page {
     this.lastStats = -Infinity; // shown with the next frame
   }
 
+  /// Without a picture nobody may move the tool: the clutch opens until there is one again.
+  private showBlind(isBlind: boolean): void {
+    byId('no-picture', HTMLElement).hidden = !isBlind;
+    if (!this.tool) return;
+    this.tool.disengage();
+    this.tool.isEnabled = !isBlind;
+  }
+
   /// Fetches the point cloud and the occupancy cells when their layer is first shown.
   private loadOnDemand(): void {
     const { layers } = this.app.view;
@@ -247,6 +290,12 @@ export class Page {
 
   private setTheme(theme: Theme): void {
     this.app.view.setTheme(theme);
+    this.app.invalidate();
+  }
+
+  private lookFrom(side: ViewSide): void {
+    this.navigation.hasMoved = true;
+    this.navigation.lookAt(this.app.view.frameAll(side));
     this.app.invalidate();
   }
 
@@ -282,12 +331,13 @@ export class Page {
 
   private frame(time: number, seconds: number): void {
     this.navigation.update(seconds);
-    this.tool?.update(seconds);
+    this.follow.update(seconds);
     if (this.isLinkRestored) this.link.update(time);
     if (this.linkPanel?.update()) this.showConnection();
     const state = this.app.session.latest();
     if (state) {
       if (!this.hadState) this.showFirstState();
+      this.measuredState.add(state);
       this.restart.onState(state);
       this.robotPicture?.update(state.link);
       this.plot?.add(state, this.app.session.welcome?.objects ?? [], time / 1000);
@@ -299,7 +349,10 @@ export class Page {
     this.lastStats = time;
     this.hud.update();
     this.showArm();
-    this.objects.update((body) => this.forceOn(body.object.name));
+    this.objects.update(
+      (body) => this.forceOn(body.object.name),
+      (body) => this.comparisonOf(body.object.name),
+    );
   }
 
   /// How far the arm is from a collision, or what it was stopped before.
@@ -317,7 +370,23 @@ export class Page {
   /// The tool appears with the first state: the first view has it too.
   private showFirstState(): void {
     this.hadState = true;
+    const hasRobot = Boolean(this.app.session.latest()?.link);
+    this.makePlot?.(hasRobot);
+    if (hasRobot) this.expectMeasured();
     if (this.hasFirstFrame && !this.isReplay) this.frameAtFirst();
+  }
+
+  /// An operator's site shows what the robot's site measures.
+  private expectMeasured(): void {
+    this.enableLayer('ghosts');
+    addTrackedLegend(this.legend, "outline: as the robot's site has it");
+  }
+
+  /// How the body's prediction compares with its tracking; null without any.
+  private comparisonOf(name: string): Comparison | null {
+    const index = this.app.session.welcome?.objects.indexOf(name) ?? -1;
+    const state = this.app.session.latest();
+    return state ? this.measuredState.compare(state, index) : null;
   }
 
   private forceOn(name: string): number {

@@ -96,7 +96,7 @@ function lookPastTheTool(page) {
 /// What is written or drawn over the scene, on the page.
 function areasOnScene(page) {
   return page.evaluate(() =>
-    [...document.querySelectorAll('#labels > span, #handle, #call-to-action, #hud')]
+    [...document.querySelectorAll('#labels > span, #handle, #height-handle, #call-to-action, #hud')]
       .filter((element) => !element.hidden)
       .map((element) => {
         const { left, right, top, bottom } = element.getBoundingClientRect();
@@ -188,22 +188,14 @@ test('the scene says what to do first, until the first push', limit, async () =>
   const box = await call.boundingBox();
   assert.ok(Math.abs(box.x + box.width / 2 - ring.x - ring.width / 2) < 3, 'above the ring');
   assert.ok(box.y + box.height <= ring.y + 2, 'the ring is free');
-  // Down beside the first body, then against it.
-  const [x, y, z] = world.state.objects[0].position;
-  const dragTo = async (point) => {
-    const at = await onScreen(page, point);
-    await page.mouse.move(at.x, at.y, { steps: 20 });
-  };
-  const tool = world.state.proxy;
+  const { proxy, objects } = world.state;
+  const toTool = ({ position }) => Math.hypot(...position.map((value, i) => value - proxy[i]));
+  const [body] = [...objects].sort((a, b) => toTool(a) - toTool(b));
   await page.mouse.move(ring.x + ring.width / 2, ring.y + ring.height / 2);
   await page.mouse.down();
-  await dragTo([x - 0.22, y, tool[2]]);
-  await page.keyboard.down('Shift');
-  await dragTo([x - 0.22, y, z]);
-  await page.keyboard.up('Shift');
-  await until(() => Math.abs(world.state.proxy[2] - z) < 0.03, 'the tool at the box height');
   assert.equal(await call.isVisible(), true, 'before the push');
-  await dragTo([x + 0.02, y, z]);
+  const at = await onScreen(page, [body.position[0], body.position[1], proxy[2]]);
+  await page.mouse.move(at.x, at.y, { steps: 20 });
   await call.waitFor({ state: 'hidden' });
   await page.mouse.up();
   await page.waitForTimeout(200);

@@ -8,7 +8,7 @@ import { join } from 'node:path';
 import { after, afterEach, before, test } from 'node:test';
 import { openBrowser, openPage, screenshot } from './support/browser.mjs';
 import { loaded, onScreen } from './support/drawn.mjs';
-import { until } from './support/live.mjs';
+import { distance, until } from './support/live.mjs';
 import { makeScene } from './support/pcavr.mjs';
 import { startOperator, startRobot } from './support/sites.mjs';
 
@@ -96,32 +96,32 @@ async function watchForce(page) {
   return () => page.evaluate(() => window.maxForce);
 }
 
-const near = (a, b, limit) => Math.hypot(...a.map((value, i) => value - b[i])) < limit;
+/// The index of the object that is the nearest to a place.
+function nearestTo(objects, place) {
+  const distances = objects.map(({ position }) => distance(position, place));
+  return distances.indexOf(Math.min(...distances));
+}
 
 test('a box of the live plant is pushed, and shown where the robot sees it', limit, async () => {
   const { page, seen } = await openSites('--config', config);
+  // A busy machine is late at first.
+  const isLeadRight = (state) => state?.link.lead > 0.2 && state.link.lead < 0.5;
+  await until(async () => isLeadRight(await stateOf(page)), 'a lead of 0.2 to 0.5 s', 30_000);
   const first = await stateOf(page);
-  assert.ok(first.link.lead > 0.2 && first.link.lead < 0.5, `lead ${first.link.lead}`);
-  const [x, y, z] = first.objects[0].position;
-  const start = first.link.robot.objects[0].position;
-  // The ring, to beside the box, down with Shift to its height, then slowly against it.
+  const body = nearestTo(first.objects, first.proxy);
+  const start = first.link.robot.objects[body].position;
+  // As the page says: the ring, towards the body beside which the tool starts, but not to hit it.
+  const goal = [...first.objects[body].position.slice(0, 2), first.proxy[2]];
   const ring = await page.locator('#handle').boundingBox();
   await page.mouse.move(ring.x + ring.width / 2, ring.y + ring.height / 2);
   await page.mouse.down();
-  const above = [x - 0.14, y, first.proxy[2]];
-  const beside = [x - 0.14, y, z];
-  await move(page, first.proxy, above, 1);
-  await until(async () => near((await stateOf(page)).proxy, above, 0.03), 'the place', 60_000);
-  await page.keyboard.down('Shift');
-  await move(page, above, beside, 1);
-  await page.keyboard.up('Shift');
-  await until(async () => near((await stateOf(page)).proxy, beside, 0.03), 'the height', 60_000);
   const maxForce = await watchForce(page);
-  const pushed = move(page, beside, [x, y, z], 4, 0.003); // does not hit it
+  const pushed = move(page, first.proxy, goal, 4, 0.003);
   await until(
     async () => {
-      const { link } = await stateOf(page);
-      return (await maxForce()) > 0.5 && link.robot.objects[0].position[0] > start[0] + 0.02;
+      const robot = (await stateOf(page))?.link.robot; // a busy machine misses states
+      const moved = robot ? distance(robot.objects[body].position, start) : 0;
+      return (await maxForce()) > 0.5 && moved > 0.02;
     },
     "the robot's box pushed, and a force on the hand",
     60_000,
@@ -131,8 +131,7 @@ test('a box of the live plant is pushed, and shown where the robot sees it', lim
   await page.mouse.up();
   await page.waitForTimeout(1500); // a round trip, and the last corrections
   const { objects, link } = await stateOf(page);
-  const tracked = link.robot.objects[0].position;
-  const apart = Math.hypot(...tracked.map((value, i) => value - objects[0].position[i]));
+  const apart = distance(link.robot.objects[body].position, objects[body].position);
   assert.ok(apart < 0.003, `shown and tracked differ by ${1000 * apart} mm`);
   // What the robot's camera sees, with its age: the delay back, at least.
   await page.locator('#camera-toggle').click();

@@ -105,6 +105,81 @@ test('a server restarted with the same scene is announced', limit, async () => {
   await page.locator('#lost').waitFor({ state: 'hidden' });
 });
 
+test(
+  'a page without its graphics context opens the clutch, says so and draws again',
+  limit,
+  async () => {
+    const { page } = await stage.open();
+    await loaded(page);
+    await page.waitForFunction(() => window.__pcavr.state !== null);
+    const drag = async () => {
+      const ring = await page.locator('#handle').boundingBox();
+      await page.mouse.move(ring.x + ring.width / 2, ring.y + ring.height / 2);
+      await page.mouse.down();
+      await page.mouse.move(ring.x + ring.width / 2 + 8, ring.y + ring.height / 2, { steps: 4 });
+    };
+    await drag();
+    await page.waitForFunction(() => window.__pcavr.state.isEngaged);
+    await page.evaluate(() => {
+      const { app } = window.__pcavr;
+      window.__loss = app.renderer.getContext().getExtension('WEBGL_lose_context');
+      window.__loss.loseContext();
+    });
+    await page.locator('#no-picture', { hasText: 'No picture' }).waitFor();
+    // Counted from here: the browser says later than at once that the context is lost.
+    await page.evaluate(() => {
+      window.__pcavr.app.onDrawn(() => (window.__drawn = (window.__drawn ?? 0) + 1));
+    });
+    await page.waitForFunction(() => !window.__pcavr.state.isEngaged);
+    await page.mouse.up();
+    await drag();
+    await page.waitForTimeout(300);
+    assert.equal(await page.evaluate(() => window.__pcavr.state.isEngaged), false, 'a blind drag');
+    assert.equal(await page.evaluate(() => window.__drawn ?? 0), 0);
+    await page.mouse.up();
+    await page.evaluate(() => window.__loss.restoreContext());
+    await page.locator('#no-picture').waitFor({ state: 'hidden' });
+    await page.waitForFunction(() => window.__drawn > 0);
+    await screenshot(page, 'picture-restored');
+    await drag();
+    await page.waitForFunction(() => window.__pcavr.state.isEngaged);
+    await page.mouse.up();
+  },
+);
+
+test('a drag that a gap has ended says so, and pressing again resumes', limit, async () => {
+  const server = await serve(...sceneArguments(stage.scene));
+  const { page } = await openOn(server);
+  const press = async () => {
+    const ring = await page.locator('#handle').boundingBox();
+    await page.mouse.move(ring.x + ring.width / 2, ring.y + ring.height / 2);
+    await page.mouse.down();
+  };
+  await press();
+  await page.waitForFunction(() => window.__pcavr.state.isEngaged);
+  server.signal('SIGSTOP');
+  await page.locator('#toasts', { hasText: 'The drag has ended' }).waitFor();
+  server.signal('SIGCONT');
+  await page.waitForFunction(() => window.__pcavr.state?.isEngaged === false);
+  await page.mouse.up();
+  await page.locator('#lost').waitFor({ state: 'hidden' });
+  await press();
+  await page.waitForFunction(() => window.__pcavr.state?.isEngaged);
+  await page.mouse.up();
+});
+
+test('a server that was down for long is back within two seconds', limit, async () => {
+  const first = await serve(...sceneArguments(stage.scene));
+  const { page } = await openOn(first);
+  first.signal('SIGKILL');
+  await first.ended;
+  await page.waitForTimeout(5000); // the pause between two attempts has grown
+  servers.push(await serveAt(new URL(first.url).port, ...sceneArguments(stage.scene)));
+  const since = Date.now();
+  await page.waitForFunction(() => window.__pcavr.state !== null, null, { polling: 50 });
+  assert.ok(Date.now() - since < 2000, `${Date.now() - since} ms`);
+});
+
 test('a page asks for the tool, and the one that has it hands it over', limit, async () => {
   const { page } = await stage.open();
   await page.setViewportSize({ width: 1280, height: 800 });

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { screenshot } from './support/browser.mjs';
 import { drawnBodies, loaded, onScreen, openPanel } from './support/drawn.mjs';
@@ -10,7 +11,11 @@ import { limit, setStage } from './support/stage.mjs';
 const poseTolerance = 1e-4; // [m]
 
 let world;
-const stage = setStage({ world: true }, () => ({ world } = stage));
+let box; // the index of the object beside which the tool starts
+const stage = setStage({ world: true }, () => {
+  ({ world } = stage);
+  box = nearestObject();
+});
 
 /// Moves the pointer in small steps to where a point of base is drawn.
 async function dragTo(page, point) {
@@ -24,21 +29,22 @@ async function grab(page) {
   await page.mouse.down();
 }
 
-/// To the side of the box at the tool's height, down with Shift, then against the box. The pointer
-/// stays down.
+/// As the page says: drags the ring against the body beside it. The pointer stays down.
 async function pushBox(page) {
   await page.locator('#handle').waitFor();
-  const [x, y, z] = world.state.objects[0].position;
-  const tool = world.state.proxy;
+  const start = world.state.objects[box].position;
   await grab(page);
-  await dragTo(page, [x - 0.22, y, tool[2]]);
-  await page.keyboard.down('Shift');
-  await dragTo(page, [x - 0.22, y, z]);
-  await page.keyboard.up('Shift');
-  await until(() => Math.abs(world.state.proxy[2] - z) < 0.03, 'the tool at the box height');
-  await dragTo(page, [x + 0.02, y, z]);
+  await dragTo(page, [start[0], start[1], world.state.proxy[2]]);
   await screenshot(page, 'mouse-pushing');
-  await until(() => world.state.objects[0].position[0] > x + 0.03, 'the box pushed');
+  await until(() => distance(world.state.objects[box].position, start) > 0.03, 'the box pushed');
+}
+
+/// The index of the object that is the nearest to the tool.
+function nearestObject() {
+  const distances = world.state.objects.map(({ position }) =>
+    distance(position, world.state.proxy),
+  );
+  return distances.indexOf(Math.min(...distances));
 }
 
 test(
@@ -50,7 +56,7 @@ test(
     await pushBox(page);
     // The plot has the box's phases, and the force at which it breaks away.
     await page
-      .locator('.plot svg text', { hasText: 'box_1 breaks away' })
+      .locator('.plot svg text', { hasText: `${world.welcome.objects[box]} breaks away` })
       .waitFor({ state: 'attached' });
     const bands = () =>
       page
@@ -64,15 +70,37 @@ test(
     await until(async () => (await bands()).includes(sliding), 'a band of sliding');
     await page.mouse.up();
     await until(() => !world.state.isEngaged, 'the clutch open');
-    await until(() => world.state.objects[0].speed < 1e-4, 'the box at rest');
+    await until(() => world.state.objects[box].speed < 1e-4, 'the box at rest');
     await until(async () => {
       const bodies = await drawnBodies(page);
-      return distance(bodies[0].position, world.state.objects[0].position) < poseTolerance;
+      return distance(bodies[box].position, world.state.objects[box].position) < poseTolerance;
     }, 'the drawn box at its pose in the world');
+    await saveLastPush(page, world.welcome.objects[box]);
     assert.deepEqual(seen.errors, []);
     await page.close();
   },
 );
+
+/// The plot has the object's name, and its table absolute times, phases and components.
+async function saveLastPush(page, name) {
+  await page.setViewportSize({ width: 1280, height: 800 });
+  const plot = page.locator('.plot', { hasText: `Force on the hand, from ${name}` });
+  await plot.getByRole('button', { name: 'x y z' }).click();
+  await screenshot(page, 'mouse-plot');
+  const saving = page.waitForEvent('download');
+  await plot.getByRole('button', { name: 'CSV' }).click();
+  const text = readFileSync(await (await saving).path(), 'utf8');
+  const [head, ...rows] = text.trimEnd().split('\r\n');
+  assert.equal(
+    head,
+    'time of the world (s),time since 1970 (s),object,phase,on the hand (N),x (N),y (N),z (N)',
+  );
+  const sliding = rows.map((row) => row.split(',')).filter(([, , , phase]) => phase === 'sliding');
+  const [, clock, object, , force, ...components] = sliding[0];
+  assert.ok(Math.abs(Number(clock) - Date.now() / 1000) < 20, clock);
+  assert.equal(object, name);
+  assert.ok(Math.abs(Math.hypot(...components) - force) < 1e-6, `${sliding[0]}`);
+}
 
 // Frames of a busy machine are far apart: the pointer moves and Shift is pressed between two of them.
 test('a drag counts up to where Shift begins another', limit, async () => {
@@ -95,12 +123,41 @@ test('a drag counts up to where Shift begins another', limit, async () => {
   await page.close();
 });
 
+test('the view follows the tool, but not while the mouse drags it', limit, async () => {
+  const { page, seen } = await stage.open();
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await loaded(page);
+  const offCentre = () =>
+    page.evaluate(() => {
+      const { app } = window.__pcavr;
+      const tool = app.view.tool.proxy.getWorldPosition(app.camera.position.clone());
+      const { x, y } = tool.project(app.camera);
+      return Math.hypot(x, y);
+    });
+  const eye = () => page.evaluate(() => window.__pcavr.app.camera.position.toArray());
+  await page.locator('#handle').waitFor();
+  await page.getByRole('button', { name: 'Follow tool' }).click();
+  await until(async () => (await offCentre()) < 0.02, 'the tool in the middle');
+  await grab(page);
+  await until(() => world.state.isEngaged, 'the clutch closed');
+  const [before, [x, y, z]] = [await eye(), world.state.proxy];
+  const target = [x - 0.1, y, z];
+  await dragTo(page, target);
+  await until(() => distance(world.state.hip, target) < 0.02, 'the tool at the pointer');
+  assert.deepEqual(await eye(), before);
+  await page.mouse.up();
+  await until(async () => (await offCentre()) < 0.02, 'the tool in the middle again');
+  assert.ok(distance(world.state.hip, target) < 0.02, 'the tool where it was dragged to');
+  assert.deepEqual(seen.errors, []);
+  await page.close();
+});
+
 test('starting over can be undone until a body is touched', limit, async () => {
   const { page, seen } = await stage.open();
   await loaded(page);
   await openPanel(page);
   const undo = page.locator('#undo-reset');
-  const position = () => world.state.objects[0].position;
+  const position = () => world.state.objects[box].position;
   const isAt = (point) => distance(position(), point) < poseTolerance;
   await page.click('#reset');
   await undo.waitFor();
@@ -109,7 +166,7 @@ test('starting over can be undone until a body is touched', limit, async () => {
   await undo.waitFor({ state: 'hidden' });
   await page.mouse.up();
   await until(() => !world.state.isEngaged, 'the clutch open');
-  await until(() => world.state.objects[0].speed < 1e-4, 'the box at rest');
+  await until(() => world.state.objects[box].speed < 1e-4, 'the box at rest');
   const pushed = position();
   await page.click('#reset');
   await until(() => isAt(start), 'the box at its start');
@@ -121,7 +178,7 @@ test('starting over can be undone until a body is touched', limit, async () => {
   await undo.waitFor({ state: 'hidden' });
   await until(async () => {
     const bodies = await drawnBodies(page);
-    return distance(bodies[0].position, position()) < poseTolerance;
+    return distance(bodies[box].position, position()) < poseTolerance;
   }, 'the drawn box at its pose in the world');
   await screenshot(page, 'undo-done');
   assert.deepEqual(seen.errors, []);
@@ -152,7 +209,7 @@ test('buttons slow the time down, and the hand feels forces as much smaller', li
     await isAt(scale);
   }
   const feelsHalf = () => {
-    const onBox = Math.hypot(...world.state.objects[0].force);
+    const onBox = Math.hypot(...world.state.objects[box].force);
     const felt = Math.hypot(...world.state.force);
     return onBox > 0.5 && Math.abs(felt / onBox - 0.5) < 0.05;
   };

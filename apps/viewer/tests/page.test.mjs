@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { foreignRequests, screenshot } from './support/browser.mjs';
 import { loaded, openPanel } from './support/drawn.mjs';
@@ -189,3 +190,70 @@ test(
     await until(async () => Math.abs((await size()) - 0.03) < 1e-6, '1.5 times 2 cm');
   },
 );
+
+test('? shows all keys, and Escape closes them', limit, async () => {
+  const { page, seen } = await stage.open();
+  await loaded(page);
+  await page.locator('#view').focus();
+  await page.keyboard.press('?');
+  await page.locator('#shortcuts', { hasText: 'emergency stop' }).waitFor();
+  await screenshot(page, 'shortcuts');
+  await page.keyboard.press('Escape');
+  await page.locator('#shortcuts').waitFor({ state: 'hidden' });
+  await page.click('#show-shortcuts');
+  await page.locator('#shortcuts').waitFor();
+  assert.deepEqual(seen.errors, []);
+});
+
+test(
+  'the scene is seen from above and from the front, and its picture is saved',
+  limit,
+  async () => {
+    const { page, seen } = await stage.open();
+    await loaded(page);
+    await page.setViewportSize({ width: 1000, height: 600 });
+    const elevation = () =>
+      page.evaluate(() => {
+        const { camera } = window.__pcavr.app;
+        return Math.asin(-camera.getWorldDirection(camera.position.clone()).y);
+      });
+    await page.click('[data-side=top]');
+    assert.ok((await elevation()) > 1.5, 'from above');
+    await page.waitForTimeout(300);
+    await screenshot(page, 'view-top');
+    await page.click('[data-side=front]');
+    assert.ok(Math.abs(await elevation()) < 0.1, 'from the front');
+    await page.waitForTimeout(300);
+    await screenshot(page, 'view-front');
+    const saving = page.waitForEvent('download');
+    await page.click('#save-picture');
+    const picture = readFileSync(await (await saving).path());
+    assert.equal(picture.toString('latin1', 1, 4), 'PNG');
+    assert.ok(picture.length > 3000, `${picture.length} bytes: not an empty picture`);
+    assert.deepEqual(seen.errors, []);
+  },
+);
+
+test('the scene is seen as the camera of the recording saw it', limit, async () => {
+  const page = await stage.browser.context.newPage();
+  await page.setViewportSize({ width: 1000, height: 600 });
+  const scene = await (await fetch(`${stage.server.url}api/scene.json`)).json();
+  // It looks along y and down, at 45 degrees.
+  const position = [0.1, -0.5, 0.6];
+  const half = (3 * Math.PI) / 8;
+  const quaternion = [-Math.sin(half), 0, 0, Math.cos(half)];
+  const cameras = [{ position, quaternion }];
+  await page.route('**/api/scene.json', (route) => route.fulfill({ json: { ...scene, cameras } }));
+  await page.goto(stage.server.url);
+  await loaded(page);
+  await page.getByRole('button', { name: 'Camera', exact: true }).click();
+  const seen = await page.evaluate(() => {
+    const { camera, base } = window.__pcavr.app;
+    const forward = camera.getWorldDirection(camera.position.clone());
+    const ahead = base.worldToLocal(camera.position.clone().add(forward)).toArray();
+    return { position: base.worldToLocal(camera.position.clone()).toArray(), ahead };
+  });
+  assert.ok(distance(seen.position, position) < 1e-6, `${seen.position}`);
+  const ahead = [0.1, -0.5 + Math.SQRT1_2, 0.6 - Math.SQRT1_2];
+  assert.ok(distance(seen.ahead, ahead) < 1e-6, `${seen.ahead}`);
+});

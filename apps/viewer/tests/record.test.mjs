@@ -14,7 +14,11 @@ import { makeScene, serve } from './support/pcavr.mjs';
 
 const limit = { timeout: 180_000 };
 const made = makeScene();
-after(() => made.remove());
+const servers = [];
+after(async () => {
+  for (const server of servers) await server.stop();
+  made.remove();
+});
 const path = (name) => join(made.folder, name);
 const run = (...args) =>
   JSON.parse(
@@ -28,11 +32,8 @@ async function pushABox(url) {
   const live = new Live(url);
   await until(() => live.state, 'a state');
   const [x, y, z] = live.state.objects[0].position;
-  const high = live.state.hip;
   const beside = [x, y - 0.2, z];
-  live.command(4); // take
-  await live.moveTool(high, [beside[0], beside[1], high[2]], 1);
-  await live.moveTool([beside[0], beside[1], high[2]], beside, 1);
+  await live.moveToolOver(beside);
   await live.moveTool(beside, [x, y, z], 4);
   await live.moveTool([x, y, z], beside, 1);
   const moved = live.state.objects[0].position[1] - y;
@@ -44,6 +45,7 @@ test('a recorded live session is read by replay, evaluate and the page', limit, 
   const server = await serve(
     ...[made.scene, '--parameters', made.parameters, '--record', path('session')],
   );
+  servers.push(server);
   const moved = await pushABox(server.url);
   assert.ok(moved > 0.02, `the box moved by ${moved} m`);
   assert.equal(await server.stop(), 0);

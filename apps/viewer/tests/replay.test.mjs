@@ -151,6 +151,66 @@ test('at speed 2 the replay advances twice as fast', limit, async () => {
   assert.ok(Math.abs(ratio - 2) < 0.1, `${ratio} times`);
 });
 
+test(
+  'the time line marks events, and buttons and keys go from one to the next',
+  limit,
+  async () => {
+    const { page, seen } = await open();
+    await page.setViewportSize({ width: 1280, height: 800 });
+    const contacts = model.objects
+      .flatMap(({ name, phases }) =>
+        phases
+          .filter(
+            ({ measured }, i) =>
+              measured !== 'free' && (phases[i - 1]?.measured ?? 'free') === 'free',
+          )
+          .map(({ t }) => ({ t, name })),
+      )
+      .sort((a, b) => a.t - b.t);
+    assert.ok(contacts.length >= 2, `${contacts.length} contacts`);
+    const marks = page.locator('#event-marks path[data-mark=contact]');
+    assert.equal((await marks.getAttribute('d')).match(/M/g).length, contacts.length);
+    await page.selectOption('#event-kind', 'contact');
+    for (const { t, name } of contacts) {
+      await page.getByRole('button', { name: 'Next event' }).click();
+      assert.ok(Math.abs((await timeline(page)).time - t) < rounding);
+      assert.equal(await page.locator('#event').textContent(), `contact with ${name}`);
+      await page.locator('.plot .title', { hasText: `Force on ${name}` }).waitFor();
+    }
+    await page.getByRole('button', { name: 'Next event' }).click();
+    assert.equal(await page.locator('#event').textContent(), 'no later event');
+    await screenshot(page, 'replay-events');
+    await page.focus('#view');
+    await page.keyboard.press('p');
+    assert.ok(Math.abs((await timeline(page)).time - contacts.at(-2).t) < rounding);
+    await page.keyboard.press('n');
+    assert.ok(Math.abs((await timeline(page)).time - contacts.at(-1).t) < rounding);
+    await page.selectOption('#event-kind', 'breakaway');
+    await page.getByRole('button', { name: 'Previous event' }).click();
+    assert.match(await page.locator('#event').textContent(), /^breakaway of /);
+    await page.keyboard.press('?');
+    await page.locator('#shortcuts', { hasText: 'to the next event' }).waitFor();
+    await screenshot(page, 'replay-keys');
+    assert.deepEqual(seen.errors, []);
+  },
+);
+
+test('the view follows the tool', limit, async () => {
+  const { page } = await open();
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await page.getByRole('button', { name: 'Follow tool' }).click();
+  for (const { t } of model.objects.map((object) => ({ t: timeOfPush(object) }))) {
+    await page.locator('#scrub').fill(String(Number(t.toFixed(2))));
+    await page.waitForFunction(() => {
+      const { app } = window.__pcavr;
+      const tool = app.view.tool.proxy.getWorldPosition(app.camera.position.clone());
+      tool.project(app.camera);
+      return Math.hypot(tool.x, tool.y) < 0.02; // in the middle of the picture
+    });
+  }
+  await screenshot(page, 'replay-followed');
+});
+
 test('a link restores view, layers and time', limit, async () => {
   const { page, seen } = await open();
   await page.locator('#scrub').fill('1.5');

@@ -78,7 +78,7 @@ test('a report shows its headings, tables and plots without a network', limit, a
   ]);
   // Lines have been drawn, and no coordinate is invalid.
   const paths = await page
-    .locator('.drawing g[aria-label=line] path')
+    .locator('.drawing g[data-mark=line] path')
     .evaluateAll((all) => all.map((path) => path.getAttribute('d')));
   assert.equal(paths.length, 4);
   for (const path of paths) assert.match(path, /^M[-\d.]+,[-\d.]+L/);
@@ -93,7 +93,7 @@ test('a plot shows values at the pointer, zooms in, and shows all again', limit,
   const drawing = figure.locator('.drawing');
   await drawing.scrollIntoViewIfNeeded();
   const box = await drawing.boundingBox();
-  const ticks = () => figure.locator('g[aria-label="x-axis tick label"] text').allTextContents();
+  const ticks = () => figure.locator('g[data-mark="x-axis tick label"] text').allTextContents();
   const whole = await ticks();
   await page.mouse.move(box.x + 200, box.y + 100);
   const tip = figure.locator('g[aria-label=tip]', { hasText: 'force (N):' });

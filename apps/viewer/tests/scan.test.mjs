@@ -50,12 +50,9 @@ async function push(speed, offset, whileHeld = async () => {}) {
     seen.moved = box.position[1] - y;
     seen.isHeld ||= box.isBlocked || box.isSaturated;
   };
-  const high = live.state.hip;
   const low = [x + offset, y - half[1] - 0.08, z];
-  const above = [low[0], low[1], high[2]];
   const end = [low[0], y - half[1] + gap + 0.1, z];
-  await live.moveTool(high, above, 0.5);
-  await live.moveTool(above, low, 0.3);
+  await live.moveToolOver(low);
   await live.moveTool(low, end, (end[1] - low[1]) / speed);
   await whileHeld(live, end);
   live.close();

@@ -2,7 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { fixedColor, objectColors, phaseColors, sourceColors, toolColors } from '../src/palette';
+import {
+  componentColors,
+  fixedColor,
+  objectColors,
+  phaseColors,
+  sourceColors,
+  toolColors,
+} from '../src/palette';
 import { bandColors } from '../src/report/colors';
 import { colorDifference, labOf, minDifferenceOf } from './color_difference';
 
@@ -58,6 +65,13 @@ test('objects, phases and sources are seen on both backgrounds', () => {
       const found = colorDifference(labOf(color), labOf(background));
       assert.ok(found >= minToBackground, `${color} on ${theme}: ${found.toFixed(1)}`);
     }
+});
+
+test('the components of a force differ from each other and from its magnitude', () => {
+  const components = Object.values(componentColors);
+  assertDistinct(components, components, minDifference);
+  const { measured, predicted } = sourceColors;
+  assertDistinct(components, [toolColors.force, measured, predicted], minDifference);
 });
 
 test('the bands of phases behind curves differ', () => {

@@ -5,12 +5,21 @@ import { test } from 'node:test';
 import { valuesByX } from '../src/report/values';
 import { spacingOf } from '../src/scene/cells';
 import { phaseRuns } from '../src/ui/live_plot';
-import { axisRange, nearestRow, rightPerLeft, roundTicks, steadyTop } from '../src/ui/plot_axes';
+import {
+  axisRange,
+  nearestRow,
+  rightPerLeft,
+  roundTicks,
+  rowsInSpan,
+  steadyTop,
+  valueNear,
+} from '../src/ui/plot_axes';
 import { csvText } from '../src/ui/plot_files';
+import { spikesOutside } from '../src/ui/plot_spikes';
 
 test('an axis has zero, its least span, and room above the maximum', () => {
   assert.deepEqual(axisRange([[0.1, 0.2]], 2), [0, 2]);
-  assert.deepEqual(axisRange([[NaN, -3, 10]], 2), [-3, 10.8]);
+  assert.deepEqual(axisRange([[NaN, -3, 10]], 2), [-3.24, 10.8]);
   assert.deepEqual(axisRange([], 2), [0, 2]);
 });
 
@@ -38,6 +47,16 @@ test('the nearest row is found at both ends, between rows, and not in an empty p
   assert.equal(nearestRow([], 1), -1);
 });
 
+test('there is no value in a gap, nor outside', () => {
+  const [times, values] = [
+    [1, 2, 2, 8, 9],
+    [5, 6, NaN, 7, 8],
+  ];
+  const at = (time: number) => valueNear(times, values, time, 0.1);
+  assert.deepEqual([0.5, 0.95, 1.4, 5, 7.95, 8.4, 9.5].map(at), [NaN, 5, 5, NaN, 7, 7, NaN]);
+  assert.ok(Number.isNaN(valueNear([], [], 1, 1)));
+});
+
 test('the top of an axis stays while the values fit and use it', () => {
   assert.equal(steadyTop(0, 2, 2), 2);
   assert.equal(steadyTop(3, 2, 2), 5);
@@ -47,20 +66,57 @@ test('the top of an axis stays while the values fit and use it', () => {
   assert.equal(steadyTop(3, 10, 2), 5);
 });
 
-test('numbers are saved as a table with quoted names, and gaps stay empty', () => {
-  const columns = [
-    [0, 0.5],
-    [NaN, -2],
+test('a table is saved with quoted names and words, and gaps stay empty', () => {
+  const table = [
+    { name: 'time (s)', values: [0, 0.5] },
+    { name: 'a, "b" (N)', values: [NaN, -2] },
+    { name: 'phase', values: ['free', 'on, off'] },
   ];
-  assert.equal(
-    csvText(['time (s)', 'a, "b" (N)'], columns),
-    'time (s),"a, ""b"" (N)"\r\n0,\r\n0.5,-2\r\n',
-  );
+  assert.equal(csvText(table), 'time (s),"a, ""b"" (N)",phase\r\n0,,free\r\n0.5,-2,"on, off"\r\n');
+});
+
+/// About 7 N for two of ten seconds, otherwise nothing.
+const push = Array.from({ length: 1000 }, (_, i) => (i % 500 < 100 ? 7 + 0.2 * Math.sin(i) : 0));
+
+test('one spike does not flatten the curve', () => {
+  const hit = push.map((value, i) => (i === 3 ? 72 : value));
+  const [, high] = axisRange([hit], 2);
+  assert.ok(high > 7 && high < 9, `${high} N`);
+});
+
+test('a curve about zero has no spike that flattens the others', () => {
+  const aboutZero = push.map((_, i) => (i === 40 ? -30 : 0.1 * Math.sin(i)));
+  const [low] = axisRange([push, aboutZero], 2);
+  assert.ok(low > -1, `${low} N`);
+});
+
+test('what is not rare is no spike: a press, a breakaway, a short contact, noise', () => {
+  const press = Array.from({ length: 200 }, (_, i) => i / 10);
+  assert.ok(axisRange([press], 2)[1] > 19.9);
+  const breakaway = push.map((value, i) => (i % 500 < 5 ? 2 * value : value));
+  assert.ok(axisRange([breakaway], 2)[1] > 14);
+  const short = Array.from({ length: 1000 }, (_, i) => (i > 500 && i < 510 ? 7 : 0.05));
+  assert.ok(axisRange([short], 2)[1] > 7);
+  assert.ok(axisRange([[0, 0, 50, 0]], 2)[1] > 50, 'of a few values');
+});
+
+test('a spike of either sign is marked once, with its largest value', () => {
+  const times = [0, 1, 2, 3, 4, 5, 6];
+  assert.deepEqual(spikesOutside(times, [0, 50, 72, NaN, -30, 0, 60], [-10, 10], 1.5), [
+    { time: 2, value: 72 },
+    { time: 4, value: -30 },
+    { time: 6, value: 60 },
+  ]);
+});
+
+test('the rows of a span reach one beyond its ends', () => {
+  assert.deepEqual(rowsInSpan([0, 1, 2, 3, 4], [1.5, 2.5]), [1, 4]);
+  assert.deepEqual(rowsInSpan([0, 1], [-5, 9]), [0, 3]);
 });
 
 test('equal phases in a row are one band, and free is none', () => {
   const phases = ['free', 'static', 'static', 'sliding', 'free'] as const;
-  const samples = phases.map((phase, i) => ({ time: i, force: 0, phase }));
+  const samples = phases.map((phase, i) => ({ time: i, phase }));
   assert.deepEqual(
     phaseRuns(samples, 4).map(({ from, to }) => [from, to]),
     [

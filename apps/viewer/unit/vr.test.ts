@@ -226,7 +226,13 @@ test('a high, narrow sheet hides what is above and below its middle, not what is
 });
 
 test('a sign names the most urgent trouble', () => {
-  const well = { isLost: false, isOutsideModel: false, isRefused: false, isOnHold: false };
+  const well = {
+    isLost: false,
+    isSlow: false,
+    isOutsideModel: false,
+    isRefused: false,
+    isOnHold: false,
+  };
   assert.equal(signText(well), null);
   assert.equal(signText({ ...well, isOnHold: true })?.[0], 'PAUSED');
   assert.equal(signText({ ...well, isOnHold: true, isRefused: true })?.[0], 'TOOL IN USE');
@@ -235,6 +241,8 @@ test('a sign names the most urgent trouble', () => {
     'OUTSIDE THE MODEL',
   );
   assert.equal(signText({ ...well, isOutsideModel: true, isLost: true })?.[0], 'CONNECTION LOST');
+  assert.equal(signText({ ...well, isSlow: true })?.[0], 'SLOW PICTURE');
+  assert.equal(signText({ ...well, isSlow: true, isLost: true })?.[0], 'CONNECTION LOST');
 });
 
 test('the scale goes up and wraps around', () => {

@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <memory>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
-#include "pcavr/core/parallel.hpp"
-#include "pcavr/geometry/image.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/base/core/parallel.hpp"
+#include "pcavr/base/geometry/image.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 namespace pcavr {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/pipeline/perception_options.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 namespace pcavr {
 
@@ -33,6 +33,25 @@ struct ConsistencyFinding {
   [[nodiscard]] const std::string& input() const { return place.empty() ? file : place; }
 };
 
+/// States how far a recording's inputs can show a wrong principal point or distortion, and what
+/// such an error would do; nullopt where they always can, and without a camera.
+[[nodiscard]] std::optional<std::string> unchecked_camera(const Manifest& manifest);
+
+/// An input that `inspect` compared with another one, or could not.
+struct InputComparison {
+  std::string what;         ///< "poses of tags of base", "camera.fx, camera.fy"
+  std::string figure = {};  ///< how well they agree
+  std::string reason = {};  ///< why it was not compared; empty where it was
+
+  [[nodiscard]] bool is_compared() const { return reason.empty(); }
+};
+
+/// Findings of a recording's inputs about each other.
+struct InputReport {
+  std::vector<ConsistencyFinding> findings;  ///< contradictions first
+  std::vector<InputComparison> comparisons;
+};
+
 [[nodiscard]] bool has_contradiction(const std::vector<ConsistencyFinding>& findings);
 
 /// The first contradiction as an Error, which states how many more there are. Throws ContractError
@@ -40,9 +59,14 @@ struct ConsistencyFinding {
 [[nodiscard]] Error contradiction_error(const Recording& recording,
                                         const std::vector<ConsistencyFinding>& findings);
 
-/// Cross-checks a recording's inputs on a few of its frames: sizes of tags, depth scale, focal
-/// lengths, CAD bodies, camera poses. Contradictions come first. An Error where a frame, a CAD file
-/// or the robot's description can't be read, or its joints are not those of the log.
+/// Cross-checks a recording's inputs, the images on a few of the frames: sizes and poses of tags,
+/// depth scale, focal lengths, CAD bodies, camera poses, tracks, tool and force; and states what
+/// was compared. An Error where a frame, a CAD file or the robot's description can't be read, or
+/// its joints are not those of the log.
+[[nodiscard]] Expected<InputReport> inspect_inputs(const Recording& recording,
+                                                   const PerceptionOptions& options = {});
+
+/// The findings of inspect_inputs.
 [[nodiscard]] Expected<std::vector<ConsistencyFinding>> inspect_consistency(
     const Recording& recording, const PerceptionOptions& options = {});
 

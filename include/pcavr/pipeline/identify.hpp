@@ -12,38 +12,18 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
-#include "pcavr/core/parallel.hpp"
-#include "pcavr/geometry/pose.hpp"
-#include "pcavr/geometry/tracked_pose.hpp"
-#include "pcavr/inputs/input_findings.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/object_identification/object_identification.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/base/core/parallel.hpp"
+#include "pcavr/physics/inputs/input_findings.hpp"
+#include "pcavr/physics/object_identification/object_identifier.hpp"
 #include "pcavr/pipeline/perception_options.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 namespace pcavr {
 
 /// All times are seconds from the recording's start (start_of), on the tool's clock where the
 /// force sensor's clock differs.
-
-enum class IdentificationGoal {
-  contact,  ///< contact law: stiffness, damping, exponent
-  friction  ///< breakaway, sliding and turning friction; with the contact law that these need
-};
-
-/// A body that the tool may have touched.
-struct IdentifiableObject {
-  std::string name;
-  CadModel model;
-  Pose T_base_object;                     ///< pose at the start
-  std::optional<double> mass = {};        ///< [kg] where it was weighed
-  std::vector<TrackedPose> tracked = {};  ///< may be empty: then its motion follows from the pushes
-  /// False: every contact is a press, whatever its direction, and only the contact law is
-  /// identified.
-  bool is_movable = true;
-};
 
 struct IdentificationInput {
   std::vector<IdentifiableObject> objects;
@@ -58,6 +38,7 @@ struct IdentificationInput {
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
   ParameterTable known = {};                ///< identified earlier; new results replace it
   std::vector<SkippedRows> left_out = {};   ///< rows and frames of the recording
+  std::vector<std::string> notes = {};      ///< what was put right in the streams
 };
 
 struct Identification {
@@ -66,6 +47,7 @@ struct Identification {
   std::vector<IdentifiedContact> contacts;    ///< in order of time
   InputFindings inputs = {};                  ///< what the series show about themselves
   std::vector<std::string> notes = {};
+  std::vector<std::string> warnings = {};  ///< of the notes: data that contradict each other
   std::vector<SkippedRows> left_out = {};  ///< rows and frames of the input
 
   /// The contacts that were not used, by reason.
@@ -83,9 +65,9 @@ struct Identification {
 
 /// Segments the contacts of a recording, attributes each to an object, and identifies the objects'
 /// parameters. Fails where there is no force or no tool, where nothing was touched, and where the
-/// data show that the force's sign, axes, unit or clock is wrong: another interpretation explains
-/// them decisively better than the data as written. A parameter that is merely not identified is
-/// reported in the result. Deterministic.
+/// data show that the force's sign, axes, unit, scale or clock is wrong: another interpretation
+/// explains them decisively better than the data as written. A parameter that is merely not
+/// identified is reported in the result. Deterministic.
 [[nodiscard]] Expected<Identification> identify(const IdentificationInput& input,
                                                 IdentificationGoal goal,
                                                 const IdentificationOptions& options = {});

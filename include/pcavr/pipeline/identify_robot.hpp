@@ -7,18 +7,19 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/recording/joint_log.hpp"
-#include "pcavr/robot/robot_model.hpp"
-#include "pcavr/robot_identification/contact_observer.hpp"
-#include "pcavr/robot_identification/exciting_motion.hpp"
-#include "pcavr/robot_identification/friction_intervals.hpp"
-#include "pcavr/robot_identification/friction_trial.hpp"
-#include "pcavr/robot_identification/joint_signals.hpp"
-#include "pcavr/robot_identification/payload.hpp"
-#include "pcavr/robot_identification/replay_motion.hpp"
-#include "pcavr/robot_identification/robot_fit.hpp"
-#include "pcavr/robot_identification/sample_clock.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/recordings/recording/joint_log.hpp"
+#include "pcavr/robots/robot/robot_model.hpp"
+#include "pcavr/robots/robot_identification/contact_observer.hpp"
+#include "pcavr/robots/robot_identification/exciting_motion.hpp"
+#include "pcavr/robots/robot_identification/friction_intervals.hpp"
+#include "pcavr/robots/robot_identification/friction_trial.hpp"
+#include "pcavr/robots/robot_identification/joint_coupling.hpp"
+#include "pcavr/robots/robot_identification/joint_signals.hpp"
+#include "pcavr/robots/robot_identification/payload.hpp"
+#include "pcavr/robots/robot_identification/replay_motion.hpp"
+#include "pcavr/robots/robot_identification/robot_fit.hpp"
+#include "pcavr/robots/robot_identification/sample_clock.hpp"
 
 namespace pcavr {
 
@@ -29,12 +30,13 @@ struct RobotIdentificationOptions {
   FrictionTrialOptions trial;
   FrictionIntervalOptions intervals;
   ExcitingMotionOptions plan;
+  PayloadOptions payload;
   bool is_trial_wanted = false;  ///< paper A's trial, to compare with
   /// [N m/A] by joint of the log's columns, for currents; empty where the log has torques.
   std::vector<double> gains = {};
 };
 
-/// What turns a drive's current into its joint's torque.
+/// Factor from a drive's current to its joint's torque.
 struct JointGain {
   std::string joint;
   double gain = 0.0;  ///< [N m/A]
@@ -43,14 +45,19 @@ struct JointGain {
 
 struct RobotIdentification {
   RobotModel model;  ///< with the log's joints alone
-  JointLog log;      ///< as fitted: in the chain's order, torques from currents, unwrapped
+  /// As fitted: in the chain's order, torques from currents and without those of couplings,
+  /// unwrapped.
+  JointLog log;
   SampleClock clock;
   JointSignals signals;
-  /// Of all rows; its errors and fitted torque are those of the fit of the first part alone, as
-  /// are contacts, intervals, trial and replay.
+  /// The fit of all rows; its errors and fitted torque are those of the fit of the first part
+  /// alone, as are contacts, intervals, trial and replay.
   RobotFit fit;
-  /// Of the held-out rows, with thresholds from the fitted ones; empty where the bodies aren't
-  /// possible.
+  /// Transmissions that two joints share: their torques are part of the fitted torque, and taken
+  /// from the recorded ones before contacts, trial, replay and load are looked at.
+  std::vector<JointCoupling> couplings = {};
+  /// Contacts in the held-out rows, with thresholds from the fitted ones; empty where the bodies
+  /// aren't possible.
   std::optional<ObservedContacts> contacts = {};
   std::vector<JointGain> gains = {};           ///< where they were identified
   std::optional<Payload> payload = {};         ///< by add_payload

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <optional>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
-#include "pcavr/core/parallel.hpp"
-#include "pcavr/geometry/camera.hpp"
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/base/core/parallel.hpp"
+#include "pcavr/base/geometry/camera.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 
 namespace pcavr {
 
@@ -25,7 +25,7 @@ struct CloudImportOptions {
   /// Finds T_base_world from the manifest's base tags in the clouds' colours. Without poses this
   /// is done whenever the manifest has base tags.
   bool anchor_by_tags = false;
-  /// Of one coordinate unit in metres; detected (1 or 0.001) where not given.
+  /// Length of one coordinate unit [m]; detected (1 or 0.001) where not given.
   std::optional<double> unit = {};
   bool as_unorganised = false;  ///< ignore the grid of organised clouds
   double depth_scale = 5000.0;  ///< of the images written [units/m]
@@ -35,7 +35,7 @@ struct CloudImportOptions {
   Parallelism parallelism = Parallelism::max();
 };
 
-/// How the clouds were placed.
+/// Source of the clouds' poses.
 enum class CloudPoses { given, viewpoints, aligned };
 
 struct CloudImportReport {

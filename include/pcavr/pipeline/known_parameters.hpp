@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/object/object_parameters.hpp"
-#include "pcavr/recording/manifest.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/physics/object/object_parameters.hpp"
+#include "pcavr/recordings/recording/manifest.hpp"
 
 namespace pcavr {
 

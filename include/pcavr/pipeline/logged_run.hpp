@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
 
 namespace pcavr {
 

@@ -4,19 +4,19 @@
 
 #include <vector>
 
-#include "pcavr/geometry/depth_noise.hpp"
-#include "pcavr/marker/body_pose.hpp"
-#include "pcavr/marker/tag_detector.hpp"
-#include "pcavr/model/cad_model.hpp"
-#include "pcavr/tracking/camera_tracker.hpp"
-#include "pcavr/tracking/object_tracker.hpp"
+#include "pcavr/base/geometry/depth_noise.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/perception/marker/body_pose.hpp"
+#include "pcavr/perception/marker/tag_detector.hpp"
+#include "pcavr/perception/tracking/camera_tracker.hpp"
+#include "pcavr/perception/tracking/object_tracker.hpp"
 
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
 
-/// Masks of movable bodies and of the tool; see src/pipeline/perception_options.cpp for meanings,
-/// ranges and defaults.
+/// Masks of movable bodies and of the tool; see src/pipeline/build/perception_options.cpp for
+/// meanings, ranges and defaults.
 struct MaskOptions {
   MaskOptions();
 
@@ -31,7 +31,8 @@ struct MaskOptions {
   double max_tip_distance;  ///< [m]
 };
 
-/// Checks of a recording's inputs against each other; see src/pipeline/perception_options.cpp.
+/// Checks of a recording's inputs against each other; see
+/// src/pipeline/build/perception_options.cpp.
 struct ConsistencyOptions {
   ConsistencyOptions();
 
@@ -49,7 +50,7 @@ struct ConsistencyOptions {
 };
 
 /// The tip of an arm whose encoders are in front of elastic gears; see
-/// src/pipeline/perception_options.cpp.
+/// src/pipeline/build/perception_options.cpp.
 struct LoadedTipOptions {
   LoadedTipOptions();
 
@@ -64,8 +65,9 @@ struct LoadedTipOptions {
 [[nodiscard]] OptionSection section_of(MaskOptions& options);
 [[nodiscard]] OptionSection section_of(ConsistencyOptions& options);
 
-/// What building a scene and replaying a recording share: from images to poses. `depth_noise` and
-/// `body_pose` apply to the trackers too, in place of the ones in `camera` and `objects`.
+/// Options that building a scene and replaying a recording share: from images to poses.
+/// `depth_noise` and `body_pose` apply to the trackers too, in place of the ones in `camera` and
+/// `objects`.
 struct PerceptionOptions {
   DepthNoise depth_noise = {};
   TagDetectorOptions tag_detector = {};
@@ -78,7 +80,7 @@ struct PerceptionOptions {
   LoadedTipOptions loaded_tip = {};
 };
 
-/// With the common depth noise and body pose options.
+/// The trackers' options with the common depth noise and body pose options.
 [[nodiscard]] CameraTrackerOptions camera_options(const PerceptionOptions& options);
 [[nodiscard]] ObjectTrackerOptions object_options(const PerceptionOptions& options);
 

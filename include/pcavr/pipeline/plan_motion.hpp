@@ -8,12 +8,12 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/identification/motion_plan.hpp"
+#include "pcavr/physics/identification/motion_plan.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
 namespace pcavr {
 
-/// What the planned motion does for one parameter.
+/// Std of one parameter, now and expected after the planned motion.
 struct PlannedStd {
   std::string name;  ///< as in the parameter file
   std::string unit;

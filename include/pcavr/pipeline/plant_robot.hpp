@@ -6,20 +6,20 @@
 #include <filesystem>
 #include <memory>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 #include "pcavr/simulation/simulate.hpp"
-#include "pcavr/sites/robot_interface.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
+#include "pcavr/teleoperation/sites/robot_interface.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 namespace pcavr {
 
 /// A robot that knows what truly happened.
 class PlantRobot : public RobotInterface {
  public:
-  /// Before the first advance(): keeps what happens.
+  /// Keeps what happens. Call it before the first advance().
   virtual void keep_truth() = 0;
-  /// As in the truth/ of a recording, in the scene's time: write_plant_truth.
+  /// Writes files as in the truth/ of a recording, in the scene's time: write_plant_truth.
   [[nodiscard]] virtual Expected<void> write_truth(const std::filesystem::path& folder) const = 0;
 };
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/sites/robot_interface.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/teleoperation/sites/robot_interface.hpp"
 
 namespace pcavr {
 

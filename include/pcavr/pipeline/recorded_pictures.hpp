@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/sites/picture_source.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/teleoperation/sites/picture_source.hpp"
 
 namespace pcavr {
 

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "pcavr/sites/robot_interface.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
+#include "pcavr/teleoperation/sites/robot_interface.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 namespace pcavr {
 

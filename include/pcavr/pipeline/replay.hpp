@@ -11,17 +11,17 @@
 #include <utility>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
-#include "pcavr/core/parallel.hpp"
-#include "pcavr/core/stage_clock.hpp"
-#include "pcavr/geometry/trajectory.hpp"
-#include "pcavr/object/object_parameters.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/base/core/parallel.hpp"
+#include "pcavr/base/core/stage_clock.hpp"
+#include "pcavr/base/geometry/trajectory.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/perception/tracking/object_tracker.hpp"
+#include "pcavr/physics/object/object_parameters.hpp"
 #include "pcavr/pipeline/perception_options.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
-#include "pcavr/tracking/object_tracker.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 namespace pcavr {
 
@@ -100,7 +100,8 @@ struct Replay {
 /// An object's poses from a folder.
 struct TrackedFile {
   std::vector<TrackedPose> poses;
-  std::vector<SkippedRows> left_out;  ///< with skip_bad; files with the folder
+  std::vector<SkippedRows> left_out;     ///< with skip_bad; files with the folder
+  std::optional<std::string> note = {};  ///< that poses were repeated, and are left out
 };
 
 struct TrackedFileOptions {
@@ -111,7 +112,8 @@ struct TrackedFileOptions {
 };
 
 /// Reads objects/NAME/tracked.txt of a run, with the stds from tracking.csv next to
-/// it (1 mm and 10 mrad where that file is absent). Empty where the folder has no such object.
+/// it (1 mm and 10 mrad where that file is absent). Poses that a tracker repeated are left out
+/// (recording/held_samples.hpp). Empty where the folder has no such object.
 [[nodiscard]] Expected<TrackedFile> read_tracked_poses(const std::filesystem::path& folder,
                                                        const std::string& name,
                                                        const TrackedFileOptions& options = {});

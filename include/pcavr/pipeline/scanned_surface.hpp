@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pcavr/geometry/mesh.hpp"
+#include "pcavr/base/geometry/mesh.hpp"
 
 namespace pcavr {
 

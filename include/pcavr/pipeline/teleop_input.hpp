@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
-#include "pcavr/teleop/run_teleop.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 namespace pcavr {
 

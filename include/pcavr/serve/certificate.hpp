@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 
 namespace pcavr {
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <string_view>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
 
-/// How much of a scene and a replay a page gets.
+/// Limits of what a page gets of a scene and a replay.
 struct ContentOptions {
   ContentOptions();
   int max_points;          ///< of the cloud; of more, every n-th is kept

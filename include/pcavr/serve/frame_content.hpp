@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/pipeline/augmented_frames.hpp"
 #include "pcavr/serve/content.hpp"
 

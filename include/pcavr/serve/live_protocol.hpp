@@ -14,9 +14,9 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/link/delay_stages.hpp"
-#include "pcavr/prediction/predicted_world.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/physics/prediction/predicted_world.hpp"
+#include "pcavr/teleoperation/link/delay_stages.hpp"
 
 namespace pcavr {
 
@@ -140,7 +140,7 @@ struct LiveLinkState {
     std::vector<Object> objects;  ///< as many as the state has: required for encoding
   };
   std::optional<Robot> robot;
-  /// On the server's clock, but for device_clock: the receiving page's.
+  /// Stamps on the server's clock, except device_clock, which is on the receiving page's.
   std::optional<DelayStamps> delays;
   std::uint32_t picture = 0;  ///< number of the newest one of the robot's camera; 0: none
   float picture_age = 0.0F;   ///< [s]
@@ -194,7 +194,8 @@ struct ServerMessage {
   std::variant<LiveWelcome, LiveState, LiveNotice, LivePong> content;
 };
 
-/// As decode_page_message; for clients other than the page.
+/// Decodes a server's message as decode_page_message does a page's, for clients other than the
+/// page.
 [[nodiscard]] Expected<ServerMessage> decode_server_message(std::span<const std::uint8_t> bytes);
 [[nodiscard]] std::vector<std::uint8_t> encode(const ServerMessage& message);
 /// Encodes a state into a buffer that is reused.

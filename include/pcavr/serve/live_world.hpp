@@ -12,13 +12,13 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/devices/device.hpp"
-#include "pcavr/devices/remote_device.hpp"
-#include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/robot/arm_follower.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/robots/robot/arm_follower.hpp"
 #include "pcavr/serve/page_world.hpp"
 #include "pcavr/serve/scene_arm.hpp"
+#include "pcavr/teleoperation/devices/device.hpp"
+#include "pcavr/teleoperation/devices/remote_device.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
 
 namespace pcavr {
 
@@ -65,7 +65,7 @@ struct LiveWorldOptions {
   VibrationOptions vibration;
   HandToolOptions tool;
 };
-/// Without those of `vibration` and `tool`, which have their own.
+/// The section without `vibration` and `tool`, which have their own.
 [[nodiscard]] OptionSection section_of(LiveWorldOptions& options);
 
 /// Runs a haptic world in real time on its own thread: one cycle per millisecond, from the device's
@@ -95,7 +95,7 @@ class LiveWorld final : public PageWorld {
   /// Stops the thread; so does the destructor.
   void stop() noexcept;
 
-  /// Of all cycles so far. Call before start() or after stop().
+  /// Times of all cycles so far. Call before start() or after stop().
   [[nodiscard]] CycleTimes times() const;
 
   [[nodiscard]] const std::vector<std::string>& notes() const override;

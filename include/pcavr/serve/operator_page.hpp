@@ -7,15 +7,15 @@
 #include <string_view>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/devices/device.hpp"
-#include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/link/motion_limiter.hpp"
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/page_world.hpp"
 #include "pcavr/serve/robot_picture.hpp"
 #include "pcavr/serve/scene_arm.hpp"
-#include "pcavr/sites/operator_interface.hpp"
+#include "pcavr/teleoperation/devices/device.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
+#include "pcavr/teleoperation/link/motion_limiter.hpp"
+#include "pcavr/teleoperation/sites/operator_interface.hpp"
 
 namespace pcavr {
 
@@ -36,7 +36,7 @@ class OperatorPage final : public OperatorInterface, public PageWorld {
       std::unique_ptr<LiveArm> arm = nullptr);
   ~OperatorPage() override;
 
-  /// Where pages find the pictures of the robot's camera; kept. Before the site runs.
+  /// Sets where pages find the pictures of the robot's camera; kept. Call it before the site runs.
   void set_pictures(RobotPicture& pictures);
 
   // The site's thread.

@@ -11,12 +11,12 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/cycle_histogram.hpp"
-#include "pcavr/devices/remote_device.hpp"
-#include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/link/delay_stages.hpp"
-#include "pcavr/link/link_message.hpp"
-#include "pcavr/robot/arm_follower.hpp"
+#include "pcavr/base/core/cycle_histogram.hpp"
+#include "pcavr/robots/robot/arm_follower.hpp"
+#include "pcavr/teleoperation/devices/remote_device.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
+#include "pcavr/teleoperation/link/delay_stages.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
 
 namespace pcavr {
 
@@ -58,7 +58,7 @@ class PageWorld {
  public:
   virtual ~PageWorld() = default;
 
-  /// For the person at a page: of a missing real-time priority, for example.
+  /// Notes for the person at a page, such as a missing real-time priority.
   [[nodiscard]] virtual const std::vector<std::string>& notes() const = 0;
   [[nodiscard]] virtual const std::vector<std::string>& names() const = 0;
   [[nodiscard]] virtual std::string_view device_name() const = 0;

@@ -6,11 +6,11 @@
 #include <optional>
 #include <string_view>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/replay.hpp"
-#include "pcavr/recording/recording.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/frame_content.hpp"
 
@@ -21,9 +21,9 @@ namespace pcavr {
 /// Const and thread-safe.
 class ReplayContent : public ContentSource {
  public:
-  /// From the result of replay_recording() for this recording and scene; copies what it needs.
-  /// Warns the observer if the camera's pose is not known, so that images stay as recorded.
-  /// An Error if a CAD body can't be read. Deterministic.
+  /// Makes the content from the result of replay_recording() for this recording and scene; copies
+  /// what it needs. Warns the observer if the camera's pose is not known, so that images stay as
+  /// recorded. An Error if a CAD body can't be read. Deterministic.
   [[nodiscard]] static Expected<ReplayContent> create(const Recording& recording,
                                                       const SceneManifest& scene,
                                                       const Replay& replay,

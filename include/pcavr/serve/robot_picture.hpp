@@ -7,8 +7,8 @@
 #include <mutex>
 #include <string_view>
 
-#include "pcavr/link/link_message.hpp"
 #include "pcavr/serve/content.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
 
 namespace pcavr {
 

@@ -8,12 +8,12 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/arm/driven_arm.hpp"
-#include "pcavr/core/expected.hpp"
-#include "pcavr/geometry/mesh.hpp"
-#include "pcavr/robot/arm_follower.hpp"
-#include "pcavr/robot/robot_model.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/geometry/mesh.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/robots/arm/driven_arm.hpp"
+#include "pcavr/robots/robot/arm_follower.hpp"
+#include "pcavr/robots/robot/robot_model.hpp"
 #include "pcavr/serve/scene_world.hpp"
 
 namespace pcavr {

@@ -8,11 +8,11 @@
 #include <string>
 #include <string_view>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
-#include "pcavr/core/parallel.hpp"
-#include "pcavr/object/object_parameters.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/base/core/parallel.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/physics/object/object_parameters.hpp"
 #include "pcavr/serve/content.hpp"
 
 namespace pcavr {

@@ -8,10 +8,10 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/haptics/haptic_world.hpp"
-#include "pcavr/object/object_parameters.hpp"
-#include "pcavr/scene/scene_bundle.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/physics/object/object_parameters.hpp"
+#include "pcavr/teleoperation/haptics/haptic_world.hpp"
 
 namespace pcavr {
 
@@ -23,6 +23,7 @@ struct SceneWorldOptions {
   std::optional<ParameterTable> parameters;  ///< as written by `pcavr identify`
   std::string parameters_file;               ///< file name for error messages
   double tool_radius;                        ///< [m] > 0
+  double start_clearance;                    ///< [m] > 0 of the tool beside a movable object
   double start_height;                       ///< [m] of the tool above the movable objects
   int max_triangles;                         ///< of the mesh that is used for contact
   double max_shown_force;                    ///< [N] limit of the force where no device renders it
@@ -32,7 +33,7 @@ struct SceneWorldOptions {
   WorldOptions world;
   PhysicsDefaults unknown_objects;
 };
-/// Without those of `force`, `haptics`, `world` and `unknown_objects`, which have their own.
+/// The section without `force`, `haptics`, `world` and `unknown_objects`, which have their own.
 [[nodiscard]] OptionSection section_of(SceneWorldOptions& options);
 
 /// A body's parameters that neither the scene nor identification gave, so that defaults are used
@@ -44,8 +45,9 @@ struct AssumedParameters {
 
 struct SceneWorld {
   HapticWorldModel model;
-  /// Start position of the tool: above the centre of the movable objects; without any, half way
-  /// from the first camera to the scan.
+  /// Start position of the tool: beside a movable object at its mid-height; above the centre of the
+  /// objects where there is no free place or an arm moves the tool; without objects, half way from
+  /// the first camera to the scan.
   Eigen::Vector3d p_base_tool_start = Eigen::Vector3d::Zero();
   /// [N] force of the strongest continuous vibration: the largest limiting friction of the bodies,
   /// and at least `min_full_scale_force`.

@@ -9,11 +9,12 @@
 #include <optional>
 #include <string>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/serve/certificate.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/live_world.hpp"
 #include "pcavr/serve/page_world.hpp"
+#include "pcavr/serve/viewer_scene.hpp"
 
 namespace pcavr {
 
@@ -62,9 +63,10 @@ class LiveServer {
  public:
   /// Listens, but serves no request yet. `world` and `content` must outlive it. Errors: a port in
   /// use, an address that is not this machine's, one that others can reach without TLS, a page that
-  /// was not built, a bad certificate.
+  /// was not built, a bad certificate. `viewer`: the scene, for viewers by the Foxglove protocol.
   [[nodiscard]] static Expected<LiveServer> open(const ServerOptions& options, PageWorld& world,
-                                                 const ContentSource& content);
+                                                 const ContentSource& content,
+                                                 ViewerScene viewer = {});
   LiveServer(LiveServer&&) noexcept;
   LiveServer& operator=(LiveServer&&) noexcept;
   ~LiveServer();
@@ -75,13 +77,13 @@ class LiveServer {
 
   /// Serves until stop() or a signal. Call once.
   void run();
-  /// From any thread, also before run().
+  /// May be called from any thread, also before run().
   void stop();
 
  private:
-  struct Impl;
-  explicit LiveServer(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  struct State;
+  explicit LiveServer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace pcavr

@@ -9,13 +9,13 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 
 namespace pcavr {
 
-/// What the sensors of a live plant have measured, with the noise of sensors.hpp. Base frame, SI;
-/// times are seconds since the plant's start.
+/// Samples of the sensors of a live plant, with the noise of sensors.hpp. Base frame, SI; times are
+/// seconds since the plant's start.
 struct LivePlantSamples {
   struct Tool {
     double t = 0.0;
@@ -59,15 +59,17 @@ class LivePlant {
 
   /// The plant and its clock stand still while the scene's time goes on by `steps` of kStep.
   void skip(long long steps);
-  /// From now on run() grows, by some 0.2 MB a second and body.
+  /// Makes run() grow from now on, by some 0.2 MB a second and body.
   void keep_run();
 
   [[nodiscard]] double t() const;  ///< [s], without what was skipped
+  /// Whether the integration has not diverged; a plant that has stands still, and measures nothing.
+  [[nodiscard]] bool is_finite() const;
   // Exact, without noise.
   [[nodiscard]] Eigen::Vector3d p_base_tip() const;
   [[nodiscard]] std::size_t size() const;
   [[nodiscard]] PlantBodyState body(std::size_t index) const;
-  /// Since keep_run() and with what was skipped, except for impacts, forces and torques.
+  /// The run since keep_run(), with what was skipped, except for impacts, forces and torques.
   [[nodiscard]] PlantRun run() const;
 
  private:

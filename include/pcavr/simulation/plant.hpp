@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 #include "pcavr/simulation/plant_arm.hpp"
 
 /// Ground-truth simulation of a robot tip that pushes bodies on a table. Deliberately not the model
@@ -65,8 +65,8 @@ struct PlantBody {
   Pose T_base_object;              ///< initial pose; rotated about z only
   bool is_movable = true;
   PlantParameters parameters;
-  /// Below the body's lowest face. Their centre of pressure is below the centre of mass, because
-  /// the body stands in equilibrium.
+  /// Patches of the support below the body's lowest face. Their centre of pressure is below the
+  /// centre of mass, because the body stands in equilibrium.
   std::vector<PlantPatch> patches;
   std::vector<PlantPrism> prisms = {};  ///< within the bounding box of `parts`
 };
@@ -107,18 +107,18 @@ struct ToolMove {
   std::optional<double> until_travelled = {};  ///< [m]: stops early after that part of the path
   bool blends_into_next = false;  ///< at the stop condition, passes its speed to the next move
   /// The arm is released instead: the tip flies freely, with its effective mass, until this long
-  /// after its last contact [s]; the target is ignored. For impacts, as with a striker that is
-  /// thrown: an arm's servo would drive the tip while it bounces.
+  /// after its last contact [s]; the target is ignored. It is for impacts, as of a thrown striker:
+  /// an arm's servo would drive the tip while it bounces.
   std::optional<double> release = {};
   double dwell = 0.0;  ///< [s] of rest at the end
 };
 
 enum class PlantPhase { free, static_friction, critical, sliding };
 
-/// As in `phase.csv`: sliding from 1 mm/s until slower than 0.3 mm/s (hysteresis; rotation counts
-/// with the friction radius as lever arm), touched or not; free: at rest, not touched; critical:
-/// touched, at rest, friction at 0.9 of its limit; static otherwise. A phase shorter than 8 ms is
-/// merged into the previous one.
+/// A change of phase as in `phase.csv`: sliding from 1 mm/s until slower than 0.3 mm/s (hysteresis;
+/// rotation counts with the friction radius as lever arm), touched or not; free: at rest, not
+/// touched; critical: touched, at rest, friction at 0.9 of its limit; static otherwise. A phase
+/// shorter than 8 ms is merged into the previous one.
 struct PlantPhaseChange {
   double t = 0.0;  ///< [s]
   std::size_t body = 0;

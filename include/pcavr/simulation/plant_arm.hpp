@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/geometry/pose.hpp"
-#include "pcavr/robot/robot_model.hpp"
+#include "pcavr/base/geometry/pose.hpp"
+#include "pcavr/robots/robot/robot_model.hpp"
 
 /// The arm that carries the tip of a simulated plant, with what its description does not state.
 namespace pcavr {

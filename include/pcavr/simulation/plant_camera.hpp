@@ -8,18 +8,19 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/geometry/image.hpp"
-#include "pcavr/geometry/pose.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/geometry/image.hpp"
+#include "pcavr/base/geometry/pose.hpp"
 #include "pcavr/simulation/simulate.hpp"
 
 namespace pcavr {
 
-/// What the camera of a case, on its stand, sees of the case's plant while this is moved otherwise
-/// than in the recording: at half the width and height, so that a core renders some 20 a second.
+/// Pictures by the camera of a case, on its stand, of the case's plant while this is moved
+/// otherwise than in the recording: at half the width and height, so that a core renders some 20 a
+/// second.
 class PlantCamera {
  public:
-  /// For a case with a tool that is not an arm's.
+  /// The tool of the case must not be an arm's.
   [[nodiscard]] static Expected<PlantCamera> create(const SimulationCase& simulation,
                                                     std::uint64_t seed);
   PlantCamera(PlantCamera&&) noexcept;

@@ -21,6 +21,8 @@ enum class ToolTask {
   turn,    ///< off-centre pushes, so that the boxes turn
   paper,   ///< paper C's two boxes: a short probe of each, then the operator's push
   soft,    ///< along z at five speeds, 15 mm into something soft [paper B's ball]
+  corner,  ///< pushes close to the corners of soft boxes, into which the tip goes by more than its
+           ///< radius, and than the distance from the corner
   impact,  ///< slow presses, then impacts along z by a tip that flies freely while it hits
 };
 
@@ -42,7 +44,7 @@ struct PushOptions {
   double duration = 0.0;
 };
 
-/// How much of the world outside of a laboratory there is.
+/// Variety beyond that of a laboratory.
 enum class PlantVariety {
   plain,
   /// Worn supports, friction that depends on the load, and boxes that are pushed up to 12 degrees

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "pcavr/core/expected.hpp"
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 
 namespace pcavr {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "pcavr/core/stamp.hpp"
-#include "pcavr/geometry/trajectory.hpp"
-#include "pcavr/recording/joint_log.hpp"
-#include "pcavr/recording/recording.hpp"
+#include "pcavr/base/core/stamp.hpp"
+#include "pcavr/base/geometry/trajectory.hpp"
+#include "pcavr/recordings/recording/joint_log.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 #include "pcavr/simulation/plant.hpp"
 
 /// Sensor models: the measurements of an arm, its force sensor and a marker tracker for a PlantRun.
@@ -33,10 +33,10 @@ struct SensorFaults {
   double cable_stiffness = 0.0;
 };
 
-/// What a workshop adds, by seed: tracking 10 to 60 ms late, a cable of 0.5 to 2 N/m.
+/// Adds the faults of a workshop, by seed: tracking 10 to 60 ms late, a cable of 0.5 to 2 N/m.
 [[nodiscard]] SensorFaults with_workshop_faults(SensorFaults faults, std::uint64_t seed);
 
-/// At 500 Hz with 0.05 mm and 0.2 mrad of noise. The tool's z axis points down.
+/// The tool's poses at 500 Hz with 0.05 mm and 0.2 mrad of noise. The tool's z axis points down.
 [[nodiscard]] Trajectory measured_tool(const PlantRun& run, std::uint64_t seed);
 
 /// The log of the plant's arm at 500 Hz, with noise of 10 urad, 1 mrad/s, and of 0.2 % of the
@@ -48,8 +48,8 @@ struct SensorFaults {
 /// in it.
 [[nodiscard]] Trajectory measured_tool(const JointLog& log, const PlantArm& arm);
 
-/// At 500 Hz, the mean over 2 ms stamped at its middle, with 0.2 N of noise (0.26 N along z), a
-/// bias that drifts by 0.1 N, and outliers (1 in 1000 samples) of 6 to 35 N.
+/// The forces at 500 Hz: the mean over 2 ms stamped at its middle, with 0.2 N of noise (0.26 N
+/// along z), a bias that drifts by 0.1 N, and outliers (1 in 1000 samples) of 6 to 35 N.
 [[nodiscard]] std::vector<WrenchSample> measured_wrench(const PlantRun& run, std::uint64_t seed,
                                                         const SensorFaults& faults = {});
 
@@ -63,9 +63,10 @@ struct SimulatedMeasurement {
   bool is_at_rest = false;
 };
 
-/// At 30 Hz. While a body rests its pose is averaged and the error is a nearly constant bias of
-/// 0.05 to 0.17 mm; while it moves the errors of the frames are independent, 0.3 mm and 0.07
-/// degrees, and up to 1 mm in one frame of 50. As measured for our tracker on rendered recordings.
+/// Measurements at 30 Hz. While a body rests its pose is averaged and the error is a nearly
+/// constant bias of 0.05 to 0.17 mm; while it moves the errors of the frames are independent, 0.3
+/// mm and 0.07 degrees, and up to 1 mm in one frame of 50. Our tracker has these errors on rendered
+/// recordings.
 [[nodiscard]] std::vector<SimulatedMeasurement> simulated_tracking(const PlantRun& run,
                                                                    const PlantBody& body,
                                                                    std::size_t index,

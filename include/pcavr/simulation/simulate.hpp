@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/core/expected.hpp"
-#include "pcavr/core/observer.hpp"
-#include "pcavr/core/parallel.hpp"
-#include "pcavr/geometry/camera.hpp"
-#include "pcavr/geometry/depth_noise.hpp"
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/base/core/parallel.hpp"
+#include "pcavr/base/geometry/camera.hpp"
+#include "pcavr/base/geometry/depth_noise.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 #include "pcavr/simulation/sensors.hpp"
 
@@ -37,7 +37,8 @@ struct SimulationCase {
   int clutter = 8;    ///< cylinders, spheres, boxes, prisms, cups
   int width = 640;    ///< [px]
   int height = 480;
-  /// With its own image size; absent: a pinhole with the first Kinect's field of view (62 degrees).
+  /// The camera, with its own image size; absent: a pinhole with the first Kinect's field of view
+  /// (62 degrees).
   std::optional<CameraModel> camera = {};
   int depth_width = 0;  ///< [px], for depth images smaller than colour by one factor; 0: as colour
   int depth_height = 0;

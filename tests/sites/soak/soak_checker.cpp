@@ -116,7 +116,7 @@ void SoakChecker::on_applied(double t, std::uint32_t session, const LinkCorrecti
     violate(t, fmt::format("correction {} is another one than was sent", number));
   }
   known.waiting.erase(number);
-  // Those that arrive together are applied in the order of the time they speak of.
+  // Corrections that arrive together are applied in the order of the time they speak of.
   known.applied_later.insert(number);
   while (known.applied_later.erase(known.applied_in_order + 1) > 0) ++known.applied_in_order;
 }
@@ -179,7 +179,7 @@ void SoakChecker::check_motion(double t, const Eigen::Vector3d& p_base) {
         t, fmt::format("the tool moves {:.3f} s after the last message", t - last_fresh_delivery_));
   }
   check_force(t, p_base - last.p_base);
-  // By true time: also a site that makes up for missed cycles moves within its limits.
+  // Speeds are by true time: also a site that makes up for missed cycles moves within its limits.
   const Setpoint& first = setpoints_.front();
   const double distance = (p_base - first.p_base).cwiseAbs().maxCoeff();
   const double allowed = max_speed() * ((t - first.t) * (1.0 + kRateTolerance) + 1.5 * dt);
@@ -208,8 +208,8 @@ void SoakChecker::on_force(double t, const Eigen::Vector3d& force_base) {
   force_base_ = force_base;
   if (force_base.norm() <= options_.limits.max_force) return pressed_since_.reset();
   if (pressed_since_ && force_base.dot(pressed_force_base_) > 0.0) return;
-  // Also one that turns against what it was, as an outlier of the sensor does while the tool leaves
-  // what it pressed: the tool has to stop from then on.
+  // A force that turns against what it was is new, too, as an outlier of the sensor while the tool
+  // leaves what it pressed: the tool has to stop from then on.
   pressed_since_ = t;
   pressed_force_base_ = force_base;
   pressed_on_ = 0.0;

@@ -13,9 +13,9 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/link/command_buffer.hpp"
-#include "pcavr/link/link_message.hpp"
-#include "pcavr/link/motion_limiter.hpp"
+#include "pcavr/teleoperation/link/command_buffer.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
+#include "pcavr/teleoperation/link/motion_limiter.hpp"
 
 namespace pcavr {
 
@@ -39,7 +39,7 @@ class SoakChecker {
   void on_applied(double t, std::uint32_t session, const LinkCorrection& correction, bool is_valid);
   // The network: a message that the operator's site sent at `sent` reaches the robot's site.
   void on_delivered(double t, double sent);
-  /// What the robot's site sends is lost until then: a session can't begin.
+  /// Messages of the robot's site are lost until then: a session can't begin.
   void on_no_answers(double until);
   // The robot's site.
   void on_session(double t, std::uint32_t session, const std::string& key);

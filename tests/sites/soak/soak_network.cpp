@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "pcavr/link/link_message.hpp"
+#include "pcavr/teleoperation/link/link_message.hpp"
 
 namespace pcavr {
 namespace {
@@ -138,7 +138,7 @@ void SoakNetwork::send_as_intruder() {
     default:
       message.content = command;
   }
-  // As its own session, or as the operator's.
+  // The message gets the operator's session instead of its own, at random.
   if (!recent_[to_robot].empty() && random_.below(2) == 0) {
     const std::vector<std::uint8_t>& bytes = recent_[to_robot].back().content.bytes;
     std::memcpy(&message.header.session, bytes.data() + kSessionAt, sizeof message.header.session);

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "pcavr/core/random.hpp"
-#include "pcavr/link/link_conditions.hpp"
-#include "pcavr/link/site_transport.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/teleoperation/link/link_conditions.hpp"
+#include "pcavr/teleoperation/link/site_transport.hpp"
 
 #include "sites/soak/soak_checker.hpp"
 
@@ -39,7 +39,7 @@ class SoakNetwork {
 
   double now = 0.0;  ///< [s] true time
 
-  // Of the sites' transports.
+  // Functions of the sites' transports.
   void send(Direction direction, std::string peer, std::string key,
             std::span<const std::uint8_t> bytes);
   [[nodiscard]] std::optional<LinkPacket> receive(Direction direction);
@@ -50,7 +50,7 @@ class SoakNetwork {
   }
   void set_authorized(const std::string& key, bool is_authorized);
 
-  /// Until the next arrival; nothing: none.
+  /// Time of the next arrival; nothing: none.
   [[nodiscard]] std::optional<double> next_arrival() const;
   void deliver();
 

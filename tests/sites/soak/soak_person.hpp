@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 
-#include "pcavr/link/motion_limiter.hpp"
-#include "pcavr/sites/operator_interface.hpp"
+#include "pcavr/teleoperation/link/motion_limiter.hpp"
+#include "pcavr/teleoperation/sites/operator_interface.hpp"
 
 namespace pcavr {
 
@@ -103,7 +103,7 @@ class SoakPerson final : public OperatorInterface {
   void plan(const LiveOperatorSite& site) {
     const std::size_t object = stroke_++ % homes_.size();
     const Eigen::Vector3d centre = site.shown(object).T_base_object.translation();
-    // From the side to which it has been pushed, so that it stays on the table.
+    // The push is from the side to which the object has been pushed, so that it stays on the table.
     const double side = centre.x() > homes_[object].x() ? 1.0 : -1.0;
     const Eigen::Vector3d beside = centre + Eigen::Vector3d(side * kStandoff, 0.0, 0.0);
     const Eigen::Vector3d pushed = beside - Eigen::Vector3d(side * kPush, 0.0, 0.0);

@@ -13,15 +13,15 @@
 
 #include <fmt/core.h>
 
-#include "pcavr/core/random.hpp"
+#include "pcavr/base/core/random.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/simulation/plant_case.hpp"
 
-#include "sites/site_steps.hpp"
 #include "sites/soak/soak_checker.hpp"
 #include "sites/soak/soak_network.hpp"
 #include "sites/soak/soak_person.hpp"
 #include "teleop/plant_input.hpp"
+#include "teleoperation/sites/site_steps.hpp"
 
 namespace pcavr {
 namespace {
@@ -114,7 +114,7 @@ class SoakRobot final : public RobotInterface {
     for (RobotSamples::Tool& tool : samples.tool) tool.t -= start_;
     for (RobotSamples::Wrench& wrench : samples.wrench) wrench.t -= start_;
     for (RobotSamples::Tracked& tracked : samples.tracked) tracked.pose.t -= start_;
-    // What was measured for the process before.
+    // These samples were measured for the process before.
     std::erase_if(samples.tool, [](const auto& sample) { return sample.t <= 0.0; });
     std::erase_if(samples.wrench, [](const auto& sample) { return sample.t <= 0.0; });
     std::erase_if(samples.tracked, [](const auto& sample) { return sample.pose.t <= 0.0; });

@@ -39,8 +39,8 @@ struct SoakReport {
 /// Does the use of the heap [bytes], sampled at even intervals over a run, grow? Its minimum in the
 /// last third against that in the first, by more than half a megabyte. A process's windows of data
 /// fill with its age, so that the maximum depends on when processes are started anew; soon after
-/// that only what outlives them is left. Of processes that are not started anew, the samples from
-/// when their windows are full on.
+/// that only what outlives them is left. For processes that are not started anew, give the samples
+/// from when their windows are full on.
 [[nodiscard]] bool heap_grows(std::span<const std::size_t> samples);
 
 /// Both sites' main loops, message handling, watchdogs and worlds, as the two programs run them, in

@@ -39,6 +39,14 @@ export class Navigation {
     this.lookAt(target);
   }
 
+  /// Moves the camera without turning it, as if the user had.
+  shift(step: Vector3): void {
+    this.hasMoved = true;
+    this.camera.position.add(step);
+    this.controls.target.add(step);
+    this.controls.update();
+  }
+
   lookAt(target: Vector3): void {
     this.controls.target.copy(target);
     this.setMode(this.mode);
@@ -81,7 +89,6 @@ export class Navigation {
     const rightKeys = this.keys.axis('KeyD', 'KeyA');
     const upKeys = this.keys.axis('KeyE', 'KeyQ');
     if (forwardKeys === 0 && rightKeys === 0 && upKeys === 0) return;
-    this.hasMoved = true;
     const forward = horizontalDirection(this.camera);
     const right = new Vector3(-forward.z, 0, forward.x);
     const step = forward
@@ -90,9 +97,7 @@ export class Navigation {
       .add(new Vector3(0, upKeys, 0))
       .normalize()
       .multiplyScalar(walkSpeed * seconds);
-    this.camera.position.add(step);
-    this.controls.target.add(step);
-    this.controls.update();
+    this.shift(step);
   }
 }
 

@@ -61,13 +61,25 @@ export class Picking {
     return this.ray;
   }
 
-  private click(clientX: number, clientY: number): void {
+  /// The movable body drawn at a point in window coordinates, and where on it, in base.
+  movableAt(clientX: number, clientY: number): { body: Body; point: Vector3 } | null {
+    const hit = this.hitAt(clientX, clientY);
+    const body = hit && this.bodyOf(hit.object);
+    if (!hit || !body?.object.movable) return null;
+    return { body, point: this.view.base.worldToLocal(hit.point.clone()) };
+  }
+
+  private hitAt(clientX: number, clientY: number) {
     const ray = this.rayAt(clientX, clientY);
     const layers = (['bodies', 'mesh', 'cloud', 'occupancy'] as const).filter((name) =>
       this.view.layers.isShown(name),
     );
     const hits = ray.intersectObjects(layers.map((name) => this.view.layers.group(name)));
-    const hit = hits.find(({ object }) => object instanceof Mesh || object.type === 'Points');
+    return hits.find(({ object }) => object instanceof Mesh || object.type === 'Points');
+  }
+
+  private click(clientX: number, clientY: number): void {
+    const hit = this.hitAt(clientX, clientY);
     if (this.isMeasuring) {
       if (hit) this.addPoint(this.view.base.worldToLocal(hit.point.clone()));
     } else {

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { App } from '../app';
 import { fetchBytes, fetchJson } from '../scene/scene_model';
-import { byId, create } from '../ui/dom';
+import { byId } from '../ui/dom';
+import { eventsOf } from './events';
 import { PicturePanel } from './picture_panel';
 import type { Playback } from './playback';
+import { PlottedObject } from './plotted_object';
 import { phasesAt, poseAt, readReplay, type Replay, type ReplayModel } from './replay_data';
 import { ReplayPlots } from './replay_plots';
 import { Timeline } from './timeline';
@@ -16,6 +18,7 @@ export class ReplayPlayer implements Playback {
   readonly picture: PicturePanel;
   private readonly bar: TimelineBar;
   private readonly plots: ReplayPlots;
+  private readonly plotted: PlottedObject;
 
   private constructor(
     private readonly app: App,
@@ -23,10 +26,10 @@ export class ReplayPlayer implements Playback {
   ) {
     this.timeline = new Timeline(replay.model.duration);
     byId('dock', HTMLElement).hidden = false;
-    this.bar = new TimelineBar(this.timeline, app.canvas, () => this.show());
+    this.bar = new TimelineBar(this.timeline, eventsOf(replay), app.canvas, () => this.show());
+    this.plotted = new PlottedObject(replay.objects, () => this.showPlots());
     this.plots = new ReplayPlots(byId('plots', HTMLDivElement), replay, (t) => this.bar.seek(t));
     this.picture = new PicturePanel(replay.model.frames.t);
-    this.choosePlotted();
     app.playback = this;
     app.onFrame((_, seconds) => {
       if (this.timeline.advance(seconds)) this.show();
@@ -76,20 +79,10 @@ export class ReplayPlayer implements Playback {
     return object?.force.at(this.timeline.time)?.[1] ?? 0;
   }
 
-  private choosePlotted(): void {
-    const select = byId('plotted', HTMLSelectElement);
-    const { objects } = this.replay;
-    select.append(
-      ...objects.map(({ name }) => create('option', { value: name, textContent: name })),
-    );
-    select.hidden = objects.length < 2;
-    const show = () => {
-      const object = objects.find(({ name }) => name === select.value) ?? objects[0];
-      if (object) this.plots.show(object);
-      this.plots.setPlayhead(this.timeline.time);
-    };
-    select.addEventListener('change', show);
-    show();
+  private showPlots(): void {
+    const object = this.plotted.at(this.timeline.time);
+    if (object) this.plots.show(object);
+    this.plots.setPlayhead(this.timeline.time);
   }
 
   private show(): void {
@@ -108,7 +101,7 @@ export class ReplayPlayer implements Playback {
     if (arm) this.app.view.arm?.show(arm.slice(1));
     this.showTool(time);
     this.bar.update();
-    this.plots.setPlayhead(time);
+    this.showPlots();
     this.picture.setTime(time);
     this.app.invalidate();
   }

@@ -1,25 +1,32 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { byId, create, setText } from '../ui/dom';
+import { EventMarks } from './event_marks';
+import type { ReplayEvent } from './events';
 import { speeds, type Timeline } from './timeline';
 
 const smallStep = 0.1; // [s]
 const largeStep = 1; // [s]
 
-/// Play, pause, seek and speed, by mouse and keyboard.
+/// Play, pause, seek, jumps to events and speed, by mouse and keyboard.
 export class TimelineBar {
   private readonly play = byId('play', HTMLButtonElement);
   private readonly scrub = byId('scrub', HTMLInputElement);
   private readonly clock = byId('clock', HTMLSpanElement);
   private readonly speed = byId('speed', HTMLSelectElement);
+  private readonly events: EventMarks;
 
   constructor(
     private readonly timeline: Timeline,
+    events: readonly ReplayEvent[],
     canvas: HTMLCanvasElement,
     private readonly onChange: () => void,
   ) {
     byId('timeline', HTMLDivElement).hidden = false;
     this.scrub.max = String(timeline.duration);
+    this.events = new EventMarks(events, timeline.duration, (time) => this.stopAt(time));
+    byId('next-event', HTMLButtonElement).addEventListener('click', () => this.jump(1));
+    byId('previous-event', HTMLButtonElement).addEventListener('click', () => this.jump(-1));
     this.play.addEventListener('click', () => this.toggle());
     this.scrub.addEventListener('input', () => this.seek(Number(this.scrub.value)));
     const { speed } = this;
@@ -35,6 +42,16 @@ export class TimelineBar {
   seek(time: number): void {
     this.timeline.seek(time);
     this.onChange();
+  }
+
+  /// To the next event (1), or the one before (-1).
+  private jump(direction: 1 | -1): void {
+    this.events.jump(this.timeline.time, direction);
+  }
+
+  private stopAt(time: number): void {
+    this.timeline.isPlaying = false;
+    this.seek(time);
   }
 
   /// The next higher speed; after the highest the lowest.
@@ -53,6 +70,7 @@ export class TimelineBar {
       'aria-valuetext',
       `${time.toFixed(1)} of ${duration.toFixed(1)} seconds`,
     );
+    this.events.update(time);
     setText(this.play, isPlaying ? '❚❚' : '▶');
     this.play.setAttribute('aria-label', isPlaying ? 'Pause' : 'Play');
   }
@@ -70,6 +88,8 @@ export class TimelineBar {
       ArrowRight: () => this.seek(this.timeline.time + step),
       Home: () => this.seek(0),
       End: () => this.seek(this.timeline.duration),
+      KeyN: () => this.jump(1),
+      KeyP: () => this.jump(-1),
     };
     const action = actions[event.code];
     if (!action || event.ctrlKey || event.metaKey || event.altKey) return;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
 import { bandColors, pinColor, seriesColors, softInk } from './colors';
+import { draw } from './drawing';
 import { labelHeight, placeLabels } from './mark_labels';
 import type { Medium } from './medium';
 import { number } from './number';
@@ -27,7 +28,7 @@ function innerWidth({ width, left }: Medium): number {
 
 /// Draws the part of a plot that is in the view.
 export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot & SVGSVGElement {
-  return Plot.plot({
+  return draw({
     width: medium.width,
     height: heightOf(plot, medium),
     ...margins,
@@ -51,7 +52,7 @@ export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot
       Plot.frame({ stroke: softInk }),
       drawTip(plot, view),
     ],
-  }) as Plot.Plot & SVGSVGElement;
+  });
 }
 
 /// A low chart of one line over its own axis.
@@ -64,7 +65,7 @@ export function drawStrip(
   const points = pointsOf(strip);
   const axis = { tickSize: 0, labelAnchor: 'center' as const, labelArrow: 'none' as const };
   const ticks = Math.floor((stripHeight - margins.marginTop - margins.marginBottom) / 20);
-  return Plot.plot({
+  return draw({
     width,
     height: stripHeight,
     ...margins,
@@ -79,7 +80,7 @@ export function drawStrip(
       Plot.lineY(points, { x: 'x', y: 'y', stroke: seriesColors[strip.color] }),
       Plot.frame({ stroke: softInk }),
     ],
-  }) as Plot.Plot & SVGSVGElement;
+  });
 }
 
 function drawAxes(plot: PlotData, view: View, medium: Medium): Plot.Markish[] {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
 import { laneColors } from './colors';
+import { draw } from './drawing';
 import type { Medium } from './medium';
 import { number } from './number';
 import type { Interval, LaneData } from './report_data';
@@ -42,7 +43,7 @@ export function drawLanes(
     const shown = intervals.filter((one) => one.to >= from && one.from <= to);
     rows.push(...shown.map((one) => ({ ...one, row, name: `${group}, ${label}` })));
   });
-  return Plot.plot({
+  return draw({
     width: laneWidth,
     height: marginTop + keys.length * laneHeight + marginBottom,
     marginTop,
@@ -82,7 +83,7 @@ export function drawLanes(
         tip: true,
       }),
     ],
-  }) as Plot.Plot & SVGSVGElement;
+  });
 }
 
 function labelOf(key: string): string {

@@ -32,7 +32,7 @@ export function table(data: TableData, section: string, isOnly: boolean): HTMLEl
   const actions = create('span', { className: 'actions' }, save);
   if (!isOnly && (data.folded || data.rows.length > maxShownRows)) {
     const title = `${data.title || 'All values'} (${data.rows.length} rows)`;
-    return create('details', {}, create('summary', {}, title, actions), ...parts);
+    return create('details', {}, create('summary', {}, title), actions, ...parts);
   }
   const title = create('h3', { className: 'table-title' }, data.title, actions);
   return create('div', {}, title, ...parts);
@@ -61,7 +61,7 @@ function plainTable(data: TableData): HTMLElement {
     create('tr', {}, ...cells.map((text, column) => cell(kind, text, column)));
   return create(
     'div',
-    { className: 'scroll' },
+    { className: 'scroll', tabIndex: 0 }, // the keyboard scrolls it
     create(
       'table',
       {},

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import {
+  Box3,
   Color,
   EdgesGeometry,
   Group,
@@ -36,6 +37,7 @@ export class Body {
   isKnown = true; // false: without a server, phase and force are not
   private fill: MeshLambertMaterial;
   private edges = new LineBasicMaterial({ color: '#10151b' });
+  private readonly ownBox = new Box3(); // in its frame; empty until the mesh is loaded
 
   constructor(
     readonly object: SceneObject,
@@ -68,6 +70,8 @@ export class Body {
     for (const { geometry, matrix } of parts) {
       const edges = new EdgesGeometry(geometry, edgeAngle);
       this.add(this.solid, new Mesh(geometry, this.fill), matrix);
+      geometry.computeBoundingBox();
+      this.ownBox.union(geometry.boundingBox!.clone().applyMatrix4(matrix));
       this.add(this.solid, new LineSegments(edges, this.edges), matrix);
       this.add(this.ghost, new Mesh(geometry, ghostFill), matrix);
       this.add(this.ghost, new LineSegments(edges, ghostEdges), matrix);
@@ -79,6 +83,17 @@ export class Body {
       group.position.fromArray(position);
       group.quaternion.fromArray(quaternion);
     }
+  }
+
+  /// Its bounds in its own frame; empty until the mesh is loaded.
+  get box(): Box3 {
+    return this.ownBox.clone();
+  }
+
+  /// Its bounds in base; empty until the mesh is loaded.
+  get boxInBase(): Box3 {
+    this.solid.updateMatrix();
+    return this.ownBox.isEmpty() ? this.box : this.box.applyMatrix4(this.solid.matrix);
   }
 
   placeGhost(position: Readonly<Vector>, quaternion: Readonly<Quaternion>): void {

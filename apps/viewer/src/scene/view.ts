@@ -6,11 +6,15 @@ import {
   Color,
   DirectionalLight,
   Group,
+  Mesh,
+  MeshBasicMaterial,
   PerspectiveCamera,
   Quaternion,
   Scene,
+  SphereGeometry,
   Vector3,
 } from 'three';
+import { sourceColors } from '../palette';
 import type { LiveState, Vector } from '../protocol';
 import { ArmView } from './arm';
 import { Body } from './bodies';
@@ -23,6 +27,8 @@ import type { SceneModel } from './scene_model';
 import { ToolView } from './tool_view';
 
 // [rad] shows a table top and the bodies on it; steeper in a tall window, which it fills better.
+const topElevation = 1.55; // [rad] not quite a right angle: up in the picture is away from the operator
+const frontElevation = 0.05; // [rad] the support is still seen
 const viewingElevation = { wide: 0.6, tall: 0.95 };
 const minRadius = 0.15; // [m]
 const frameMargin = 0.86; // share of the window that is filled: labels and statistics need the rest
@@ -33,6 +39,9 @@ const backgrounds = { light: '#e9edf1', dark: '#15191e' };
 
 /// The scene graph. three.js has y up, the base frame z, or the scene's `up`: the group `base`
 /// converts, and everything in the robot's base frame is its child.
+/// Where the scene is looked at from: `camera` is the pose of the recording's first picture.
+export type ViewSide = 'operator' | 'top' | 'front' | 'camera';
+
 export class SceneView {
   readonly scene = new Scene();
   readonly base = new Group();
@@ -42,6 +51,10 @@ export class SceneView {
   bodies: Body[] = [];
   arm: ArmView | null = null;
   model: SceneModel | null = null;
+  private readonly robotTip = new Mesh(
+    new SphereGeometry(1, 20, 12),
+    new MeshBasicMaterial({ color: sourceColors.tracked, transparent: true, opacity: 0.6 }),
+  );
   private readonly plumbLine: PlumbLine;
   private readonly shadows: ContactShadows;
   private supports: Outline[] = [];
@@ -54,6 +67,8 @@ export class SceneView {
     this.scene.add(this.base);
     this.layers = new Layers(this.base);
     this.tool = new ToolView(this.base);
+    this.robotTip.visible = false;
+    this.layers.group('ghosts').add(this.robotTip);
     this.plumbLine = new PlumbLine(this.tool.group);
     this.shadows = new ContactShadows(this.layers.group('bodies'), this.tool.group);
     this.scene.onBeforeRender = () => this.showShadows();
@@ -94,7 +109,11 @@ export class SceneView {
 
   /// Without a server phases and forces are not known; the poses stay where they were.
   forgetState(): void {
-    for (const body of this.bodies) body.isKnown = false;
+    for (const body of this.bodies) {
+      body.isKnown = false;
+      body.ghost.visible = false;
+    }
+    this.robotTip.visible = false;
     this.tool.forgetForce();
   }
 
@@ -106,10 +125,25 @@ export class SceneView {
       body?.setPhase(object.phase, object.isOutsideModel);
       body?.setContact(object.isBlocked, object.isSaturated);
     });
+    this.showMeasured(state);
     if (state.arm) this.arm?.show(state.arm.position);
     this.arm?.setStopped(state.arm?.isStopped ?? false);
     this.tool.showContact(state);
     this.showTool(state.proxy, state.hip, state.force);
+  }
+
+  /// At an operator's site: where the robot's site has the objects and its tip.
+  private showMeasured({ link }: LiveState): void {
+    const robot = link?.robot;
+    this.robotTip.visible = robot !== null && robot !== undefined;
+    if (!robot) return;
+    this.robotTip.position.fromArray(robot.tip);
+    this.robotTip.scale.setScalar(this.tool.radius);
+    robot.objects.forEach(({ position, quaternion, isTracked }, i) => {
+      const body = this.order[i];
+      if (isTracked) body?.placeGhost(position, quaternion);
+      else if (body) body.ghost.visible = false;
+    });
   }
 
   showTool(proxy: Readonly<Vector>, hip: Readonly<Vector>, force: Readonly<Vector>): void {
@@ -123,18 +157,18 @@ export class SceneView {
 
   /// Shows all movable bodies, the supports they stand on and the tool, from where the operator
   /// stands, as large as the window's shape allows; without movable bodies, from the first camera's
-  /// pose. Returns the target point.
-  frameAll(): Vector3 {
+  /// pose. `from`: another side. Returns the target point.
+  frameAll(from: ViewSide = 'operator'): Vector3 {
     this.scene.updateMatrixWorld(true);
     const box = this.boundsToFrame();
     const center = box.getCenter(new Vector3());
     const first = this.model?.cameras[0];
-    if (first && !this.bodies.some((body) => body.object.movable))
-      return this.lookAsCamera(first, center);
+    const isCameras = from === 'operator' && !this.bodies.some((body) => body.object.movable);
+    if (first && (isCameras || from === 'camera')) return this.lookAsCamera(first, center);
     const up = frameMargin * Math.tan((this.camera.fov * Math.PI) / 360);
     const tangents = { right: up * this.camera.aspect, up };
     const points = this.pointsToFrame(box);
-    const { eye, target } = framePoints(points, this.viewDirection(center), tangents);
+    const { eye, target } = framePoints(points, this.viewDirection(center, from), tangents);
     this.camera.position.copy(eye);
     this.camera.lookAt(target);
     return target;
@@ -178,15 +212,17 @@ export class SceneView {
     return points;
   }
 
-  /// Unit vector from the center to the viewpoint: towards the operator, at a fixed elevation.
-  private viewDirection(center: Vector3): Vector3 {
+  /// Unit vector from the center to the viewpoint: towards the operator, at a fixed elevation, from
+  /// above, or level with the bodies.
+  private viewDirection(center: Vector3, from: ViewSide): Vector3 {
     const cameras = this.model?.cameras.map(({ position }) => position) ?? [];
     const at = this.base.worldToLocal(center.clone()).toArray();
     const side = operatorSide(at, cameras).transformDirection(this.base.matrixWorld);
     // An arm stands between the operator's place and the bodies: seen from beside it.
     if (this.arm) side.applyAxisAngle(new Vector3(0, 1, 0), besideArm);
     const elevation = viewingElevation[this.camera.aspect < 1 ? 'tall' : 'wide'];
-    return side.setY(Math.tan(elevation)).normalize();
+    const angle = from === 'top' ? topElevation : from === 'front' ? frontElevation : elevation;
+    return side.setY(Math.tan(angle)).normalize();
   }
 
   /// Ambient light, a directional light, and one at the camera for shading.

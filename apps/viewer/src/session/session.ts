@@ -16,6 +16,7 @@ export class Session {
   readonly latency = new Latency();
   connection: Connection = 'connecting';
   welcome: Welcome | null = null;
+  toolDelay = 0; // [s] from a motion of the hand to when the server gets it: of a busy window
   skipped = 0; // states replaced by newer ones before the window read them
   private state: LiveState | null = null;
   private worker: Worker;
@@ -34,10 +35,22 @@ export class Session {
     return this.state;
   }
 
-  /// Sends the hand's pose: `tip` [m] in base. To be called once a frame while the clutch is
-  /// closed, and once more when it has opened.
-  sendTool(tip: Vector, quaternion: Quaternion, clutch: boolean, device: Device): void {
-    this.post({ kind: 'tool', clock: pageClock(), sample: { tip, quaternion, clutch, device } });
+  /// Sends the hand's pose at the time `clock` [s of the page's clock]: `tip` [m] in base. To be
+  /// called while the clutch is closed, and once more when it has opened. A sample that is late is
+  /// played as much later as others are: `toolDelay`.
+  sendTool(
+    tip: Vector,
+    quaternion: Quaternion,
+    clutch: boolean,
+    device: Device,
+    clock = pageClock(),
+  ): void {
+    this.post({ kind: 'tool', clock, sample: { tip, quaternion, clutch, device } });
+  }
+
+  /// Opens the clutch at once: what was sent before and is not played yet is forgotten.
+  openClutch(): void {
+    this.post({ kind: 'open_clutch' });
   }
 
   command(command: Command): void {
@@ -71,6 +84,7 @@ export class Session {
         this.post({ kind: 'acknowledge' });
         this.state = message.state;
         this.skipped += message.skipped;
+        this.toolDelay = message.toolDelay;
         this.latency.recordReceived(message.state, pageClock(), message.clockOffset);
         break;
       case 'welcome':

@@ -22,28 +22,34 @@ import {
 } from '../protocol';
 import { pageClock } from './clock';
 import { ClockOffset } from './clock_offset';
+import { Playout } from './playout';
 
 export type ToWorker =
   | { kind: 'open'; url: string }
   | { kind: 'acknowledge' } // the window has read the state
   | { kind: 'tool'; clock: number; sample: ToolSample }
+  | { kind: 'open_clutch' } // at once
   | { kind: 'command'; command: Command };
 
 export type FromWorker =
-  | { kind: 'state'; state: LiveState; skipped: number; clockOffset: number }
+  | { kind: 'state'; state: LiveState; skipped: number; clockOffset: number; toolDelay: number }
   | { kind: 'welcome'; welcome: Welcome }
   | { kind: 'notice'; notice: Notice }
   | { kind: 'connection'; connection: 'open' | 'lost' | 'refused'; reason: string };
 
 const pingSeconds = 1;
 const firstRetrySeconds = 0.5;
-const maxRetrySeconds = 8; // exponential backoff up to here
+const maxRetrySeconds = 1; // exponential backoff up to here: a restarted server is back in 2 s
 // States come 60 to 90 times a second; with the time to the next check and frame below 0.5 s.
 const stallSeconds = 0.35;
 const firstStateSeconds = 2; // longer: the page of a loaded machine has just begun
 const stallCheckSeconds = 0.05;
 const maxBuffered = 4096; // [bytes] not yet sent: above, tool samples are dropped instead of queued
 
+const playSeconds = 0.004; // between two looks for samples that are due
+const repeatSeconds = 0.03; // a window that samples its pointer sends four times as often
+const minStampStep = 1e-4; // [s]
+const maxHeldSeconds = 1; // longer: the window hangs, and the server opens the clutch
 let url = '';
 let socket: WebSocket | null = null;
 let sequence = 0;
@@ -57,6 +63,13 @@ let pingTimer: ReturnType<typeof setInterval> | undefined;
 let offset = new ClockOffset();
 let lastState: number | null = null; // [s] when one was received on this connection
 let isStalled = false;
+
+const playout = new Playout<ToolSample>();
+let heldSample: ToolSample | null = null; // the newest that was played, with the clutch closed
+let heldSince = 0; // [s]
+let lastToolSent = 0; // [s]
+setInterval(play, 1000 * playSeconds);
+setInterval(repeatHeld, 1000 * repeatSeconds);
 
 const post = (message: FromWorker) => self.postMessage(message);
 
@@ -72,9 +85,12 @@ self.onmessage = (event: MessageEvent<ToWorker>) => {
       forwardState();
       break;
     case 'tool':
-      // A sample that opens the clutch is never dropped.
-      if (message.sample.clutch && socket && socket.bufferedAmount > maxBuffered) break;
-      send(writeTool(++sequence, message.clock, message.sample));
+      playout.add(pageClock(), message.clock, message.sample);
+      play();
+      break;
+    case 'open_clutch':
+      playout.clear();
+      if (heldSample) sendTool(pageClock(), { ...heldSample, clutch: false });
       break;
     case 'command':
       send(writeCommand(++sequence, pageClock(), message.command));
@@ -87,6 +103,8 @@ function connect(): void {
   offset = new ClockOffset();
   lastState = null;
   isStalled = false;
+  heldSample = null;
+  playout.clear();
   const opened = new WebSocket(url);
   opened.binaryType = 'arraybuffer';
   socket = opened;
@@ -117,6 +135,31 @@ function recordState(): void {
 
 function send(message: ArrayBuffer): void {
   if (socket?.readyState === WebSocket.OPEN) socket.send(message);
+}
+
+function play(): void {
+  for (const { clock, sample } of playout.take(pageClock())) {
+    // A sample that opens the clutch is never dropped.
+    if (sample.clutch && socket && socket.bufferedAmount > maxBuffered) continue;
+    sendTool(clock, sample);
+  }
+}
+
+function sendTool(clock: number, sample: ToolSample): void {
+  heldSample = sample.clutch ? sample : null;
+  heldSince = pageClock();
+  // Newer than a repetition that was sent while this sample was on its way from the window.
+  lastToolSent = Math.max(clock, lastToolSent + minStampStep);
+  send(writeTool(++sequence, lastToolSent, sample));
+}
+
+/// A window that is busy drawing sends nothing: the hand is where it was, and the clutch stays closed.
+function repeatHeld(): void {
+  const now = pageClock();
+  if (!heldSample || now - lastToolSent < repeatSeconds || now - heldSince > maxHeldSeconds) return;
+  if (socket && socket.bufferedAmount > maxBuffered) return;
+  lastToolSent = now;
+  send(writeTool(++sequence, now, heldSample));
 }
 
 function ping(): void {
@@ -193,7 +236,10 @@ function acceptWelcome(message: Welcome | null): void {
 function forwardState(): void {
   if (isAwaitingAck || !pendingState) return;
   isAwaitingAck = true;
-  post({ kind: 'state', state: pendingState, skipped, clockOffset: offset.seconds() });
+  const toolDelay = playout.delay;
+  // As the window stamped it.
+  pendingState.toolClock -= toolDelay;
+  post({ kind: 'state', state: pendingState, skipped, clockOffset: offset.seconds(), toolDelay });
   pendingState = null;
   skipped = 0;
 }

@@ -21,6 +21,7 @@ export function looksDifferent(a: LiveState, b: LiveState): boolean {
     differ(a.proxy, b.proxy, minMotion) ||
     differ(a.force, b.force, minForce) ||
     a.arm?.isStopped !== b.arm?.isStopped ||
+    measuredDiffers(a, b) ||
     differ(a.arm?.position ?? [], b.arm?.position ?? [], minMotion) ||
     a.objects.some((object, i) => {
       const other = b.objects[i];
@@ -29,6 +30,20 @@ export function looksDifferent(a: LiveState, b: LiveState): boolean {
         object.isOutsideModel !== other.isOutsideModel ||
         differ(object.position, other.position, minMotion) ||
         differ(object.quaternion, other.quaternion, minMotion)
+      );
+    })
+  );
+}
+
+function measuredDiffers({ link: a }: LiveState, { link: b }: LiveState): boolean {
+  const [from, to] = [a?.robot, b?.robot];
+  if (!from || !to) return Boolean(from) !== Boolean(to);
+  return (
+    differ(from.tip, to.tip, minMotion) ||
+    from.objects.some((object, i) => {
+      const other = to.objects[i];
+      return (
+        object.isTracked !== other.isTracked || differ(object.position, other.position, minMotion)
       );
     })
   );

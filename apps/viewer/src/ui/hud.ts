@@ -5,6 +5,8 @@ import type { Session } from '../session/session';
 import { byId, fillList, setText } from './dom';
 import { microseconds, milliseconds } from './format';
 
+const shownDelay = 0.05; // [s]
+
 /// Shows rates, state age and the latency by stages.
 export class Hud {
   private readonly box = byId('hud', HTMLDetailsElement);
@@ -26,6 +28,9 @@ export class Hud {
     const latency = stats.commandToDrawn;
     const parts = [`${stats.stateRate} Hz`, `state age ${milliseconds(stats.age)}`];
     if (Number.isFinite(latency)) parts.push(`latency ${milliseconds(latency)}`);
+    const { toolDelay } = this.session;
+    if (toolDelay > shownDelay)
+      parts.push(`slow picture: the tool follows ${milliseconds(toolDelay)} late`);
     if (state.timeScale < 1) parts.push(`time × ${state.timeScale}`);
     if (state.isStopped) parts.push('emergency stop');
     if (state.isOnHold) parts.push('on hold');

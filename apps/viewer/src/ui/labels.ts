@@ -10,7 +10,7 @@ import { phaseLabel, setPhaseColor } from './objects_panel';
 
 const maxLabels = 24; // more would hide the scene
 const edgeGap = { x: 64, y: 24 }; // [CSS pixels] of the robot's label from the stage's edge
-const inFront = ['handle', 'call-to-action', 'hud']; // of the labels, which move aside
+const inFront = ['handle', 'height-handle', 'call-to-action', 'hud']; // of the labels, which move aside
 const minForceShown = 0.05; // [N]
 
 /// Projects a world point to the canvas [CSS pixels]; null outside of the near and far planes.

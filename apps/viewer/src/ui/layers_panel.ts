@@ -5,8 +5,12 @@ import type { SceneModel } from '../scene/scene_model';
 import { byId, create } from './dom';
 import { count } from './format';
 
-/// A checkbox for each layer; disabled if the scene has no data for it.
-export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): void {
+/// A checkbox for each layer; disabled if the scene has no data for it. Returns a function that
+/// enables one whose data have come.
+export function fillLayersPanel(
+  layers: Layers,
+  present: readonly LayerName[],
+): (name: LayerName) => void {
   const panel = byId('layers', HTMLDivElement);
   const boxes = new Map<LayerName, HTMLInputElement>();
   for (const name of layerNames) {
@@ -20,6 +24,12 @@ export function fillLayersPanel(layers: Layers, present: readonly LayerName[]): 
     panel.append(label);
   }
   layers.onChange((name, isShown) => (boxes.get(name)!.checked = isShown));
+  return (name) => {
+    const box = boxes.get(name)!;
+    box.disabled = false;
+    box.checked = layers.isShown(name);
+    box.parentElement!.classList.remove('absent');
+  };
 }
 
 /// The layers for which the scene has data.

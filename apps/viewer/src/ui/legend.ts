@@ -17,15 +17,18 @@ export const phaseKeys = (['static', 'critical', 'sliding'] as const).map((title
   color: phaseColors[title],
 }));
 
-/// Fills the legend of phases, and in a replay that of what was predicted and tracked.
-export function fillLegend(parent: HTMLElement, isReplay: boolean): void {
+/// Fills the legend of phases.
+export function fillLegend(parent: HTMLElement): void {
   for (const [phase, meaning] of Object.entries(meanings) as [keyof typeof meanings, string][]) {
     const entry = create('span', { className: 'phase', textContent: phase, title: meaning });
     entry.style.setProperty('--phase', phaseColors[phase]);
     parent.append(entry);
   }
-  if (!isReplay) return;
-  const entry = create('span', { className: 'phase', textContent: 'outline: tracked pose' });
+}
+
+/// Adds what is tracked to the legend: in a replay, and at an operator's site.
+export function addTrackedLegend(parent: HTMLElement, text: string): void {
+  const entry = create('span', { className: 'phase', textContent: text });
   entry.style.setProperty('--phase', sourceColors.tracked);
   parent.append(entry);
 }

@@ -3,8 +3,9 @@
 import { phaseColors } from '../palette';
 import type { Body } from '../scene/bodies';
 import type { SceneObject } from '../scene/scene_model';
+import type { Comparison } from '../session/measured';
 import { byId, create, fillList, setPressed, setText } from './dom';
-import { heading, newtons, significant } from './format';
+import { heading, newtons, significant, uncertain } from './format';
 
 const minForceShown = 0.05; // [N]
 const announceSeconds = 1; // min. interval between announcements: a push passes four phases in less
@@ -31,6 +32,7 @@ export function setPhaseColor(element: HTMLElement, body: Body): void {
 /// The objects with their phases, and the details of the selected one.
 export class ObjectsPanel {
   selected: Body | null = null;
+  private compared: Comparison | null = null; // of the selected one
   private readonly rows = new Map<Body, Row>();
   private readonly unannounced = new Set<Body>(); // phase changed since the last announcement
   private lastAnnounced = -Infinity; // [s]
@@ -55,8 +57,12 @@ export class ObjectsPanel {
     this.showDetails();
   }
 
-  /// `force` [N] of the tool on each body, by name.
-  update(force: (body: Body) => number): void {
+  /// `force` [N] of the tool on each body; `comparison` of its prediction with its tracking.
+  update(
+    force: (body: Body) => number,
+    comparison: (body: Body) => Comparison | null = () => null,
+  ): void {
+    this.compared = this.selected && comparison(this.selected);
     for (const [body, row] of this.rows) {
       const label = phaseLabel(body);
       if (row.phase.textContent !== label) {
@@ -109,6 +115,7 @@ export class ObjectsPanel {
       ['Phase', phaseLabel(body)],
       ['Position', [x, y, z].map((v) => (v * 1e3).toFixed(1)).join(', ') + ' mm'],
       ['Heading', heading(body.solid.quaternion.toArray())],
+      ...comparisonRows(this.compared),
       ...parameterRows(body.object),
     ];
     const text = JSON.stringify(rows);
@@ -116,6 +123,18 @@ export class ObjectsPanel {
     this.list.dataset.shown = text;
     fillList(this.list, rows);
   }
+}
+
+/// How far the prediction was off, by the newest tracked pose, and what the last correction changed.
+export function comparisonRows(compared: Comparison | null): [string, string][] {
+  if (!compared) return [];
+  const mm = (length: number) => `${(1e3 * length).toFixed(1)} mm`;
+  const rows: [string, string][] = [];
+  if (Number.isFinite(compared.age)) rows.push(['Tracked', `${compared.age.toFixed(2)} s ago`]);
+  if (Number.isFinite(compared.error)) rows.push(['Prediction was off by', mm(compared.error)]);
+  if (Number.isFinite(compared.shift))
+    rows.push(['Corrected by', `${mm(compared.shift)}, ${compared.shiftAge.toFixed(0)} s ago`]);
+  return rows;
 }
 
 // Of the parameters from pcavr identify; n is the contact's exponent.
@@ -138,10 +157,8 @@ export function parameterRows(object: SceneObject): [string, string][] {
   if (object.evidence) rows.push(['Pose from', object.evidence.replaceAll('_', ' ')]);
   for (const [key, value] of Object.entries(values)) {
     if (key.endsWith('_std') || typeof value !== 'number') continue;
-    const std = values[`${key}_std`];
-    const uncertainty = Number.isFinite(std) ? ` ± ${significant(std, 2)}` : '';
     const title = key.replaceAll('_', ' ');
-    const text = `${significant(value)}${uncertainty} ${units[key] ?? ''}`;
+    const text = `${uncertain(value, values[`${key}_std`])} ${units[key] ?? ''}`;
     rows.push([title[0].toUpperCase() + title.slice(1), text.trimEnd()]);
   }
   return rows;

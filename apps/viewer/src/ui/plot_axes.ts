@@ -1,15 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+import { rangeWithoutSpikes } from './plot_spikes';
 
-const headroom = 1.08;
+export const headroom = 1.08;
 
-/// An axis' range: with zero, at least up to `minSpan`.
+/// An axis' range: with zero, at least up to `minSpan`; single spikes do not count.
 export function axisRange(
   columns: readonly ArrayLike<number>[],
   minSpan: number,
 ): [number, number] {
-  const [low, high] = extent(columns);
-  return [Math.min(0, low), Math.max(minSpan, high * headroom)];
+  const [low, high] = rangeWithoutSpikes(columns);
+  return [low * headroom, Math.max(minSpan, high * headroom)];
 }
 
 /// Units of the right axis per unit of the left one: 1, 2 or 5 times a power of ten, so that both
@@ -37,14 +38,23 @@ export function roundTicks([from, to]: readonly [number, number], count: number)
 
 /// The row whose time is nearest; `times` ascend. -1 if there is none.
 export function nearestRow(times: readonly number[], time: number): number {
-  let [low, high] = [0, times.length];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (times[middle] < time) low = middle + 1;
-    else high = middle;
-  }
-  const isBefore = low > 0 && (low === times.length || time - times[low - 1] < times[low] - time);
-  return isBefore ? low - 1 : low < times.length ? low : -1;
+  const row = firstRowFrom(times, time);
+  const isBefore = row > 0 && (row === times.length || time - times[row - 1] < times[row] - time);
+  return isBefore ? row - 1 : row < times.length ? row : -1;
+}
+
+/// The value of the row whose time is nearest; NaN in a gap, unless the row is less than `reach` away.
+export function valueNear(
+  times: readonly number[],
+  values: ArrayLike<number>,
+  time: number,
+  reach: number,
+): number {
+  const after = firstRowFrom(times, time);
+  const row = nearestRow(times, time);
+  if (row < 0) return NaN;
+  const isBetween = Number.isFinite(values[after - 1]) && Number.isFinite(values[after]);
+  return isBetween || Math.abs(times[row] - time) <= reach ? values[row] : NaN;
 }
 
 /// The top of an axis that stays in place: 1, 2 or 5 times a power of ten above `high`, kept from
@@ -56,13 +66,21 @@ export function steadyTop(high: number, before: number, least: number): number {
   return [1, 2, 5].map((factor) => factor * power).find((top) => top >= needed) ?? 10 * power;
 }
 
-function extent(columns: readonly ArrayLike<number>[]): [number, number] {
-  let [low, high] = [0, 0];
-  for (const column of columns) {
-    for (let i = 0; i < column.length; ++i) {
-      if (column[i] < low) low = column[i];
-      if (column[i] > high) high = column[i];
-    }
+/// The rows [first, end) whose times are in a span, with one beyond each end; `times` ascend.
+export function rowsInSpan(
+  times: readonly number[],
+  [from, to]: readonly [number, number],
+): [number, number] {
+  return [Math.max(0, firstRowFrom(times, from) - 1), firstRowFrom(times, to) + 1];
+}
+
+/// The first row whose time is not before `time`; the number of rows if all are before it.
+function firstRowFrom(times: readonly number[], time: number): number {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < time) low = middle + 1;
+    else high = middle;
   }
-  return [low, high];
+  return low;
 }

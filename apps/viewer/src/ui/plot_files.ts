@@ -2,6 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from './dom';
 
+type Cell = string | number | null;
+
+/// A named column; a number that is not finite leaves its cell empty.
+export interface CsvColumn {
+  name: string;
+  values: ArrayLike<Cell>;
+}
+
+export type CsvTable = readonly CsvColumn[];
+
 /// Downloads a text as a file; the name is made of `title`.
 export function saveText(title: string, ending: string, type: string, text: string): void {
   const link = create('a', {
@@ -12,18 +22,21 @@ export function saveText(title: string, ending: string, type: string, text: stri
   URL.revokeObjectURL(link.href);
 }
 
-/// A table as CSV (RFC 4180); a number that is not finite leaves its cell empty.
-export function csvText(
-  names: readonly string[],
-  columns: readonly ArrayLike<number | null>[],
-): string {
-  const quoted = names.map((name) =>
-    /[",\n]/.test(name) ? `"${name.replaceAll('"', '""')}"` : name,
+/// A table as CSV (RFC 4180).
+export function csvText(table: CsvTable): string {
+  const rows = Array.from({ length: table[0]?.values.length ?? 0 }, (_, row) =>
+    csvRow(table.map(({ values }) => values[row])),
   );
-  const rows = Array.from({ length: columns[0]?.length ?? 0 }, (_, row) =>
-    columns.map((column) => (Number.isFinite(column[row]) ? String(column[row]) : '')).join(','),
-  );
-  return [quoted.join(','), ...rows, ''].join('\r\n');
+  return [csvRow(table.map(({ name }) => name)), ...rows, ''].join('\r\n');
+}
+
+export function csvRow(cells: readonly Cell[]): string {
+  return cells.map(csvCell).join(',');
+}
+
+function csvCell(cell: Cell): string {
+  if (typeof cell !== 'string') return Number.isFinite(cell) ? String(cell) : '';
+  return /[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell;
 }
 
 /// A drawing as a file that looks the same without the page's style sheet.

@@ -1,32 +1,16 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { byId } from './dom';
+import { readStored, store } from './stored';
 
 export type Theme = 'light' | 'dark';
-const key = 'pcavr-theme';
-
-/// Throws where the browser blocks storage: the choice then lasts for the visit.
-function loadTheme(): string | null {
-  try {
-    return localStorage.getItem(key);
-  } catch {
-    return null;
-  }
-}
-
-function storeTheme(theme: Theme): void {
-  try {
-    localStorage.setItem(key, theme);
-  } catch {
-    // Storage is blocked: the choice lasts for this visit only.
-  }
-}
+const key = 'theme';
 
 /// Light or dark: the system's setting, until the user selects one.
 export class ThemeSwitch {
   private readonly button = byId('theme', HTMLButtonElement);
   private readonly system = matchMedia('(prefers-color-scheme: dark)');
-  private chosen = loadTheme();
+  private chosen = readStored(key);
 
   onChange: (theme: Theme) => void = () => {};
 
@@ -35,7 +19,7 @@ export class ThemeSwitch {
     this.button.addEventListener('click', () => {
       const other = this.theme() === 'dark' ? 'light' : 'dark';
       this.chosen = other;
-      storeTheme(other);
+      store(key, other);
       this.apply();
     });
     this.apply();

@@ -9,7 +9,7 @@ import { byId, setPressed, setText } from './dom';
 import { moveTo, project } from './labels';
 import { ToolRequest } from './tool_request';
 
-/// The tool's buttons, and its drag handle (the ring).
+/// The tool's buttons, its drag handle (the ring), and the handle for its height.
 export class ToolPanel {
   private readonly section = byId('tool-section', HTMLElement);
   private readonly owner = byId('tool-owner', HTMLParagraphElement);
@@ -26,6 +26,7 @@ export class ToolPanel {
     private readonly app: App,
     private readonly tool: DesktopTool,
     private readonly handle: HTMLButtonElement,
+    private readonly heightHandle: HTMLButtonElement,
   ) {
     const { session } = app;
     this.section.hidden = false;
@@ -37,6 +38,7 @@ export class ToolPanel {
     });
     this.release.addEventListener('click', () => {
       tool.disengage();
+      tool.forgetHeight();
       session.command(Command.release);
     });
     this.hold.addEventListener('click', () => this.toggleHold());
@@ -48,6 +50,7 @@ export class ToolPanel {
     });
     byId('reset', HTMLButtonElement).addEventListener('click', () => {
       tool.disengage();
+      tool.forgetHeight();
       session.command(Command.reset);
     });
     this.undo.addEventListener('click', () => {
@@ -56,10 +59,11 @@ export class ToolPanel {
     });
     const plane = byId('drag-plane', HTMLSelectElement);
     plane.addEventListener('change', () => (tool.planeKind = plane.value as 'horizontal' | 'view'));
-    // The handle covers part of the canvas, and forwards its wheel events.
-    handle.addEventListener('wheel', (event) =>
-      app.canvas.dispatchEvent(new WheelEvent('wheel', event)),
-    );
+    // The handles cover part of the canvas, and forward its wheel events.
+    for (const element of [handle, heightHandle])
+      element.addEventListener('wheel', (event) =>
+        app.canvas.dispatchEvent(new WheelEvent('wheel', event)),
+      );
     for (const element of [app.canvas, handle] as HTMLElement[])
       element.addEventListener('keydown', (event) => {
         if (event.code === 'KeyH' && !event.repeat) this.toggleHold();
@@ -83,7 +87,7 @@ export class ToolPanel {
     setPressed(this.clutch, this.tool.isClutchLocked);
     this.handle.classList.toggle('engaged', this.tool.isEngaged);
     this.handle.classList.toggle('denied', isTakenByOther || (state?.isOnHold ?? false));
-    this.callToAction.update(state, this.placeHandle());
+    this.callToAction.update(state, this.placeHandle(), this.tool.misses.text);
   }
 
   private toggleHold(): void {
@@ -102,9 +106,10 @@ export class ToolPanel {
     );
     const isShown = view.tool.group.visible && at !== null && !renderer.xr.isPresenting;
     // Hiding the handle during a drag would end the drag.
-    this.handle.hidden = !isShown && !this.tool.isEngaged;
+    for (const element of [this.handle, this.heightHandle])
+      element.hidden = !isShown && !this.tool.isEngaged;
     if (!at || !isShown) return null;
-    moveTo(this.handle, at.x, at.y);
+    for (const element of [this.handle, this.heightHandle]) moveTo(element, at.x, at.y);
     return at;
   }
 }

@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { Box3, Mesh, Sphere, Vector3 } from 'three';
+import { Sphere, Vector3, type Box3 } from 'three';
 import type { Body } from '../scene/bodies';
 import type { Ball } from './clear_view';
 import type { Person } from './person';
 
 /// How large the bodies are, and where, in the headset's space.
 export class BodySizes {
-  private readonly boxes = new Map<Body, Box3>(); // in the bodies' frames
-
   constructor(private readonly person: Person) {}
 
   /// The ball around a body.
@@ -39,17 +37,7 @@ export class BodySizes {
   }
 
   /// A point until the mesh is loaded.
-  private boxOf(body: Body): Box3 {
-    const known = this.boxes.get(body);
-    if (known) return known;
-    const box = new Box3();
-    for (const child of body.solid.children) {
-      if (!(child instanceof Mesh)) continue;
-      child.geometry.computeBoundingBox();
-      box.union(child.geometry.boundingBox!.clone().applyMatrix4(child.matrix));
-    }
-    if (box.isEmpty()) return box.set(new Vector3(), new Vector3());
-    this.boxes.set(body, box);
-    return box;
+  private boxOf({ box }: Body): Box3 {
+    return box.isEmpty() ? box.set(new Vector3(), new Vector3()) : box;
   }
 }

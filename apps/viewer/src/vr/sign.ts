@@ -12,6 +12,7 @@ const textWidth = pixels.x - 30; // wider lines are condensed
 /// What the user has to know at once, the most urgent first.
 export interface Trouble {
   isLost: boolean;
+  isSlow: boolean; // frames take too long to see a motion
   isOutsideModel: boolean;
   isRefused: boolean; // the tool is in use elsewhere
   isOnHold: boolean;
@@ -20,6 +21,8 @@ export interface Trouble {
 /// The sign's two lines; null if all is well.
 export function signText(trouble: Trouble): readonly [string, string] | null {
   if (trouble.isLost) return ['CONNECTION LOST', 'the last known state is shown'];
+  if (trouble.isSlow)
+    return ['SLOW PICTURE', 'frames take too long: show fewer layers or less detail'];
   if (trouble.isOutsideModel) return ['OUTSIDE THE MODEL', 'a body moved as it was not foreseen'];
   if (trouble.isRefused) return ['TOOL IN USE', 'by another page; TAKE on the panel asks for it'];
   if (trouble.isOnHold) return ['PAUSED', 'A, X or PAUSE on the panel continues'];

@@ -24,6 +24,7 @@ import { floorHeight, type Ground, startPose } from './start';
 const takenByOther = 'another page controls the tool';
 // Some twenty states; with the next frame the sign is there within 0.3 s.
 const maxStateAge = 0.2; // [s]
+const maxFrame = 0.15; // [s] of a frame: longer, a state is old because it is drawn late
 // The server's steps of simulated over real time are 1, 0.5, 0.25 and 0.1.
 const slowestTime = 0.1;
 const timeSteps = 3;
@@ -54,6 +55,7 @@ export class VrMode {
   private isPassthrough = false;
   private hadTool = false;
   private restoreCamera = () => {};
+  private lastUpdate = NaN; // [ms]
   private sent: { tip: Vector; quaternion: Quaternion; device: Device } | undefined;
 
   constructor(
@@ -69,6 +71,7 @@ export class VrMode {
       if (document.hidden) this.disengage('page hidden');
     });
     window.addEventListener('blur', () => this.disengage('page lost focus'));
+    app.onBlind((isBlind) => isBlind && this.disengage('no picture'));
     window.addEventListener('pagehide', () => this.disengage('page closed'));
   }
 
@@ -124,6 +127,7 @@ export class VrMode {
       this.floor,
     );
     this.xr = xr;
+    this.lastUpdate = NaN;
     await this.app.renderer.xr.setSession(xr).catch(async (error: unknown) => {
       await xr.end();
       throw error;
@@ -146,7 +150,8 @@ export class VrMode {
     const head = toVector(viewer.transform.position);
     const state = this.app.session.latest();
     const rotation = toQuaternion(viewer.transform.orientation);
-    this.sign.show(this.trouble(state), head, rotation);
+    this.sign.show(this.trouble(state, (now - this.lastUpdate) / 1000), head, rotation);
+    this.lastUpdate = now;
     if (!this.isPlaced) this.placePerson(head);
     const hands = this.reader.read(frame, space);
     const tool = hands.find((h) => h.side === this.toolSide);
@@ -160,12 +165,17 @@ export class VrMode {
     this.show(now, hands, tool, free, gaze, state);
   }
 
-  private trouble(state: LiveState | null) {
+  /// `frame`: seconds since the previous one.
+  private trouble(state: LiveState | null, frame: number) {
     const { session } = this.app;
     const age = session.latencyStats().age;
     const isReplay = session.welcome?.mode === 'replay';
+    // The worker notices a silent server whatever the picture does.
+    const isSlow = frame > maxFrame;
     return {
-      isLost: !isReplay && (!state || session.connection !== 'open' || age > maxStateAge),
+      isLost:
+        !isReplay && (!state || session.connection !== 'open' || (age > maxStateAge && !isSlow)),
+      isSlow,
       isOutsideModel: state?.objects.some((object) => object.isOutsideModel) ?? false,
       isRefused: this.clutch.openReason === takenByOther,
       isOnHold: state?.isOnHold ?? false,

@@ -56,6 +56,24 @@ export class Live {
     }
   }
 
+  /// Takes the tool, and moves it from where it is to `to` above all bodies: it starts beside one, at
+  /// mid-height. Repeated where a busy machine has paused for so long that the tool was released.
+  async moveToolOver(to, height = 0.3) {
+    const above = ([x, y]) => [x, y, height];
+    for (let attempt = 0; attempt < 3; ++attempt) {
+      this.command(4); // take
+      await until(() => this.state.hasTool, 'the tool');
+      const { proxy } = this.state;
+      await this.moveTool(proxy, above(proxy), 0.5);
+      await this.moveTool(above(proxy), above(to), 1);
+      await this.moveTool(above(to), to, 0.5);
+      await this.moveTool(to, to, 0.1);
+      if (distance(this.state.proxy, to) < 0.01) return;
+      this.tool(to, false);
+    }
+    throw new Error(`the tool is not at ${to} but at ${this.state.proxy}`);
+  }
+
   command(number) {
     const body = Buffer.alloc(4);
     body.writeUInt32LE(number);

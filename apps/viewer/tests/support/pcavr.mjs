@@ -12,12 +12,12 @@ const command = process.env.PCAVR_COMMAND;
 /// Two boxes on a table, a simulated recording with a push of each, and its ground truth.
 /// `change` gets the recording's folder before the scene is built. `images`: arguments of `simulate` that say
 /// how it is seen; by default not at all.
-export function makeScene(change = () => {}, images = ['--no-images']) {
+export function makeScene(change = () => {}, images = ['--no-images'], seed = 3) {
   const folder = mkdtempSync(join(tmpdir(), 'pcavr-browser-scene-'));
   const recording = join(folder, 'recording');
   const scene = join(folder, 'scene');
   const run = (...args) => execFileSync(command, args, { stdio: ['ignore', 'ignore', 'pipe'] });
-  run('simulate', 'push', ...images, '--seed', '3', '-o', recording);
+  run('simulate', 'push', ...images, '--seed', String(seed), '-o', recording);
   change(recording);
   run('build', recording, '-o', scene);
   return {

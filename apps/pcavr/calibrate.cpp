@@ -1,0 +1,373 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/pipeline/calibrate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "pcavr/base/core/json_text.hpp"
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/output_file.hpp"
+#include "pcavr/base/core/output_paths.hpp"
+#include "pcavr/base/report/number_text.hpp"
+#include "pcavr/base/report/report_page.hpp"
+
+#include "commands.hpp"
+#include "number_option.hpp"
+
+namespace pcavr::app {
+namespace {
+
+constexpr double kToDegrees = 180.0 / std::numbers::pi;
+constexpr int kMaxSplits = 1000;  ///< more change the third digit only
+
+struct CalibrateArguments {
+  std::string first, second;  ///< ROBOT and CAMERA, or A and B
+  std::string output, report;
+  std::string camera_on = "arm";
+  std::vector<std::string> inverted, w_first;
+  std::string left_handed, unit;
+  bool skip_bad = false, replace = false;
+  HandEyeOptions hand_eye;
+};
+
+bool names(const std::vector<std::string>& inputs, const char* input) {
+  return std::find(inputs.begin(), inputs.end(), input) != inputs.end();
+}
+
+PoseInput input_of(const CalibrateArguments& arguments, bool is_first, const char* name) {
+  PoseInput input{.path = is_first ? arguments.first : arguments.second};
+  input.reading.skip_bad = arguments.skip_bad;
+  input.reading.is_w_first = names(arguments.w_first, name);
+  if (arguments.unit == "mm") input.reading.length_unit = 1e-3;
+  if (arguments.unit == "cm") input.reading.length_unit = 1e-2;
+  if (arguments.unit == "m") input.reading.length_unit = 1.0;
+  input.is_inverted = names(arguments.inverted, name);
+  if (!is_first && !arguments.left_handed.empty()) {
+    input.mirrored_axis = arguments.left_handed[0] - 'x';
+  }
+  return input;
+}
+
+/// The calibration and the report's folder, if one is wanted, before any work.
+struct CalibrationOutputs {
+  OutputFile file;
+  std::optional<OutputFolder> report = {};
+};
+
+Expected<CalibrationOutputs> create_outputs(const CalibrateArguments& arguments) {
+  std::vector<std::filesystem::path> outputs{arguments.output};
+  if (!arguments.report.empty()) outputs.emplace_back(arguments.report);
+  const Expected<void> apart = check_outputs(outputs, {arguments.first, arguments.second});
+  if (!apart) return apart.error();
+  Expected<OutputFile> file = OutputFile::create(
+      arguments.output,
+      {.replace = arguments.replace, .kind = "calibration", .is_replaceable = is_calibration_file});
+  if (!file) return file.error();
+  CalibrationOutputs created{.file = *std::move(file)};
+  if (arguments.report.empty()) return created;
+  Expected<OutputFolder> folder = OutputFolder::create(
+      arguments.report, {.kind = OutputKind::report, .replace = arguments.replace});
+  if (!folder) return folder.error();
+  created.report.emplace(*std::move(folder));
+  return created;
+}
+
+/// Commits both or none.
+Expected<void> commit(const std::string& text, CalibrationOutputs& outputs) {
+  Expected<void> done = outputs.file.write(text);
+  if (done) done = outputs.file.commit();
+  if (!done || !outputs.report) return done;
+  done = outputs.report->commit();
+  if (!done) outputs.file.undo();
+  return done;
+}
+
+std::string pose_lines(const std::string& name, const CalibratedPose& pose) {
+  std::string text = name + ":";
+  for (int axis = 0; axis < 3; ++axis) {
+    text += std::string(" ") + "xyz"[axis] + ' ';
+    if (pose.position_std[axis]) {
+      const UncertainText value =
+          uncertain(1e3 * pose.T_a_b.translation()[axis], 1e3 * *pose.position_std[axis]);
+      text += value.value + " +- " + value.std + " mm,";
+    } else {
+      text += "not observable,";
+    }
+  }
+  const Eigen::Vector3d vector = kToDegrees * pose.T_a_b.log().tail<3>();
+  text += " rotation vector";
+  for (int axis = 0; axis < 3; ++axis) {
+    const UncertainText value = uncertain(vector[axis], kToDegrees * pose.rotation_std[axis]);
+    text += (axis > 0 ? ", " : " ") + value.value + " +- " + value.std;
+  }
+  return text + " deg\n";
+}
+
+nlohmann::ordered_json pose_json(const CalibratedPose& pose) {
+  nlohmann::ordered_json json;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool is_known = pose.position_std[axis].has_value();
+    json["position"].push_back(is_known ? nlohmann::ordered_json(pose.T_a_b.translation()[axis])
+                                        : nlohmann::ordered_json());
+    json["position_std"].push_back(is_known ? nlohmann::ordered_json(*pose.position_std[axis])
+                                            : nlohmann::ordered_json());
+    json["rotation_std"].push_back(pose.rotation_std[axis]);
+  }
+  const Eigen::Vector4d q = pose.T_a_b.rotation().coeffs();
+  json["rotation"] = {q[0], q[1], q[2], q[3]};
+  return json;
+}
+
+nlohmann::ordered_json clock_json(const ClockOffset& clock) {
+  nlohmann::ordered_json json{{"is_observable", clock.is_observable}};
+  if (!clock.is_observable) {
+    json["reason"] = clock.reason;
+    return json;
+  }
+  json["offset"] = clock.offset;
+  json["offset_std"] = clock.std;
+  if (clock.drift) {
+    json["drift"] = *clock.drift;
+    json["drift_std"] = clock.drift_std;
+    json["middle"] = clock.middle;
+  }
+  json["explained"] = clock.explained;
+  return json;
+}
+
+std::string clock_line(const ClockOffset& clock) {
+  const UncertainText offset = uncertain(1e3 * clock.offset, 1e3 * clock.std);
+  std::string text = fmt::format("offset {} +- {} ms", offset.value, offset.std);
+  if (clock.drift) {
+    const UncertainText drift = uncertain(1e6 * *clock.drift, 1e6 * clock.drift_std);
+    text += fmt::format(", drift {} +- {} ppm", drift.value, drift.std);
+  }
+  return text + fmt::format("; the common motion of {:.0f} s explains {:.0f} %\n", clock.overlap,
+                            100.0 * clock.explained);
+}
+
+nlohmann::ordered_json hand_eye_json(const HandEyeResult& found) {
+  const bool is_on_arm = found.mount == CameraMount::arm;
+  nlohmann::ordered_json json{
+      {"camera_on", is_on_arm ? "arm" : "base"}, {"camera", pose_json(found.camera)},
+      {"board", pose_json(found.board)},         {"position_rms", found.position_rms},
+      {"rotation_rms", found.rotation_rms},      {"leave_one_out_rms", found.leave_one_out_rms}};
+  const Eigen::Vector3d& point = found.best_point_board;
+  json["best_point_board"] = {point.x(), point.y(), point.z()};
+  if (found.held_out_rms) json["held_out_rms"] = *found.held_out_rms;
+  json["board_scale"] = found.board_scale;
+  json["board_scale_std"] = found.board_scale_std;
+  json["board_scale_is_used"] = found.is_board_scale_used;
+  if (found.unobservable) {
+    const Eigen::Vector3d& axis = *found.unobservable;
+    json["not_observable"] = {axis.x(), axis.y(), axis.z()};
+  }
+  json["cause"] = {{"is_separable", found.cause.is_separable}, {"camera", found.cause.camera},
+                   {"camera_std", found.cause.camera_std},     {"arm", found.cause.arm},
+                   {"arm_std", found.cause.arm_std},           {"text", describe_cause(found)}};
+  json["outliers"] = nlohmann::ordered_json::array();
+  for (const HandEyeResidual& residual : found.residuals) {
+    if (!residual.is_outlier) continue;
+    nlohmann::ordered_json outlier{{"view", residual.view}, {"position", residual.position.norm()}};
+    if (residual.partner) outlier["partner"] = *residual.partner;
+    json["outliers"].push_back(outlier);
+  }
+  if (found.next) json["next_pose"] = found.next->text;
+  return json;
+}
+
+std::string hand_eye_summary(const HandEyeResult& found) {
+  const bool is_on_arm = found.mount == CameraMount::arm;
+  std::string text = pose_lines(is_on_arm ? "camera in flange" : "camera in base", found.camera) +
+                     pose_lines(is_on_arm ? "board in base" : "board in flange", found.board);
+  text += fmt::format(
+      "board's position, at ({:.0f}, {:.0f}, {:.0f}) mm of it: rms {:.2f} mm fitted, {:.2f} mm "
+      "each by the others",
+      1e3 * found.best_point_board.x(), 1e3 * found.best_point_board.y(),
+      1e3 * found.best_point_board.z(), 1e3 * found.position_rms, 1e3 * found.leave_one_out_rms);
+  if (found.held_out_rms) {
+    text += fmt::format(", {:.2f} mm on unseen views", 1e3 * *found.held_out_rms);
+  }
+  text += fmt::format("; rotation rms {:.2f} deg\n", kToDegrees * found.rotation_rms);
+  if (found.next) {
+    text += "next pose: " + found.next->text +
+            (found.next->std_now
+                 ? fmt::format(": the camera's largest std falls from {:.2g} to {:.2g} mm\n",
+                               1e3 * *found.next->std_now, 1e3 * found.next->std_expected)
+                 : fmt::format(": the camera's position then shows to {:.2g} mm\n",
+                               1e3 * found.next->std_expected));
+  }
+  return text;
+}
+
+/// Names the file of the input that the error is about.
+Error with_file(Error error, const CalibrateArguments& arguments) {
+  if (!error.file.empty()) return error;
+  if (error.place == "ROBOT") error.file = arguments.first;
+  if (error.place == "CAMERA") error.file = arguments.second;
+  return error;
+}
+
+std::string written_lines(const CalibrateArguments& arguments) {
+  std::string text = "wrote " + arguments.output + '\n';
+  if (!arguments.report.empty()) text += how_to_open(arguments.report) + '\n';
+  return text;
+}
+
+Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observer& observer) {
+  Expected<CalibrationOutputs> outputs = create_outputs(arguments);
+  if (!outputs) return outputs.error();
+  const PoseInput robot = input_of(arguments, true, "robot");
+  const PoseInput camera = input_of(arguments, false, "camera");
+  const Expected<PairedPoses> paired = read_paired_poses(robot, camera);
+  if (!paired) return paired.error();
+  for (const std::string& note : paired->notes) observer.on_note(note);
+  arguments.hand_eye.mount = arguments.camera_on == "base" ? CameraMount::base : CameraMount::arm;
+  const Expected<HandEyeResult> found = calibrate_hand_eye(paired->views, arguments.hand_eye);
+  if (!found) return with_file(found.error(), arguments);
+  for (const std::string& note : found->notes) observer.on_warning(note);
+  CommandResult result;
+  result.json = {{"calibration", arguments.output}, {"views", paired->views.size()}};
+  result.json["formats"] = paired->formats;
+  result.summary = fmt::format("robot: {}\ncamera: {}\n{} views are paired\n", paired->formats[0],
+                               paired->formats[1], paired->views.size());
+  if (paired->clock) {
+    result.summary += "camera's clock: " + clock_line(*paired->clock);
+    result.json["clock"] = clock_json(*paired->clock);
+  }
+  result.json.update(hand_eye_json(*found));
+  result.json["notes"] = found->notes;
+  result.summary += hand_eye_summary(*found) + written_lines(arguments);
+  result.summary += describe_cause(*found) + '\n';
+  if (outputs->report) {
+    const Expected<void> written =
+        write_hand_eye_report(*found, *paired, json_text(result.json, 2), outputs->report->path());
+    if (!written) return written.error();
+  }
+  const Expected<void> done = commit(format_hand_eye(*found, robot, camera), *outputs);
+  if (!done) return done.error();
+  return result;
+}
+
+Expected<CommandResult> run_clocks(const CalibrateArguments& arguments, const Observer& observer) {
+  Expected<CalibrationOutputs> outputs = create_outputs(arguments);
+  if (!outputs) return outputs.error();
+  const Expected<ComparedClocks> found =
+      compare_pose_clocks(input_of(arguments, true, "a"), input_of(arguments, false, "b"), {});
+  if (!found) return found.error();
+  for (const std::string& note : found->notes) observer.on_note(note);
+  if (!found->clock.is_observable) {
+    return Error{
+        .message = "the clocks' offset is not observable from this motion: " + found->clock.reason,
+        .file = arguments.second,
+        .hint = "record both while the body turns to and fro, about several axes"};
+  }
+  CommandResult result;
+  result.json = {{"calibration", arguments.output}};
+  result.json["formats"] = found->formats;
+  result.json.update(clock_json(found->clock));
+  for (const PoseStream* stream : {&found->a, &found->b}) {
+    result.json["streams"].push_back({{"file", stream->name},
+                                      {"out_of_order", stream->out_of_order},
+                                      {"repeated", stream->repeated},
+                                      {"wild", stream->wild}});
+  }
+  result.json["notes"] = found->notes;
+  result.summary = fmt::format("a: {}\nb: {}\nto add to b's stamps: {}", found->formats[0],
+                               found->formats[1], clock_line(found->clock));
+  result.summary += written_lines(arguments);
+  if (outputs->report) {
+    const Expected<void> written =
+        write_clock_report(*found, json_text(result.json, 2), outputs->report->path());
+    if (!written) return written.error();
+  }
+  const Expected<void> done = commit(format_clock(*found), *outputs);
+  if (!done) return done.error();
+  return result;
+}
+
+void add_common(CLI::App& command, CalibrateArguments& arguments,
+                const std::vector<std::string>& inputs) {
+  command.add_option("-o,--output", arguments.output, "Calibration file to write (YAML)")
+      ->required();
+  command.add_option("--report", arguments.report, "Folder for a report with pictures");
+  command.add_flag("--force", arguments.replace,
+                   "Replace an existing calibration and report; other files are never replaced");
+  command
+      .add_option("--invert", arguments.inverted,
+                  "Input whose poses are inverted, such as those of a camera in the board's frame")
+      ->check(CLI::IsMember(inputs));
+  command.add_option("--w-first", arguments.w_first, "Input whose quaternions are w x y z")
+      ->check(CLI::IsMember(inputs));
+  command
+      .add_option("--left-handed", arguments.left_handed,
+                  "Axis to reverse in the second input, whose frames are left-handed")
+      ->check(CLI::IsMember({"x", "y", "z"}));
+  command
+      .add_option("--unit", arguments.unit,
+                  "Unit of lengths in both inputs; default: the header's, or by their size")
+      ->check(CLI::IsMember({"m", "cm", "mm"}));
+  command.add_flag("--skip-bad", arguments.skip_bad, "Leave out rows that can't be read");
+}
+
+void add_hand_eye(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "hand-eye", "Where a camera is on an arm, or beside it, from views of a board");
+  command->footer(
+      "Example:\n  pcavr calibrate hand-eye robot_poses/ board_in_camera.csv -o hand_eye.yaml");
+  auto arguments = std::make_shared<CalibrateArguments>();
+  command
+      ->add_option("robot", arguments->first,
+                   "Poses of the flange in the arm's base: a table, or a folder with a file a view")
+      ->required();
+  command->add_option("camera", arguments->second, "Poses of the board in the camera")->required();
+  add_common(*command, *arguments, {"robot", "camera"});
+  command
+      ->add_option(
+          "--camera-on", arguments->camera_on,
+          "arm: the camera is on the flange; base: it stands, and the board is on the flange")
+      ->check(CLI::IsMember({"arm", "base"}))
+      ->capture_default_str();
+  add_whole<int>(*command, "--splits", arguments->hand_eye.splits, 0, kMaxSplits,
+                 "Random splits for the error on unseen views")
+      ->capture_default_str();
+  add_seed(*command, arguments->hand_eye.seed, "Seed of the splits")->capture_default_str();
+  command->callback([arguments, &action] {
+    action = [arguments](const Observer& observer) { return run_hand_eye(*arguments, observer); };
+  });
+}
+
+void add_clocks(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "clocks", "Offset and drift of the clocks of two streams of poses of one body");
+  command->footer("Example:\n  pcavr calibrate clocks tool.csv headset.csv -o clocks.yaml");
+  auto arguments = std::make_shared<CalibrateArguments>();
+  command->add_option("a", arguments->first, "Stream whose clock is kept: a table with stamps")
+      ->required();
+  command->add_option("b", arguments->second, "Stream whose stamps are to be corrected")
+      ->required();
+  add_common(*command, *arguments, {"a", "b"});
+  command->callback([arguments, &action] {
+    action = [arguments](const Observer& observer) { return run_clocks(*arguments, observer); };
+  });
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand(
+      "calibrate", "Find where a camera is on an arm, or by how much two clocks differ");
+  command->require_subcommand(1);
+  add_hand_eye(*command, action);
+  add_clocks(*command, action);
+}
+
+}  // namespace pcavr::app

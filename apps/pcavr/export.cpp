@@ -1,0 +1,236 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/core.h>
+
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/output_paths.hpp"
+#include "pcavr/base/core/random.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
+#include "pcavr/physics/object/sample_parameters.hpp"
+#include "pcavr/pipeline/known_parameters.hpp"
+#include "pcavr/results/export/export_world.hpp"
+#include "pcavr/results/export/write_export.hpp"
+
+#include "commands.hpp"
+#include "number_option.hpp"
+
+namespace pcavr::app {
+namespace {
+
+constexpr std::size_t kMaxSamples = 1000;  ///< each is a folder with its meshes
+constexpr InputRange kSpeed{"speed", 0.0, 10.0, "m/s", "faster than any arm pushes"};
+
+struct ExportArguments {
+  std::string scene;
+  std::string parameters;
+  std::string motion;
+  std::string format;
+  std::string output;
+  std::optional<double> speed;
+  std::optional<double> tool_radius;
+  bool assumes = false;
+  std::size_t samples = 0;
+  std::uint64_t seed = 1;
+};
+
+struct Writer {
+  const char* format;
+  Expected<void> (*write)(ExportedWorld& world, const std::filesystem::path& folder);
+};
+constexpr std::array kWriters{Writer{"mjcf", &write_mjcf}, Writer{"urdf", &write_urdf},
+                              Writer{"sdf", &write_sdf}, Writer{"usd", &write_usd}};
+
+/// Reads the motion to be exported, and sets where the tool starts and the radius of its tip.
+Expected<Trajectory> use_motion(const ExportArguments& arguments,
+                                const Configuration& configuration, const Observer& observer,
+                                ExportOptions& options) {
+  if (arguments.motion.empty()) return Trajectory();
+  const Expected<Recording> recording =
+      read_with_warnings(arguments.motion, false, configuration, observer);
+  if (!recording) return recording.error();
+  if (recording->tool.empty()) {
+    return Error{.message = "the recording has no tool motion",
+                 .file = arguments.motion,
+                 .hint = "give one with a tool.csv, or omit --motion"};
+  }
+  options.T_base_tool = recording->tool.poses().front().pose;
+  if (!options.tool_radius) options.tool_radius = recording->manifest.tool_radius;
+  return recording->tool;
+}
+
+/// Writes the world, its numbers, and the tool's motion into a folder that exists.
+Expected<void> write_world(const ExportArguments& arguments, const ParameterTable& parameters,
+                           const Trajectory& motion, const std::filesystem::path& folder,
+                           ExportedWorld& world) {
+  const auto writer = std::find_if(kWriters.begin(), kWriters.end(), [&](const Writer& one) {
+    return arguments.format == one.format;
+  });
+  if (auto written = writer->write(world, folder); !written) return written;
+  if (!motion.empty()) {
+    if (auto written = write_motion(motion, folder); !written) return written;
+    if (arguments.format == "mjcf") {
+      if (auto written = write_mujoco_runners(folder); !written) return written;
+    }
+  }
+  return write_export_manifest(world, parameters, arguments.format, folder);
+}
+
+/// "007" of 120, "7" of 9: names that sort by number.
+std::string sample_name(std::size_t number, std::size_t count) {
+  return fmt::format("{:0{}}", number, std::to_string(count).size());
+}
+
+/// Writes samples/NUMBER, each a world of parameters drawn from their distribution, and
+/// samples.csv with what was drawn.
+Expected<void> write_samples(const ExportArguments& arguments, const SceneManifest& scene,
+                             const ParameterTable& parameters, const ExportOptions& options,
+                             const Trajectory& motion, const std::filesystem::path& folder,
+                             const Observer& observer) {
+  std::string table = "sample,object,parameter,value\n";
+  for (std::size_t number = 1; number <= arguments.samples; ++number) {
+    Random random = Random(arguments.seed).fork(number);
+    ParameterTable drawn;
+    const std::string name = sample_name(number, arguments.samples);
+    for (const auto& [object, known] : parameters) {
+      drawn[object] = sample_parameters(known, random);
+      for (const auto& [key, value] : list_parameters(drawn[object])) {
+        table += fmt::format("{},{},{},{:.9g}\n", name, object, key, value.value);
+      }
+    }
+    Expected<ExportedWorld> world = make_exported_world(scene, drawn, options);
+    if (!world) return world.error();
+    const std::filesystem::path place = folder / "samples" / name;
+    std::error_code code;
+    std::filesystem::create_directories(place, code);
+    if (code) return Error{.message = code.message(), .file = place.string()};
+    if (auto written = write_world(arguments, drawn, motion, place, *world); !written) {
+      return written;
+    }
+    observer.on_progress("samples", number, arguments.samples);
+  }
+  return write_file(folder / "samples.csv", table);
+}
+
+Expected<ParameterTable> table_of(const ExportArguments& arguments, const SceneManifest& scene) {
+  std::optional<ParameterTable> given;
+  if (!arguments.parameters.empty()) {
+    Expected<ParameterTable> table = read_parameters(arguments.parameters);
+    if (!table) return table.error();
+    given = std::move(*table);
+  }
+  return known_parameters(scene, given, arguments.parameters);
+}
+
+CommandResult describe(const ExportedWorld& world, const ExportArguments& arguments) {
+  CommandResult result;
+  result.json = {{"output", arguments.output}, {"format", arguments.format}};
+  result.json["residuals"] = nlohmann::ordered_json::array();
+  for (const ExportResidual& residual : world.residuals) {
+    result.summary += fmt::format("{:<12} {:<42} {:>10.4g} {:<4} {:>+7.2f} %  {}\n",
+                                  residual.object, residual.what, residual.wanted, residual.unit,
+                                  100.0 * residual.relative(), residual.remark);
+    result.json["residuals"].push_back(
+        {{"object", residual.object}, {"what", residual.what}, {"relative", residual.relative()}});
+  }
+  if (arguments.samples > 0) {
+    result.summary +=
+        fmt::format("{} worlds drawn from the parameters' distribution\n", arguments.samples);
+    result.json["samples"] = arguments.samples;
+  }
+  result.summary += fmt::format("friction holds at {:.4g} m/s\nwrote {}\n", world.reference_speed,
+                                arguments.output);
+  return result;
+}
+
+Expected<CommandResult> export_scene(const ExportArguments& arguments,
+                                     const Configuration& configuration, const Observer& observer) {
+  const Expected<void> apart =
+      check_outputs({arguments.output}, {arguments.scene, arguments.parameters, arguments.motion});
+  if (!apart) return apart.error();
+  Expected<OutputFolder> folder = OutputFolder::create(arguments.output);
+  if (!folder) {
+    Error error = folder.error();
+    error.hint = "choose a new or an empty folder that you may write to";
+    return error;
+  }
+  const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
+  if (!scene) return scene.error();
+  const Expected<ParameterTable> parameters = table_of(arguments, *scene);
+  if (!parameters) return parameters.error();
+  ExportOptions options;
+  options.assumes = arguments.assumes;
+  options.speed = arguments.speed;
+  options.tool_radius = arguments.tool_radius;
+  const Expected<Trajectory> motion = use_motion(arguments, configuration, observer, options);
+  if (!motion) return motion.error();
+  Expected<ExportedWorld> world = make_exported_world(*scene, *parameters, options);
+  if (!world) return world.error();
+  for (const std::string& warning : world->warnings) observer.on_warning(warning);
+  const std::filesystem::path& place = folder->path();
+  if (auto written = write_world(arguments, *parameters, *motion, place, *world); !written) {
+    return written.error();
+  }
+  if (arguments.samples > 0) {
+    // Of one speed, whatever is drawn: else the samples' coefficients hold at different ones.
+    options.speed = world->reference_speed;
+    options.scan_base = &world->scan_base;
+    if (auto written =
+            write_samples(arguments, *scene, *parameters, options, *motion, place, observer);
+        !written) {
+      return written.error();
+    }
+  }
+  if (auto committed = folder->commit(); !committed) return committed.error();
+  return describe(*world, arguments);
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Configuration& configuration, Action& action) {
+  CLI::App* command =
+      app.add_subcommand("export", "Write a scene with identified friction for a physics engine");
+  command->footer(
+      "Example:\n  pcavr export my_scene --parameters parameters.yaml --to mjcf -o my_world");
+  auto arguments = std::make_shared<ExportArguments>();
+  command->add_option("scene", arguments->scene, "Scene from pcavr build")->required();
+  command->add_option("--parameters", arguments->parameters,
+                      "Parameter file from pcavr identify, of this scene");
+  command->add_option("--to", arguments->format, "Format")
+      ->required()
+      ->check(CLI::IsMember({"mjcf", "urdf", "sdf", "usd"}));
+  command->add_option(
+      "--motion", arguments->motion,
+      "Recording whose tool's motion is written, with a script that plays it in MuJoCo");
+  command->add_flag("--assume", arguments->assumes,
+                    "Take defaults for masses and friction that were not identified");
+  add_number(*command, "--speed", arguments->speed, kSpeed,
+             "Speed at which the bodies will slide [m/s]: the exported coefficients hold there; by "
+             "default the mean speed of the identification");
+  command
+      ->add_option("--sample", arguments->samples,
+                   "Also write this many worlds, of parameters drawn from their identified "
+                   "distribution: samples/, samples.csv")
+      ->check(CLI::Range(std::size_t{1}, kMaxSamples));
+  command->add_option("--seed", arguments->seed, "Of the samples")->capture_default_str();
+  add_number(*command, "--tool-radius", arguments->tool_radius, ranges::kToolRadius,
+             "Radius of the tool's spherical tip [m]");
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "Folder for the exported world: a new or an empty one")
+      ->required();
+  command->callback([arguments, &configuration, &action] {
+    action = [arguments, &configuration](const Observer& observer) {
+      return export_scene(*arguments, configuration, observer);
+    };
+  });
+}
+
+}  // namespace pcavr::app

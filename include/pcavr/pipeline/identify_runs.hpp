@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/base/core/stamp.hpp"
+#include "pcavr/pipeline/identify.hpp"
+
+namespace pcavr {
+
+/// One of several recordings of the same objects.
+struct IdentificationRun {
+  std::string name;  ///< of the recording, in texts
+  Stamp start;       ///< of its clock
+  IdentificationInput input;
+};
+
+/// One parameter of an object in all runs that identified it.
+struct PooledParameter {
+  std::string name;  ///< as in the parameter file
+  std::string unit;
+  struct Run {
+    std::size_t run = 0;            ///< index in PooledIdentification::runs
+    ParameterValue value;           ///< by this run alone
+    double stds_from_others = 0.0;  ///< [stds] from the other runs, see deviations_of_runs
+  };
+  std::vector<Run> runs = {};
+  ParameterValue pooled = {};  ///< by the contacts of all runs, with the runs' scatter in its std
+  double scatter = 0.0;        ///< of the runs' own effects
+};
+
+struct PooledObject {
+  std::string name;
+  ObjectIdentification found;              ///< by all runs that are not left out
+  std::vector<std::size_t> runs = {};      ///< that touched it and agree
+  std::vector<std::size_t> left_out = {};  ///< that contradict the others
+  std::vector<PooledParameter> parameters = {};
+};
+
+struct PooledIdentification {
+  IdentificationGoal goal = IdentificationGoal::friction;
+  std::vector<std::string> runs;           ///< by their start
+  std::vector<Identification> alone;       ///< each run's own
+  std::vector<PooledObject> objects = {};  ///< by name
+  std::vector<std::string> warnings = {};
+  std::vector<std::pair<std::string, std::string>> configuration = {};
+
+  /// Those of `known`, updated with what was identified.
+  [[nodiscard]] ParameterTable parameters() const;
+  ParameterTable known = {};
+};
+
+/// Identifies each object from the contacts of all runs together: one posterior, whose stds contain
+/// the runs' own effects (day, wear, humidity), stated as scatter. A run whose limiting friction or
+/// coefficient is more than 5 stds from those of the other runs, of at least three, is left out, at
+/// most a third of them, and named. The order of `runs` does not matter, except that runs of the
+/// same start are in the order of their names. Errors: objects of one name and different bodies,
+/// masses or tips; a run twice; a run that can't be identified. Friction known before is combined
+/// with what is found (combine_with_known). Deterministic.
+[[nodiscard]] Expected<PooledIdentification> identify_runs(std::vector<IdentificationRun> runs,
+                                                           IdentificationGoal goal,
+                                                           const IdentificationOptions& options,
+                                                           const Observer& observer = {});
+
+/// report.html, report.json, runs.csv (a row for each run and parameter) and parameters.tex into a
+/// folder that exists.
+[[nodiscard]] Expected<void> write_pooled_report(const PooledIdentification& found,
+                                                 const std::filesystem::path& folder);
+
+}  // namespace pcavr

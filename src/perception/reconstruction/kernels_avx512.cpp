@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "perception/reconstruction/find_surfaces.inl"
+#include "perception/reconstruction/fuse_block.inl"
+#include "perception/reconstruction/image_rows.inl"
+
+namespace pcavr {
+
+extern const Kernels kAvx512Kernels;
+const Kernels kAvx512Kernels = {filter_row,  pool_min,      pool_depth,
+                                pool_colors, find_surfaces, fuse_block};
+
+}  // namespace pcavr

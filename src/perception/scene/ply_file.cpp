@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/perception/scene/ply_file.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <sstream>
+
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/raw_bytes.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr char kHeaderStart[] =
+    "ply\nformat binary_little_endian 1.0\ncomment coordinates in metres\n";
+constexpr char kNormals[] = "property float nx\nproperty float ny\nproperty float nz\n";
+constexpr char kColors[] = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+constexpr char kFaces[] = "property list uchar int vertex_indices\n";
+
+constexpr std::size_t kVectorBytes = 3 * sizeof(float);
+constexpr std::size_t kColorBytes = 3;  // uchar red, green, blue
+constexpr std::size_t kTriangleBytes = 1 + 3 * sizeof(std::int32_t);
+
+struct Layout {
+  std::size_t vertices = 0;
+  std::optional<std::size_t> triangles = {};  ///< nullopt: a point cloud
+  bool has_normals = false;
+  bool has_colors = false;
+
+  [[nodiscard]] std::string header() const {
+    std::string text = kHeaderStart + ("element vertex " + std::to_string(vertices)) +
+                       "\nproperty float x\nproperty float y\nproperty float z\n";
+    if (has_normals) text += kNormals;
+    if (has_colors) text += kColors;
+    if (triangles) text += "element face " + std::to_string(*triangles) + '\n' + kFaces;
+    return text + "end_header\n";
+  }
+  [[nodiscard]] std::size_t vertex_bytes() const {
+    return kVectorBytes * (has_normals ? 2 : 1) + (has_colors ? kColorBytes : 0);
+  }
+  [[nodiscard]] std::size_t content_bytes() const {
+    return vertices * vertex_bytes() + triangles.value_or(0) * kTriangleBytes;
+  }
+};
+
+void append(std::string& bytes, const Eigen::Vector3f& vector) {
+  for (const float number : vector) append_bytes(bytes, number);
+}
+
+std::string header_and_vertices(const Layout& layout, const std::vector<Eigen::Vector3f>& points,
+                                const std::vector<Eigen::Vector3f>& normals,
+                                const std::vector<Rgb8>& colors) {
+  std::string bytes = layout.header();
+  bytes.reserve(bytes.size() + layout.content_bytes());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    append(bytes, points[i]);
+    if (layout.has_normals) append(bytes, normals[i]);
+    if (!layout.has_colors) continue;
+    for (const std::uint8_t channel : {colors[i].r, colors[i].g, colors[i].b}) {
+      append_bytes(bytes, channel);
+    }
+  }
+  return bytes;
+}
+
+/// Parses a header; nullopt unless it is exactly one that format_ply writes.
+std::optional<Layout> parse_layout(const std::string& header) {
+  Layout layout;
+  std::istringstream lines(header);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream tokens(line);
+    std::string keyword;
+    std::string element;
+    std::size_t count = 0;
+    if (!(tokens >> keyword >> element >> count) || keyword != "element") continue;
+    if (element == "vertex") layout.vertices = count;
+    if (element == "face") layout.triangles = count;
+  }
+  layout.has_normals = header.find(kNormals) != std::string::npos;
+  layout.has_colors = header.find(kColors) != std::string::npos;
+  if (layout.header() != header) return std::nullopt;
+  return layout;
+}
+
+Eigen::Vector3f vector_at(const char* bytes, std::size_t offset) {
+  return {load_value<float>(bytes, offset), load_value<float>(bytes, offset + 4),
+          load_value<float>(bytes, offset + 8)};
+}
+
+void read_vertices(const char* bytes, const Layout& layout, TriangleMesh& mesh) {
+  for (std::size_t i = 0; i < layout.vertices; ++i) {
+    std::size_t offset = i * layout.vertex_bytes();
+    mesh.vertices.push_back(vector_at(bytes, offset));
+    offset += kVectorBytes;
+    if (layout.has_normals) {
+      mesh.normals.push_back(vector_at(bytes, offset));
+      offset += kVectorBytes;
+    }
+    if (layout.has_colors) {
+      const auto channel = [&](std::size_t c) {
+        return load_value<std::uint8_t>(bytes, offset + c);
+      };
+      mesh.colors.push_back({channel(0), channel(1), channel(2)});
+    }
+  }
+}
+
+/// False where a face is not a triangle or a vertex index is out of range.
+bool read_triangles(const char* bytes, const Layout& layout, TriangleMesh& mesh) {
+  for (std::size_t i = 0; i < layout.triangles.value_or(0); ++i) {
+    const std::size_t offset = i * kTriangleBytes;
+    if (bytes[offset] != 3) return false;
+    std::array<std::uint32_t, 3> triangle{};
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      triangle[corner] = load_value<std::uint32_t>(bytes, offset + 1 + corner * 4);
+      if (triangle[corner] >= layout.vertices) return false;
+    }
+    mesh.triangles.push_back(triangle);
+  }
+  return true;
+}
+
+}  // namespace
+
+std::string format_ply(const TriangleMesh& mesh) {
+  const Layout layout{mesh.vertices.size(), mesh.triangles.size(), !mesh.normals.empty(),
+                      !mesh.colors.empty()};
+  std::string bytes = header_and_vertices(layout, mesh.vertices, mesh.normals, mesh.colors);
+  for (const auto& triangle : mesh.triangles) {
+    append_bytes(bytes, std::uint8_t{3});
+    for (const std::uint32_t vertex : triangle) append_bytes(bytes, vertex);
+  }
+  return bytes;
+}
+
+std::string format_ply(const PointCloud& cloud) {
+  const Layout layout{cloud.points.size(), std::nullopt, !cloud.normals.empty(),
+                      !cloud.colors.empty()};
+  return header_and_vertices(layout, cloud.points, cloud.normals, cloud.colors);
+}
+
+Expected<TriangleMesh> read_ply(const std::filesystem::path& file) {
+  const Expected<std::string> bytes = read_file(file);
+  if (!bytes) return bytes.error();
+  constexpr std::string_view kHeaderEnd = "end_header\n";
+  const std::size_t end = bytes->find(kHeaderEnd);
+  const std::size_t header_size = end == std::string::npos ? 0 : end + kHeaderEnd.size();
+  const std::optional<Layout> layout = parse_layout(bytes->substr(0, header_size));
+  if (!layout) {
+    return Error{.message = "is not a PLY file of a scene", .file = file.string(), .line = 1};
+  }
+  // Counts first, so that their products with the sizes do not overflow.
+  if (layout->vertices > bytes->size() || layout->triangles.value_or(0) > bytes->size() ||
+      bytes->size() != header_size + layout->content_bytes()) {
+    return Error{.message = "size differs from the header", .file = file.string()};
+  }
+  TriangleMesh mesh;
+  const char* content = bytes->data() + header_size;
+  read_vertices(content, *layout, mesh);
+  if (!read_triangles(content + layout->vertices * layout->vertex_bytes(), *layout, mesh)) {
+    return Error{.message = "has a face that is not a triangle or has an index out of range",
+                 .file = file.string()};
+  }
+  for (const Eigen::Vector3f& vertex : mesh.vertices) {
+    if (!vertex.allFinite()) {
+      return Error{.message = "has a vertex that is not finite", .file = file.string()};
+    }
+  }
+  return mesh;
+}
+
+}  // namespace pcavr

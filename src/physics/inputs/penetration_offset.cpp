@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "pcavr/base/core/median.hpp"
+
+#include "physics/inputs/clock_offsets.hpp"
+#include "physics/inputs/stream_gaps.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kContactMargin = 5e-4;  // [m] a tip this near counts as in contact: by tracking
+constexpr double kNear = 0.02;           // [m] within it, the force is along the direction inward
+constexpr double kPenetrationRate = 200.0;  // [1/s] samples: enough for clocks
+constexpr double kLoading = 0.015;  // [s] a force may lag the penetration without a clock offset
+
+/// Error of meshes, poses and the tip's radius together [m]. Divided by the speed of the approach,
+/// it is an error of the time of touch: some tenths of a second in slow pushes.
+constexpr double kSurfaceError = 0.001;
+constexpr std::size_t kApproachSamples = 10;  // [grid steps] of the approach before a touch
+constexpr double kMinApproachSpeed = 1e-4;    // [m/s]
+constexpr double kMaxStd = 0.05;              // [s] of an offset that is known
+
+/// The tip against the bodies' surfaces, on a grid of kPenetrationRate from `begin` on.
+struct Penetrations {
+  double begin = 0.0;        ///< [s]
+  std::vector<double> gaps;  ///< [m]
+  std::vector<Eigen::Vector3d> inward_base;
+  std::vector<bool> is_known;  ///< not between samples of the tool that lie far apart
+
+  [[nodiscard]] double t(std::size_t k) const {
+    return begin + static_cast<double>(k) / kPenetrationRate;
+  }
+};
+
+Penetrations penetrations_of(const InputSeries& series, const PathView& tip,
+                             const BodyPoses& poses) {
+  const std::span<const double> t_tool = series.t_tool;
+  const std::vector<StreamGap> tool_gaps = stream_gaps(t_tool);
+  Penetrations result{t_tool.front(), {}, {}, {}};
+  const auto count =
+      static_cast<std::size_t>((t_tool.back() - t_tool.front()) * kPenetrationRate) + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = result.t(k);
+    result.is_known.push_back(!is_in_gap(tool_gaps, t));
+    Touch nearest;
+    for (std::size_t i = 0; i < series.bodies.size(); ++i) {
+      const Touch touch = poses.touch(i, t, tip.at(t), series.tool_radius);
+      if (touch.gap < nearest.gap) nearest = touch;
+    }
+    result.gaps.push_back(nearest.gap);
+    result.inward_base.emplace_back(nearest.gap < kNear ? nearest.inward_base
+                                                        : Eigen::Vector3d(0.0, 0.0, 0.0));
+  }
+  return result;
+}
+
+/// Median speed at which the tip approaches the bodies before it touches them [m/s].
+double approach_speed(const Penetrations& tip) {
+  std::vector<double> speeds;
+  std::size_t free = 0;
+  for (std::size_t k = 0; k < tip.gaps.size(); ++k) {
+    const bool touches = tip.gaps[k] < kContactMargin;
+    if (touches && free >= kApproachSamples) {
+      speeds.push_back((tip.gaps[k - kApproachSamples] - tip.gaps[k]) * kPenetrationRate /
+                       static_cast<double>(kApproachSamples));
+    }
+    free = touches || !tip.is_known[k] ? 0 : free + 1;
+  }
+  return speeds.empty() ? 0.0 : median(std::move(speeds));
+}
+
+}  // namespace
+
+bool is_significant(const TimeOffset& offset, double min_offset, const InputOptions& options) {
+  return offset.is_known && std::abs(offset.offset) > min_offset &&
+         std::abs(offset.offset) > options.min_offset_stds * offset.std;
+}
+
+TimeOffset penetration_offset(const InputSeries& series, const PathView& tip,
+                              const BodyPoses& poses) {
+  if (series.bodies.empty() || series.t_tool.empty()) return {};
+  const Penetrations found = penetrations_of(series, tip, poses);
+  std::vector<double> t, penetration;
+  for (std::size_t k = 0; k < found.gaps.size(); ++k) {
+    if (!found.is_known[k]) continue;
+    t.push_back(found.t(k));
+    penetration.push_back(std::max(kContactMargin - found.gaps[k], 0.0));
+  }
+  std::vector<double> t_force, along;
+  for (std::size_t i = 0; i < series.t_force.size(); ++i) {
+    const double index = (series.t_force[i] - found.begin) * kPenetrationRate;
+    const bool is_beyond = index < 0.0 || index >= static_cast<double>(found.gaps.size());
+    const auto k = is_beyond ? 0 : static_cast<std::size_t>(index);
+    if (!is_beyond && !found.is_known[k]) continue;
+    t_force.push_back(series.t_force[i]);
+    along.push_back(is_beyond ? 0.0 : series.force_base[i].dot(found.inward_base[k]));
+  }
+  TimeOffset offset = estimate_time_offset(t, penetration, t_force, along);
+  const double speed = std::max(approach_speed(found), kMinApproachSpeed);
+  offset.std = std::hypot(offset.std, kLoading, kSurfaceError / speed);
+  // A negative correlation is a matter of the sign, not of the clock.
+  offset.is_known = offset.is_known && offset.correlation > 0.0 && offset.std < kMaxStd;
+  return offset;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "pcavr/physics/object_identification/object_identification.hpp"
+#include "pcavr/physics/turning/support.hpp"
+#include "pcavr/physics/turning/tool_friction.hpp"
+#include "pcavr/physics/turning/turning.hpp"
+
+namespace pcavr {
+
+void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
+                         const BodyMotion& body, const PathView& tip, double tool_radius,
+                         const ParameterValue& viscous, const IdentificationOptions& options,
+                         ObjectIdentification& result) {
+  if (body.tracked.empty()) return;
+  std::optional<double> weight;
+  if (const auto& mass = result.parameters.mass) weight = mass->value * options.sliding.gravity;
+  SamplesOfPushes pushes;
+  for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
+    std::vector<PushSample> samples = turning_samples(*push, body, tip, tool_radius, weight);
+    if (!samples.empty()) pushes.push_back(std::move(samples));
+  }
+  result.turning = joined(pushes);
+  const TurningFriction found = identify_turning(pushes, body, viscous, options.limit_surface);
+  result.surface = found.surface;
+  result.friction_radius = found.radius;
+  if (found.radius) {
+    const Support even(body.model, body.tracked.front().T_base_object);
+    result.turning = without_viscous_load(
+        std::move(result.turning), even.scaled(found.radius->value / even.radius()), viscous.value);
+    result.parameters.friction_radius = found.radius;
+    result.parameters.sources.pushes["friction_radius"] = static_cast<int>(pushes.size());
+  }
+  if (found.surface.status == LimitSurfaceFitStatus::fitted) {
+    result.parameters.limit_surface = found.surface.surface;
+  }
+}
+
+void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
+                               const BodyMotion& body, const PathView& tip, double tool_radius,
+                               ObjectIdentification& result) {
+  const BodySurface surface(body.model);
+  std::vector<std::vector<double>> samples;
+  for (const IdentifiedContact& contact : contacts) {
+    if (contact.object != object || !contact.left_out.empty() || contact.episode.impact) continue;
+    samples.push_back(tool_friction_samples(contact, body, surface, tip, tool_radius));
+  }
+  const std::optional<ToolFriction> found = tool_friction_of(samples, body.tracked);
+  if (!found) return;
+  result.parameters.tool_friction_coefficient = found->coefficient;
+  result.tool_friction_contacts = found->contacts;
+  result.parameters.sources.pushes["tool_friction_coefficient"] = found->contacts;
+}
+
+}  // namespace pcavr

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/physics/object_identification/object_identifier.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "physics/object_identification/identification_steps.hpp"
+
+namespace pcavr {
+namespace {
+
+/// A press under which the object slides or turns, as in an oblique hole, shows no contact law: the
+/// tip's path is not its penetration.
+void leave_out_moved_presses(std::vector<IdentifiedContact>& contacts,
+                             const std::vector<TrackedPose>& tracked, const PathView& tip) {
+  constexpr double kMaxMotion = 0.001;  // [m] where the tip is; tracking has some tenths of that
+  if (tracked.empty()) return;
+  for (IdentifiedContact& contact : contacts) {
+    const ContactEpisode& episode = contact.episode;
+    const bool is_press = episode.kind == ContactKind::press && !episode.impact;
+    if (!is_press || !contact.left_out.empty()) continue;
+    const Pose T_base_before = pose_at(tracked, episode.begin);
+    const Pose T_base_after = pose_at(tracked, episode.end);
+    const Eigen::Vector3d p_base = tip.at(episode.begin);
+    const Eigen::Vector3d p_base_after = T_base_after * (T_base_before.inverse() * p_base);
+    if ((p_base_after - p_base).norm() > kMaxMotion) {
+      contact.left_out = "the object moves under the press";
+    }
+  }
+}
+
+/// [s] In all slides of the pushes with an object.
+double sliding_duration(std::vector<IdentifiedContact>& contacts, std::size_t object) {
+  double duration = 0.0;
+  for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
+    for (const SlideInterval& slide : push->episode.slides) duration += slide.end - slide.begin;
+  }
+  return duration;
+}
+
+/// The contacts one after the other, with one path and one track.
+struct JoinedContacts {
+  std::vector<IdentifiedContact> contacts;
+  std::vector<double> t_tool;
+  std::vector<Eigen::Vector3d> p_base_tip;
+  std::vector<TrackedPose> tracked;
+
+  void add(const ObservedContact& one) {
+    contacts.push_back(one.contact);
+    t_tool.insert(t_tool.end(), one.t_tool.begin(), one.t_tool.end());
+    p_base_tip.insert(p_base_tip.end(), one.p_base_tip.begin(), one.p_base_tip.end());
+    tracked.insert(tracked.end(), one.tracked.begin(), one.tracked.end());
+  }
+};
+
+}  // namespace
+
+ObservedContact delayed(ObservedContact contact, double delay) {
+  ContactEpisode& episode = contact.contact.episode;
+  Breakaway& breakaway = episode.breakaway;
+  for (double* t : {&episode.begin, &episode.end, &breakaway.t_contact, &breakaway.t_alarm,
+                    &breakaway.t_decided, &breakaway.t}) {
+    *t += delay;
+  }
+  for (SlideInterval& slide : episode.slides) slide.begin += delay, slide.end += delay;
+  for (double& t : episode.t) t += delay;
+  for (double& t : contact.t_tool) t += delay;
+  for (TrackedPose& pose : contact.tracked) pose.t += delay;
+  return contact;
+}
+
+ObjectIdentifier::ObjectIdentifier(const IdentifiableObject& object, ObjectParameters known,
+                                   double tool_radius, IdentificationGoal goal,
+                                   const IdentificationOptions& options)
+    : object_(&object),
+      known_(std::move(known)),
+      tool_radius_(tool_radius),
+      goal_(goal),
+      options_(options) {
+  if (!known_.mass && object.mass) known_.mass = ParameterValue{*object.mass, {}};
+}
+
+void ObjectIdentifier::add(std::shared_ptr<const ObservedContact> contact) {
+  const auto after = std::upper_bound(
+      contacts_.begin(), contacts_.end(), contact, [](const auto& one, const auto& other) {
+        return one->contact.episode.begin < other->contact.episode.begin;
+      });
+  contacts_.insert(after, std::move(contact));
+}
+
+ObjectIdentifier::Result ObjectIdentifier::result() const {
+  JoinedContacts joined;
+  for (const auto& contact : contacts_) joined.add(*contact);
+  std::vector<IdentifiedContact>& contacts = joined.contacts;
+  const std::size_t index = contacts.empty() ? 0 : contacts.front().object.value_or(0);
+  const PathView tip(joined.t_tool, joined.p_base_tip);
+  const BodyMotion motion{object_->model, joined.tracked};
+
+  ObjectIdentification found{
+      .name = object_->name, .is_movable = object_->is_movable, .parameters = known_};
+  identify_tool_friction_of(contacts, index, motion, tip, tool_radius_, found);
+  if (object_->is_movable) leave_out_moved_presses(contacts, joined.tracked, tip);
+  if (is_contact_assumed(found.parameters)) forget_contact(found.parameters);
+  const bool has_contact_law = found.parameters.contact_stiffness.has_value();
+  if (goal_ == IdentificationGoal::contact || !has_contact_law) {
+    identify_contact_of(contacts, index, tip, options_, found);
+    identify_surface_offset(contacts, index, *object_, tool_radius_, tip, found);
+  }
+  if (goal_ == IdentificationGoal::friction && object_->is_movable) {
+    identify_friction_of(contacts, index, object_->mass, motion, tip, tool_radius_, options_,
+                         found);
+    check_press_lines(contacts, index, options_.inputs.segmentation.breakaway, found);
+  }
+  doubt_force_direction(suspected_turn_, known_, found);
+  withhold_contact_off_centre(found);
+  if (object_->is_movable) assume_contact_by_loading(contacts, index, found);
+  state_penetration(options_.contact_fit, found);
+  state_findings(goal_, *object_, sliding_duration(contacts, index), found);
+  return {std::move(found), std::move(contacts)};
+}
+
+}  // namespace pcavr

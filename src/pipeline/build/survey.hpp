@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/core/observer.hpp"
+#include "pcavr/base/core/parallel.hpp"
+#include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/perception/marker/body_pose.hpp"
+#include "pcavr/perception/tracking/camera_tracker.hpp"
+#include "pcavr/pipeline/consistency.hpp"
+#include "pcavr/pipeline/perception_options.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
+
+#include "pipeline/checks/consistency_observations.hpp"
+
+namespace pcavr {
+
+/// An object with a CAD body as the recording declares it.
+struct DeclaredBody {
+  ObjectEntry entry;
+  CadModel model;
+  std::vector<TagPlacement> tags;
+};
+
+/// The bodies that carry one of these tags, by index.
+[[nodiscard]] std::vector<std::size_t> bodies_with_tags(const std::vector<DeclaredBody>& bodies,
+                                                        const std::set<MarkerId>& ids);
+
+/// Reads the CAD body of every movable object. One without a mesh is an Error: the mesh
+/// replaces the object's points.
+[[nodiscard]] Expected<std::vector<DeclaredBody>> load_movable_bodies(const Recording& recording,
+                                                                      const CadOptions& options);
+
+/// Reads the CAD body of every immovable object whose pose the manifest states. One without a mesh
+/// or a pose is part of the scan.
+[[nodiscard]] Expected<std::vector<DeclaredBody>> load_immovable_bodies(const Recording& recording,
+                                                                        const CadOptions& options);
+
+/// Warns where a body's mesh is a simplification of a finer one, with its error bound.
+void report_simplified(const CadModel& model, const Observer& observer);
+
+/// The tags that a scene keeps: those of base and of the movable objects.
+[[nodiscard]] std::vector<MarkerEntry> scene_tags(const Manifest& manifest);
+
+struct SurveyOptions {
+  PerceptionOptions perception = {};
+  bool trust_poses = false;
+  bool skip_bad = false;
+  Parallelism parallelism = {};
+};
+
+/// Results of the first pass over the frames.
+struct Survey {
+  std::vector<std::vector<TagDetection>> detections;  ///< by index in Recording::frames
+  CameraTrack camera;
+  /// Pose of each body at its first detection, from its tags alone; by body.
+  std::vector<std::optional<Pose>> T_base_object_first;
+  std::map<MarkerId, std::size_t> tags_seen;  ///< frames in which each declared tag was seen
+  /// Of these, the ones that are not used because their id is in view twice.
+  std::set<MarkerId> copied_tags = {};
+  std::size_t undecoded = 0;  ///< left out by skip_bad
+  DepthSummary depth;
+  std::vector<ConsistencyFinding> findings;  ///< warnings: a contradiction is an Error
+};
+
+/// Finds the manifest's tags; nothing where it names none.
+[[nodiscard]] Expected<std::optional<TagDetector>> make_tag_detector(const Recording& recording,
+                                                                     TagDetectorOptions options);
+
+/// The hint where tags were rejected.
+inline constexpr char kRejectedTagsHint[] = "check fx, fy, cx, cy and the tags' sizes and poses";
+/// Why the tags of a body (base, where `object` is empty) gave no pose although they were detected:
+/// "tag36h11:0 was seen in 38 frames, but ...". Empty where they were not
+/// detected, or gave a pose.
+[[nodiscard]] std::string explain_rejected_tags(const Recording& recording,
+                                                const std::vector<std::vector<TagDetection>>& seen,
+                                                const std::string& object,
+                                                const BodyPoseOptions& options = {});
+
+/// Why a body was not found: what its tags showed.
+[[nodiscard]] std::string explain_not_found(const Recording& recording, const Survey& survey,
+                                            const DeclaredBody& body,
+                                            const BodyPoseOptions& options = {});
+
+/// First pass: finds the tags, and the camera's pose in base for every frame, unless it is known
+/// already, and cross-checks the inputs. An Error where they contradict each other
+/// (consistency.hpp), and where no frame can be placed.
+[[nodiscard]] Expected<Survey> survey_recording(const Recording& recording,
+                                                const std::vector<DeclaredBody>& bodies,
+                                                const SurveyOptions& options,
+                                                const Observer& observer,
+                                                std::optional<CameraTrack> known_camera = {});
+
+/// Why frames were not used, with counts; reasons that do not occur are omitted.
+[[nodiscard]] std::vector<std::pair<std::string, std::size_t>> dropped_frames(
+    const Recording& recording, const Survey& survey);
+
+}  // namespace pcavr

@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "consistency_observations.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "pcavr/base/core/median.hpp"
+#include "pcavr/base/geometry/depth_grid.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Depth nearer to the tag's edge [share of its half width] may belong to the background.
+constexpr double kInnerShare = 0.8;
+/// Rows and columns of a grid of readings inside a tag: more do not improve the fit.
+constexpr int kGridSize = 14;
+/// Fewer readings than this [a fifth of the grid] do not determine the tag's slope.
+constexpr std::size_t kMinReadings = kGridSize * kGridSize / 5;
+/// Readings with larger residuals than this are outliers of the first fit [multiples of the median
+/// absolute residual, which is two thirds of a normal distribution's std].
+constexpr double kMaxResidual = 4.0;
+/// Lower bound of the threshold [share of the distance]: no sensor is more precise.
+constexpr double kMinRelativeResidual = 1e-4;
+
+/// A reading for a plane's fit. 1/z is linear in the ray (x, y, 1): the fit is linear least
+/// squares.
+struct DepthReading {
+  Eigen::Vector3d ray;
+  double inverse_depth = 0.0;  ///< [1/m]
+};
+
+std::vector<DepthReading> readings_inside(const DepthImage& depth, const CameraModel& camera,
+                                          const std::array<Eigen::Vector2d, 4>& corners) {
+  std::vector<DepthReading> readings;
+  for (int row = 0; row < kGridSize; ++row) {
+    for (int column = 0; column < kGridSize; ++column) {
+      const double u = 0.5 + kInnerShare * ((column + 0.5) / kGridSize - 0.5);
+      const double v = 0.5 + kInnerShare * ((row + 0.5) / kGridSize - 0.5);
+      const Eigen::Vector2d pixel = (1.0 - v) * ((1.0 - u) * corners[0] + u * corners[1]) +
+                                    v * ((1.0 - u) * corners[3] + u * corners[2]);
+      if (!camera.contains(pixel)) continue;
+      const int x = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, depth.width() - 1);
+      const int y = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, depth.height() - 1);
+      const double z = static_cast<double>(depth(x, y));
+      if (!(z > 0.0)) continue;
+      readings.push_back({camera.normalise({x, y}).homogeneous(), 1.0 / z});
+    }
+  }
+  return readings;
+}
+
+Eigen::Vector3d fit_plane(const std::vector<DepthReading>& readings) {
+  Eigen::Matrix3d left = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const DepthReading& reading : readings) {
+    left += reading.ray * reading.ray.transpose();
+    right += reading.inverse_depth * reading.ray;
+  }
+  return left.ldlt().solve(right);
+}
+
+/// The inliers of the plane.
+std::vector<DepthReading> inliers_of(const std::vector<DepthReading>& readings,
+                                     const Eigen::Vector3d& plane) {
+  std::vector<double> residuals;
+  residuals.reserve(readings.size());
+  for (const DepthReading& reading : readings) {
+    residuals.push_back(std::abs(reading.ray.dot(plane) - reading.inverse_depth));
+  }
+  const double threshold = std::max(kMaxResidual * median(residuals),
+                                    kMinRelativeResidual * readings.front().inverse_depth);
+  std::vector<DepthReading> inliers;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    if (residuals[i] <= threshold) inliers.push_back(readings[i]);
+  }
+  return inliers;
+}
+
+/// Rays through a body's outline: some hundreds determine a scale to a few per cent.
+constexpr double kOutlineRays = 400.0;
+/// Tolerance of depth on the body's surface, besides the noise [m]: the pose's error.
+constexpr double kOnSurface = 0.01;
+/// Outlines of a body that are evaluated: more are redundant.
+constexpr std::size_t kOutlineFrames = 12;
+
+}  // namespace
+
+Eigen::Vector3d TagMeasurement::centre_camera() const {
+  return 0.25 * (corners_camera[0] + corners_camera[1] + corners_camera[2] + corners_camera[3]);
+}
+
+std::optional<TagMeasurement> measure_tag(const DepthImage& depth, const CameraModel& camera,
+                                          const TagDetection& detection) {
+  if (!std::all_of(detection.corners.begin(), detection.corners.end(),
+                   [](const Eigen::Vector2d& corner) { return corner.allFinite(); })) {
+    return std::nullopt;
+  }
+  std::vector<DepthReading> readings = readings_inside(depth, camera, detection.corners);
+  if (readings.size() < kMinReadings) return std::nullopt;
+  readings = inliers_of(readings, fit_plane(readings));
+  if (readings.size() < kMinReadings) return std::nullopt;
+  const Eigen::Vector3d plane = fit_plane(readings);
+  TagMeasurement tag;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector3d ray = camera.normalise(detection.corners[i]).homogeneous();
+    const double inverse_depth = ray.dot(plane);
+    if (!std::isfinite(inverse_depth) || inverse_depth <= 0.0) return std::nullopt;
+    tag.corners_camera[i] = ray / inverse_depth;
+  }
+  return tag;
+}
+
+void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object,
+                 const CameraModel& camera, const DepthImage& depth, const DepthNoise& noise,
+                 OutlineFit& fit) {
+  const Pose T_object_camera = T_camera_object.inverse();
+  for (std::size_t i = 0; i < kOutlineScales.size(); ++i) {
+    // Scaling the body is equivalent to scaling the camera's distance inversely.
+    const double scale = kOutlineScales[i];
+    const Pose T_scaled_camera(T_object_camera.rotation(), T_object_camera.translation() / scale);
+    const PixelRectangle box = visible_rectangle(surface_object.bounds(), camera, T_scaled_camera);
+    if (box.empty()) continue;
+    const double pixels =
+        static_cast<double>(box.x_end - box.x_begin) * static_cast<double>(box.y_end - box.y_begin);
+    const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kOutlineRays))));
+    const double weight = static_cast<double>(stride) * stride;
+    const Eigen::Vector3f origin = T_scaled_camera.translation().cast<float>();
+    for (int y = box.y_begin + stride / 2; y < box.y_end; y += stride) {
+      for (int x = box.x_begin + stride / 2; x < box.x_end; x += stride) {
+        const double z = static_cast<double>(depth(x, y));
+        if (!(z > 0.0)) continue;
+        const Eigen::Vector3d ray = camera.normalise({x, y}).homogeneous();
+        const auto hit =
+            surface_object.cast(origin, (T_scaled_camera.rotation() * ray).cast<float>());
+        if (!hit) continue;
+        const double z_body = scale * static_cast<double>(hit->distance) / ray.norm();
+        const double tolerance = kOnSurface + 3.0 * noise.depth_std(z_body);
+        fit.outline[i] += weight;
+        if (std::abs(z - z_body) <= tolerance) {
+          fit.explained[i] += weight;
+          fit.score[i] += weight;
+        } else if (z > z_body) {
+          fit.score[i] -= weight;
+        }
+      }
+    }
+  }
+  ++fit.frames;
+}
+
+ConsistencyCollector::ConsistencyCollector(const Manifest& manifest, const DepthNoise& noise,
+                                           const std::vector<SurfaceQuery>& surfaces_object,
+                                           std::size_t frames)
+    : manifest_(manifest),
+      noise_(noise),
+      surfaces_object_(surfaces_object),
+      outline_stride_(std::max<std::size_t>(1, frames / kOutlineFrames)) {
+  observations_.outlines.resize(surfaces_object.size());
+}
+
+void ConsistencyCollector::add(const RgbdFrame& frame, const std::vector<TagDetection>& detections,
+                               const std::vector<std::optional<Pose>>& T_camera_body) {
+  // All on the depth image's grid, which may be coarser than the colour image's.
+  const CameraModel camera = on_grid(*manifest_.camera, frame.depth.width(), frame.depth.height());
+  observations_.depth.add(frame.depth, noise_);
+  for (std::size_t marker = 0; marker < manifest_.markers.size(); ++marker) {
+    for (const TagDetection& detection : detections) {
+      if (detection.id != manifest_.markers[marker].id) continue;
+      TagDetection on_depth = detection;
+      for (Eigen::Vector2d& corner : on_depth.corners) {
+        corner = to_grid(corner, *manifest_.camera, camera);
+      }
+      std::optional<TagMeasurement> tag = measure_tag(frame.depth, camera, on_depth);
+      if (!tag) continue;
+      tag->frame = frame.index;
+      tag->marker = marker;
+      observations_.tags.push_back(*tag);
+    }
+  }
+  const bool uses_body_poses = needs_body_poses_next();
+  ++frames_seen_;
+  if (!uses_body_poses) return;
+  for (std::size_t i = 0; i < surfaces_object_.size(); ++i) {
+    if (!T_camera_body[i]) continue;
+    add_outline(surfaces_object_[i], *T_camera_body[i], camera, frame.depth, noise_,
+                observations_.outlines[i]);
+  }
+}
+
+void ConsistencyCollector::ignore_tags(const std::set<MarkerId>& ids,
+                                       const std::vector<std::size_t>& bodies) {
+  std::erase_if(observations_.tags, [&](const TagMeasurement& tag) {
+    return ids.contains(manifest_.markers[tag.marker].id);
+  });
+  for (const std::size_t body : bodies) observations_.outlines[body] = {};
+}
+
+void DepthSummary::add(const DepthImage& depth, const DepthNoise& noise) {
+  constexpr int kStride = 16;  // [px]: a thousand pixels of a usual image
+  std::vector<double> readings;
+  for (int y = kStride / 2; y < depth.height(); y += kStride) {
+    for (int x = kStride / 2; x < depth.width(); x += kStride) {
+      ++pixels;
+      const double z = static_cast<double>(depth(x, y));
+      if (!(z > 0.0)) continue;
+      readings.push_back(z);
+      if (z >= noise.min_depth && z <= noise.max_depth) ++in_range;
+    }
+  }
+  ++frames;
+  measured += readings.size();
+  if (!readings.empty()) medians.push_back(median(std::move(readings)));
+}
+
+}  // namespace pcavr

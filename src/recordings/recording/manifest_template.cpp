@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/recordings/recording/manifest_template.hpp"
+
+#include <set>
+#include <string>
+#include <system_error>
+
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/manifest_parser.hpp"
+
+namespace pcavr {
+
+Expected<Manifest> read_manifest_template(const std::filesystem::path& file) {
+  if (file.empty()) return Manifest{};
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  Expected<Manifest> manifest = parse_manifest(*text, file.string(), file.parent_path());
+  if (manifest) manifest->camera.reset();
+  return manifest;
+}
+
+Expected<void> copy_manifest_files(const Manifest& manifest, const std::filesystem::path& from,
+                                   const std::filesystem::path& target) {
+  std::set<std::filesystem::path> files;
+  for (const ObjectEntry& object : manifest.objects) {
+    if (!object.mesh.empty()) files.insert(object.mesh);
+  }
+  if (manifest.robot) files.insert(manifest.robot->urdf);
+  for (const std::filesystem::path& file : files) {
+    const Expected<std::string> bytes = read_file(from / file);
+    if (!bytes) return bytes.error();
+    std::error_code code;
+    std::filesystem::create_directories((target / file).parent_path(), code);
+    if (auto written = write_file(target / file, *bytes); !written) return written.error();
+  }
+  return {};
+}
+
+}  // namespace pcavr

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/results/export/write_export.hpp"
+
+#include "export/exported_box.hpp"
+#include "support/source_folder.hpp"
+
+namespace pcavr {
+namespace {
+
+bool run(const std::string& command) { return std::system(command.c_str()) == 0; }
+
+/// MuJoCo's account of a world; null: the caller skips the test.
+nlohmann::json judged(const std::filesystem::path& world, const std::filesystem::path& tools) {
+  std::filesystem::copy(source_folder() / "bench/engines/package.json", tools);
+  if (!run("npm install --no-audit --no-fund --no-package-lock --prefix '" + tools.string() +
+           "' > /dev/null 2>&1")) {
+    return nullptr;
+  }
+  const std::string report = (tools / "report.json").string();
+  const bool is_done =
+      run("node '" + (source_folder() / "tests/export/judge_mujoco.mjs").string() + "' '" +
+          tools.string() + "' '" + world.string() + "' > '" + report + "' 2>&1");
+  EXPECT_TRUE(is_done) << *read_file(report);
+  return nlohmann::json::parse(*read_file(report));
+}
+
+TEST(MujocoWorld, HasTheIdentifiedMassFrictionAndContact) {
+  const TemporaryFolder tools;
+  const std::string name = "a box & <\xC3\xA9t\xC3\xA9>";
+  const ExportedBox box(name);
+  const double exponent = 1.5;
+  auto world = box.world({{name, identified_box(exponent)}});
+  ASSERT_TRUE(world) << world.error().to_string();
+  ASSERT_TRUE(write_mjcf(*world, box.target()));
+  ASSERT_TRUE(write_export_manifest(*world, {}, "mjcf", box.target()));
+  const nlohmann::json report = judged(box.target(), tools.path());
+  if (report.is_null()) GTEST_SKIP() << "needs npm's @mujoco/mujoco, which could not be installed";
+
+  const nlohmann::json& seen = report["bodies"][0];
+  const ExportedBody& body = world->bodies.front();
+  EXPECT_EQ(seen["name"], name);
+  EXPECT_NEAR(seen["mass"], kBoxMass, 1e-6 * kBoxMass);
+  std::vector<double> moments = seen["inertia"].get<std::vector<double>>();
+  std::sort(moments.begin(), moments.end());
+  const Eigen::Vector3d expected_moments =
+      body.inertia.inertia_object.selfadjointView<Eigen::Lower>().eigenvalues();  // ascending
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(moments[static_cast<std::size_t>(i)], expected_moments[i],
+                1e-6 * expected_moments[i]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(seen["position"][static_cast<std::size_t>(i)], body.T_base_object.translation()[i],
+                1e-6);
+  }
+  const double force = body.friction * kBoxMass * kStandardGravity;
+  EXPECT_NEAR(-seen["turning"].get<double>(), force * body.friction_radius,
+              0.07 * force * body.friction_radius);
+  for (const double sliding : seen["sliding"]) EXPECT_NEAR(sliding, force, 0.02 * force);
+  for (const nlohmann::json& press : seen["presses"]) {
+    const double expected = elastic_force(body.contact, press["depth"]);
+    EXPECT_NEAR(press["force"], expected, 0.05 * expected) << press["depth"];
+  }
+}
+
+}  // namespace
+}  // namespace pcavr

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/physics/object_identification/object_identification.hpp"
+
+#include "identification/plant.hpp"
+
+namespace pcavr {
+namespace {
+
+const Plant kLightBody{.mass = 0.98,
+                       .coulomb = 2.2,
+                       .breakaway = 2.8,
+                       .viscous = 5.0,
+                       .bristle = 6e5,
+                       .stiffness = 1e5,
+                       .damping = 3.5e5};
+
+/// A push at 60 mm/s of a light body, whose inertia is half of the force's peak.
+/// `rate` [Hz] of the log.
+IdentifiedContact fast_push(const Plant& plant, std::uint64_t seed, double rate = 500.0) {
+  const Sensors sensors{.rate = rate, .force_noise = 0.05};
+  const Trial trial = run(plant, sensors, 1.6, seed, [](double t) { return 0.06 * (t - 0.3); });
+  IdentifiedContact push;
+  push.object = 0;
+  push.normal_object = Eigen::Vector3d::UnitX();
+  ContactEpisode& episode = push.episode;
+  episode.kind = ContactKind::slide;
+  episode.direction_base = Eigen::Vector3d::UnitX();
+  episode.t = trial.t;
+  episode.tool = trial.tool;
+  episode.force = trial.force;
+  episode.begin = 0.3;
+  episode.end = trial.t.back();
+  episode.peak_force = *std::max_element(episode.force.begin(), episode.force.end());
+  episode.breakaway = find_breakaway(trial.series());
+  for (const double force : trial.force) {
+    push.force_base.push_back(force * episode.direction_base);
+  }
+  return push;
+}
+
+ObjectIdentification identify(std::vector<IdentifiedContact>& contacts, double mass) {
+  const ContactEpisode& episode = contacts[0].episode;
+  std::vector<Eigen::Vector3d> p_base_tip;
+  for (const double x : episode.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
+  const PathView tip(episode.t, p_base_tip);
+  const CadModel cad;
+  ObjectIdentification found;
+  found.parameters.mass = ParameterValue{mass, {}};
+  identify_friction_of(contacts, 0, mass, {cad, {}}, tip, 0.005, {}, found);
+  return found;
+}
+
+// Its peak is the limiting friction and the inertia of the object, whose contact law nothing gave.
+TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLaw) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    std::vector<IdentifiedContact> contacts{fast_push(kLightBody, seed)};
+    ASSERT_TRUE(contacts[0].episode.breakaway.is_found) << seed;
+    ASSERT_GT(contacts[0].episode.breakaway.force, 1.3 * kLightBody.breakaway) << seed;
+    const ObjectIdentification found = identify(contacts, kLightBody.mass);
+    EXPECT_FALSE(found.parameters.contact_stiffness);
+    ASSERT_TRUE(found.parameters.limiting_static_friction) << seed;
+    const ParameterValue& limit = *found.parameters.limiting_static_friction;
+    EXPECT_NEAR(limit.value, kLightBody.breakaway, 3.0 * *limit.std) << seed;
+  }
+}
+
+// Its sliding is too short for an estimate of friction. The line of its loading is no contact law
+// by which the onset of motion could be found.
+TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLawOrSliding) {
+  Plant slippery = kLightBody;
+  slippery.coulomb = 1.3;
+  slippery.breakaway = 1.8;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    std::vector<IdentifiedContact> contacts{fast_push(slippery, seed)};
+    const ObjectIdentification found = identify(contacts, slippery.mass);
+    ASSERT_FALSE(found.friction.is_valid) << seed;
+    ASSERT_TRUE(found.parameters.limiting_static_friction) << seed;
+    const ParameterValue& limit = *found.parameters.limiting_static_friction;
+    EXPECT_NEAR(limit.value, slippery.breakaway, 2.0 * *limit.std) << seed;
+  }
+}
+
+// Some samples make its peak, which is not the limiting friction: that is withheld, or covered.
+TEST(IdentifyLimit, TakesNoInertiaOfAFastPushLoggedSlowlyForFriction) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    std::vector<IdentifiedContact> contacts{fast_push(kLightBody, seed, 100.0)};
+    const ObjectIdentification found = identify(contacts, kLightBody.mass);
+    if (!found.parameters.limiting_static_friction) continue;
+    const ParameterValue& limit = *found.parameters.limiting_static_friction;
+    EXPECT_NEAR(limit.value, kLightBody.breakaway, 3.0 * *limit.std) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
