@@ -54,8 +54,10 @@ function(pcavr_add_module name)
 endfunction()
 
 # pcavr_add_tests(NAME SOURCES file... [NO_UNITY file...] LINK library... [LABELS label...])
-# Tests with the label fast are also built by the target pcavr_fast_tests, for the address sanitizer,
-# those with the label threaded by pcavr_threaded_tests, for the thread sanitizer.
+# Tests with the label memory are of modules that read what others wrote or share memory between threads:
+# built by the target pcavr_memory_tests too, for the address sanitizer; so are those with the label fast,
+# by pcavr_fast_tests, and with the label threaded, for the thread sanitizer. Those with the label nightly
+# are built by pcavr_nightly_tests alone.
 # NO_UNITY lists sources that are excluded from unity builds, because their helpers have the same
 # names as another source's. One executable; each TEST becomes a CTest case with these labels, or
 # with AS_ONE all of them together, for tests that share an expensive setup. PCAVR_TESTS_AS_ONE does
@@ -67,7 +69,7 @@ function(pcavr_add_tests name)
     set(arg_TIMEOUT 120)
   endif()
   add_executable(pcavr_${name}_tests ${arg_SOURCES} ${arg_NO_UNITY})
-  if(fast IN_LIST arg_LABELS AND NOT PCAVR_BUILD_FAST_TESTS)
+  if(nightly IN_LIST arg_LABELS OR (memory IN_LIST arg_LABELS AND NOT PCAVR_BUILD_MEMORY_TESTS))
     set_target_properties(pcavr_${name}_tests PROPERTIES EXCLUDE_FROM_ALL TRUE)
   endif()
   if(arg_NO_UNITY)
@@ -81,13 +83,13 @@ function(pcavr_add_tests name)
                              ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(pcavr_${name}_tests PRIVATE ${arg_LINK} pcavr_test_support
                         GTest::gtest_main)
-  foreach(label fast threaded)
+  foreach(label fast memory nightly threaded)
     if(label IN_LIST arg_LABELS)
       add_dependencies(pcavr_${label}_tests pcavr_${name}_tests)
     endif()
   endforeach()
   string(TOUPPER "${PCAVR_TESTS_AS_ONE}" as_one)
-  if(arg_AS_ONE OR as_one STREQUAL "ON" OR (as_one STREQUAL "FAST" AND fast IN_LIST arg_LABELS))
+  if(arg_AS_ONE OR as_one STREQUAL "ON" OR nightly IN_LIST arg_LABELS OR (as_one STREQUAL "FAST" AND fast IN_LIST arg_LABELS))
     if(NOT arg_AS_ONE)
       set(arg_TIMEOUT 1200) # of all tests together
     endif()

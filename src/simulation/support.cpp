@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/gravity.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr::simulation {
 namespace {

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
-
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 

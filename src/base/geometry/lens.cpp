@@ -6,9 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/LU>
-
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

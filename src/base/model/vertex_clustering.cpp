@@ -8,9 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 #include "base/model/quadric.hpp"
 

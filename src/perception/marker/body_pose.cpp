@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/depth_grid.hpp"
 
 #include "perception/marker/body_pose_problem.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Dense>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Dense>
+#include "pcavr/base/core/solvers.hpp"
 
 #include "perception/marker/edge_fit.hpp"
 

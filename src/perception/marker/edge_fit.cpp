@@ -8,9 +8,8 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Dense>
-
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

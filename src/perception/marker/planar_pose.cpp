@@ -6,8 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Dense>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/perception/marker/body_pose.hpp"
 
 #include "perception/marker/square_homography.hpp"

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include <Eigen/LU>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 

@@ -7,8 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include "pcavr/base/core/solvers.hpp"
 
 #include "perception/marker/body_pose_problem.hpp"
 #include "perception/marker/planar_pose.hpp"

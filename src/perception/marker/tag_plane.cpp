@@ -7,9 +7,8 @@
 #include <cstddef>
 #include <vector>
 
-#include <Eigen/Dense>
-
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/pixel.hpp"
 
 namespace pcavr {

@@ -13,6 +13,7 @@
 
 #include <Eigen/Geometry>
 
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/perception/scene/occupancy_tree.hpp"
 #include "pcavr/perception/scene/scene_text.hpp"
 

@@ -8,8 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/pixel.hpp"
 
 #include "convex_outline.hpp"

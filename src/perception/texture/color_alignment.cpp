@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Cholesky>
+#include "pcavr/base/core/solvers.hpp"
 
 #include "exposure.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <Eigen/Cholesky>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

@@ -7,7 +7,7 @@
 #include <map>
 #include <optional>
 
-#include <Eigen/LU>
+#include "pcavr/base/core/solvers.hpp"
 
 #include "camera_anchor.hpp"
 #include "camera_graph.hpp"

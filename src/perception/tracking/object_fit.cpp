@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
+#include "pcavr/base/core/solvers.hpp"
 
 #include "perception/tracking/object_contour.hpp"
 #include "perception/tracking/object_samples.hpp"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include <Eigen/Dense>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr::tracking {
 namespace {

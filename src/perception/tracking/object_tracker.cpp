@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
-
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/depth_grid.hpp"
 
 #include "perception/tracking/object_fit.hpp"

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
+#include "pcavr/base/core/solvers.hpp"
 
 #include "quartic.hpp"
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 #include "ternary_form.hpp"
 

@@ -11,9 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/identification/signals.hpp"
 
 namespace pcavr {

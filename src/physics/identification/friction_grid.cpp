@@ -6,10 +6,9 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
 #include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/friction/stribeck.hpp"
 
 #include "physics/identification/derivative_noise.hpp"

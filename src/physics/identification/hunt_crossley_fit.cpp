@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/contact/hunt_crossley.hpp"
 
 #include "physics/identification/contact_samples.hpp"

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/identification/signals.hpp"
 
 namespace pcavr {

@@ -6,8 +6,9 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/LU>
 #include <fmt/core.h>
+
+#include "pcavr/base/core/solvers.hpp"
 
 #include "physics/inputs/faults.hpp"
 #include "physics/inputs/force_turn.hpp"

@@ -5,8 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-#include <Eigen/Dense>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/contact/hunt_crossley.hpp"
 #include "pcavr/physics/identification/jackknife.hpp"
 

@@ -8,10 +8,10 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <fmt/core.h>
+
+#include "pcavr/base/core/solvers.hpp"
 
 #include "physics/inputs/signed_permutations.hpp"
 

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
+
+#include "pcavr/base/core/solvers.hpp"
 
 #include "physics/object/parameter_fields.hpp"
 

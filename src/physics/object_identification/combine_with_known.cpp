@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Dense>
 #include <fmt/core.h>
 
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/physics/object_identification/run_scatter.hpp"
 

@@ -8,8 +8,8 @@
 #include <limits>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/contact/hunt_crossley.hpp"
 
 #include "physics/prediction/held_body.hpp"

@@ -7,9 +7,9 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/convex_hull.hpp"
 #include "pcavr/physics/friction/point_push.hpp"
 #include "pcavr/physics/prediction/body_physics.hpp"

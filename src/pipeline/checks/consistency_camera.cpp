@@ -7,10 +7,10 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <fmt/core.h>
 
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/perception/marker/body_pose.hpp"
 
 #include "consistency_checks.hpp"

@@ -10,8 +10,9 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Cholesky>
 #include <fmt/core.h>
+
+#include "pcavr/base/core/solvers.hpp"
 
 #include "consistency_checks.hpp"
 #include "consistency_text.hpp"

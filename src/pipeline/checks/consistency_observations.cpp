@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/depth_grid.hpp"
 
 namespace pcavr {

@@ -8,9 +8,8 @@
 #include <set>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
-
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 
 namespace pcavr {

@@ -8,10 +8,9 @@
 #include <numeric>
 #include <optional>
 
-#include <Eigen/Dense>
-
 #include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/convex_hull.hpp"
 
 namespace pcavr {

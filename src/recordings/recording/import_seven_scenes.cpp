@@ -8,9 +8,8 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/recordings/recording/image_codec.hpp"
 #include "pcavr/recordings/recording/png_codec.hpp"
 #include "pcavr/recordings/recording/text_rows.hpp"

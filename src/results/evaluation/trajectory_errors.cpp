@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/SVD>
-
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/matched_poses.hpp"
 
 namespace pcavr {

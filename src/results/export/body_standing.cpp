@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/turning/support.hpp"
 
 #include "results/export/support_feet.hpp"

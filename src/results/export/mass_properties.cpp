@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "results/export/mass_properties.hpp"
 
-#include <Eigen/LU>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr::detail {
 

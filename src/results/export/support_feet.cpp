@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/friction/point_push.hpp"
 
 namespace pcavr::detail {

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include "pcavr/base/core/gravity.hpp"
 #include "pcavr/base/core/input_ranges.hpp"
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/results/export/write_export.hpp"
 
 #include "results/export/export_text.hpp"

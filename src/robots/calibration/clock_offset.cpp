@@ -6,11 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {
@@ -230,9 +229,10 @@ class ClockFit {
   void weigh() {
     std::vector<double> norms;
     for (const Eigen::Vector3d& residual : residuals_) norms.push_back(residual.norm());
-    const double unit = kHuber * std::max(median(norms), 1e-9);
-    for (std::size_t i = 0; i < norms.size(); ++i) {
-      weights_[i] = norms[i] > unit ? unit / norms[i] : 1.0;
+    const double unit = kHuber * std::max(median(std::move(norms)), 1e-9);
+    for (std::size_t i = 0; i < residuals_.size(); ++i) {
+      const double norm = residuals_[i].norm();
+      weights_[i] = norm > unit ? unit / norm : 1.0;
     }
   }
 

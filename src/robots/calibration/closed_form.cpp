@@ -6,10 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
-
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

@@ -8,11 +8,11 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/random.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 #include "robots/calibration/input_checks.hpp"
 #include "robots/calibration/next_pose.hpp"

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

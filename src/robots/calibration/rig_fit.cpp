@@ -6,12 +6,9 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/base/core/random.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 #include "robots/calibration/closed_form.hpp"
 #include "robots/calibration/refine_rig.hpp"

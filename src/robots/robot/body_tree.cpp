@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "pcavr/base/core/solvers.hpp"
+
 namespace pcavr::robot {
 namespace {
 

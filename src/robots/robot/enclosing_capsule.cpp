@@ -5,8 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/robots/robot/robot_collision.hpp"
 
 namespace pcavr {

@@ -9,11 +9,11 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/random.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/robots/robot/robot_dynamics.hpp"
 
 namespace pcavr {

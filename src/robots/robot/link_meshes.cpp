@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/model/cad_model.hpp"
 
 namespace pcavr {

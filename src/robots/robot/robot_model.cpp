@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/robots/robot/robot_dynamics.hpp"
 #include "pcavr/robots/robot_identification/robot_fit.hpp"
 

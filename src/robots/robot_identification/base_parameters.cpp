@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <string>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "pcavr/base/core/random.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/robots/robot/robot_dynamics.hpp"
 
 namespace pcavr {

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

@@ -6,10 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/QR>
-
 #include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 #include "robots/robot_identification/load_prior.hpp"
 #include "robots/robot_identification/robot_fitter.hpp"

@@ -8,10 +8,10 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "pcavr/base/core/random.hpp"
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/robots/robot/robot_dynamics.hpp"
 
 #include "robots/robot_identification/base_parameters.hpp"

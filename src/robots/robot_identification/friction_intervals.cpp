@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Cholesky>
+#include "pcavr/base/core/solvers.hpp"
 
 #include "robots/robot_identification/friction_torques.hpp"
 

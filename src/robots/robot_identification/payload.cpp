@@ -6,8 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
-
+#include "pcavr/base/core/solvers.hpp"
 #include "pcavr/robots/robot/robot_dynamics.hpp"
 
 #include "robots/robot_identification/load_prior.hpp"

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include "pcavr/base/core/solvers.hpp"
 
 #include "robots/robot_identification/base_parameters.hpp"
 #include "robots/robot_identification/physical_fit.hpp"

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pcavr/base/core/solvers.hpp"
+
 namespace pcavr::detail {
 
 FallingBody::FallingBody(const Start& start) noexcept

@@ -8,9 +8,9 @@
 #include <limits>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr::detail {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr::detail {
 

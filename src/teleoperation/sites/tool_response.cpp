@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include <Eigen/LU>
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/base/core/solvers.hpp"
 
 namespace pcavr {
 namespace {
