@@ -54,7 +54,7 @@ function(pcavr_add_module name)
 endfunction()
 
 # pcavr_add_tests(NAME SOURCES file... [NO_UNITY file...] LINK library... [LABELS label...])
-# Tests with the label memory are of modules that read what others wrote or share memory between threads:
+# Tests with the label memory are of modules that read files, messages and shared memory:
 # built by the target pcavr_memory_tests too, for the address sanitizer; so are those with the label fast,
 # by pcavr_fast_tests, and with the label threaded, for the thread sanitizer. Those with the label nightly
 # are built by pcavr_nightly_tests alone.
