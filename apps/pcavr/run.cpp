@@ -74,7 +74,8 @@ Expected<CommandResult> submit(const RunArguments& arguments, const TaskGraph& g
   if (!plan) return plan.error();
   const std::vector<SlurmScript> scripts = slurm_scripts(graph, *plan, *command);
   const fs::path folder = graph.results / "slurm";
-  CommandResult result{.json = {{"folder", folder.string()}, {"submitted", false}}};
+  CommandResult result;
+  result.json = {{"folder", folder.string()}, {"submitted", false}};
   if (arguments.dry_run) {
     for (const SlurmScript& script : scripts) {
       result.summary += fmt::format("# {}\n{}", (folder / script.name).string(), script.text);
