@@ -21,8 +21,8 @@ struct StageCost {
   LinearCost memory;   ///< [bytes]
 };
 
-/// Constants and the costs of samples are measured with one thread; docs/files.md has the recordings
-/// and the machine. Those of images are upper estimates, not measured.
+/// Constants and the costs of samples are measured with one thread; docs/files.md has the
+/// recordings and the machine. Those of images are upper estimates, not measured.
 StageCost cost_of(TaskStage stage) {
   switch (stage) {
     case TaskStage::build:
