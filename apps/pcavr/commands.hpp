@@ -29,6 +29,10 @@ void add_tags(CLI::App& app, Action& action);
 void add_keygen(CLI::App& app, Action& action);
 void add_robot_site(CLI::App& app, Configuration& configuration, Action& action);
 void add_operator_site(CLI::App& app, Configuration& configuration, Action& action);
+void add_plan(CLI::App& app, Action& action);
+void add_run(CLI::App& app, Action& action);
+void add_status(CLI::App& app, Action& action);
+void add_gather(CLI::App& app, Action& action);
 
 /// The options that several subcommands share.
 struct OutputOption {

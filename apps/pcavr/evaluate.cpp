@@ -9,18 +9,11 @@
 #include "pcavr/base/report/report_page.hpp"
 
 #include "commands.hpp"
+#include "evaluate_runs.hpp"
 #include "output_option.hpp"
 
 namespace pcavr::app {
 namespace {
-
-struct EvaluateArguments {
-  std::string subject;
-  std::string truth;
-  std::string reference;
-  OutputOption output;
-  int threads = 1;
-};
 
 /// The report's headline figures, a line each.
 std::string headline(const nlohmann::ordered_json& report) {
@@ -34,18 +27,17 @@ std::string headline(const nlohmann::ordered_json& report) {
 
 Expected<CommandResult> run_evaluation(const EvaluateArguments& arguments,
                                        Configuration& configuration, const Observer& observer) {
-  if (std::filesystem::path(arguments.subject).extension() == ".mcap") {
-    return Error{
-        .message = "is a log, not a run",
-        .file = arguments.subject,
-        .hint = "make a run of it: pcavr replay " + arguments.subject + " --scene SCENE -o RUN"};
+  const std::string& subject = arguments.subjects.front();
+  if (std::filesystem::path(subject).extension() == ".mcap") {
+    return Error{.message = "is a log, not a run",
+                 .file = subject,
+                 .hint = "make a run of it: pcavr replay " + subject + " --scene SCENE -o RUN"};
   }
-  Expected<OutputFolder> folder =
-      create_output(arguments.output, OutputKind::report,
-                    {arguments.subject, arguments.truth, arguments.reference});
+  Expected<OutputFolder> folder = create_output(arguments.output, OutputKind::report,
+                                                {subject, arguments.truth, arguments.reference});
   if (!folder) return folder.error();
   const EvaluationInput input{
-      .subject = arguments.subject,
+      .subject = subject,
       .reference = arguments.truth.empty() ? arguments.reference : arguments.truth,
       .options = configuration.evaluation,
       .configuration = configuration.changed()};
@@ -67,19 +59,26 @@ void add_evaluate(CLI::App& app, Configuration& configuration, Action& action) {
       "evaluate", "Compare a scene, a run or identified parameters with the ground truth");
   command->footer(
       "Example:\n  pcavr evaluate my_run --truth my_recording/truth -o my_report\n"
-      "--truth is optional for a run: without it, its prediction is compared with its tracking.");
+      "--truth is optional for a run: without it, its prediction is compared with its tracking.\n"
+      "Several runs, one table:\n  pcavr evaluate run_1 run_2 run_3 --own-truth -o my_report");
   auto arguments = std::make_shared<EvaluateArguments>();
   command
-      ->add_option("subject", arguments->subject, "Folder of a scene or a run, or a parameter file")
+      ->add_option("subject", arguments->subjects,
+                   "Folder of a scene or a run, or a parameter file; or the folders of several "
+                   "runs: one table, and the differences between settings")
       ->required();
   CLI::Option_group* against = command->add_option_group("against", "What to compare with");
   against->add_option("--truth", arguments->truth, "Ground truth: a recording's truth folder");
   against->add_option("--reference", arguments->reference, "A second scene, run or parameter file");
+  against->add_flag("--own-truth", arguments->own_truth,
+                    "Several runs: each against the folder truth of its recording");
   against->require_option(0, 1);
   add_output_option(*command, arguments->output, "Folder for report.json and report.html");
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &configuration, &action] {
     action = [arguments, &configuration](const Observer& observer) {
+      if (arguments->subjects.size() > 1 || arguments->own_truth)
+        return evaluate_runs(*arguments, configuration, observer);
       return run_evaluation(*arguments, configuration, observer);
     };
   });

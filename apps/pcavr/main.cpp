@@ -203,6 +203,10 @@ int run_command_line(int argc, char** argv) {
   add_keygen(app, action);
   add_robot_site(app, configuration, action);
   add_operator_site(app, configuration, action);
+  add_plan(app, action);
+  add_run(app, action);
+  add_status(app, action);
+  add_gather(app, action);
   try {
     app.parse(reversed_words(given));
   } catch (const CLI::RequiredError& error) {

@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "pcavr/base/core/csv_field.hpp"
 #include "pcavr/base/core/json_text.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/report/number_text.hpp"
@@ -164,14 +165,6 @@ std::string format_json(const PooledIdentification& found) {
     json["objects"].push_back(json_of(object, found));
   json["warnings"] = found.warnings;
   return json_text(json, 2) + '\n';
-}
-
-/// A field of a table in which commas and quotes have a meaning [RFC 4180].
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
 }
 
 std::string format_csv(const PooledIdentification& found) {

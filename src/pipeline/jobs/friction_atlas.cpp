@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "friction_atlas.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/core.h>
+
+#include "pcavr/base/core/csv_field.hpp"
+#include "pcavr/base/core/decimal.hpp"
+
+namespace pcavr {
+namespace {
+
+struct AtlasKey {
+  const char* key;  ///< as in the parameter file
+  std::optional<ParameterValue> ObjectParameters::*value;
+  const char* unit;
+};
+const std::array<AtlasKey, 4> kKeys{
+    {{"sliding_friction_coefficient", &ObjectParameters::sliding_friction_coefficient, "1"},
+     {"limiting_static_friction", &ObjectParameters::limiting_static_friction, "N"},
+     {"viscous_friction", &ObjectParameters::viscous_friction, "N s/m"},
+     {"friction_radius", &ObjectParameters::friction_radius, "m"}}};
+
+std::string origin_of(const std::string& key, const ObjectParameters& parameters) {
+  return std::ranges::count(parameters.sources.given, key) > 0 ? "given" : "identified";
+}
+
+std::string row_end(const std::optional<ParameterValue>& value, const char* unit,
+                    const std::string& origin) {
+  if (!value) return fmt::format(",,{},not identified\n", unit);
+  const std::string std = value->std ? shortest_decimal(*value->std) : "";
+  return fmt::format("{},{},{},{}\n", shortest_decimal(value->value), std, unit, origin);
+}
+
+/// The surface's scales and coefficients; they have no stds, the friction radius has.
+std::string surface_rows(const std::string& begin, const ObjectParameters& parameters) {
+  const std::optional<LimitSurface>& surface = parameters.limit_surface;
+  if (!surface) return begin + "limit_surface," + row_end({}, "1", {});
+  const std::string origin = origin_of("limit_surface", parameters);
+  const auto row = [&](const std::string& key, double value, const char* unit) {
+    return begin + "limit_surface." + key + ',' + row_end(ParameterValue{value}, unit, origin);
+  };
+  std::string text = row("force", surface->force, "N") + row("length", surface->length, "m");
+  for (std::size_t i = 0; i < surface->coefficients.size(); ++i) {
+    const auto& [x, y, m] = kQuarticExponents[i];
+    text += row(fmt::format("fx{}_fy{}_m{}", x, y, m), surface->coefficients[i], "1");
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string format_atlas_rows(const std::string& object, const std::string& support,
+                              std::size_t recordings, const ObjectParameters& parameters) {
+  const std::string begin =
+      fmt::format("{},{},{},", csv_field(object), csv_field(support), recordings);
+  std::string text;
+  for (const AtlasKey& entry : kKeys) {
+    text += begin + entry.key + ',' +
+            row_end(parameters.*entry.value, entry.unit, origin_of(entry.key, parameters));
+  }
+  return text + surface_rows(begin, parameters);
+}
+
+}  // namespace pcavr
