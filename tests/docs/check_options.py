@@ -36,7 +36,7 @@ def help_of(command, *subcommands):
 def sections_of(command):
     """The keys of a configuration file by section."""
     sections, keys = {}, set()
-    for line in output_of(command, "build", "--print-config").splitlines():
+    for line in output_of(command, "--print-config").splitlines():
         if section := re.match(r"([a-z][\w.]*):", line):
             keys = sections.setdefault(section[1], set())
         elif key := re.match(r"  ([a-z]\w*):", line):
