@@ -4,6 +4,7 @@ include_guard(GLOBAL)
 # pcavr_find(PACKAGE DEBIAN_PACKAGE [find_package arguments...])
 # A macro, so that the variables of old-style packages are visible to the modules.
 macro(pcavr_find package debian_package)
+  set_property(GLOBAL APPEND PROPERTY PCAVR_FOUND_PACKAGES ${debian_package})
   find_package(${package} ${ARGN} QUIET)
   if(NOT ${package}_FOUND)
     message(FATAL_ERROR "pcavr needs ${package}: apt-get install ${debian_package}")
@@ -12,6 +13,7 @@ endmacro()
 
 # pcavr_find_library(NAME HEADER DEBIAN_PACKAGE): for libraries without CMake files.
 function(pcavr_find_library name header debian_package)
+  set_property(GLOBAL APPEND PROPERTY PCAVR_FOUND_PACKAGES ${debian_package})
   find_library(PCAVR_LIBRARY_${name} ${name})
   find_path(PCAVR_INCLUDE_${name} ${header})
   mark_as_advanced(PCAVR_LIBRARY_${name} PCAVR_INCLUDE_${name})
@@ -49,6 +51,9 @@ pcavr_find(OpenSSL libssl-dev 3.0)
 pcavr_find_library(zmq zmq.hpp cppzmq-dev)
 pcavr_find(Threads libc6-dev)
 pcavr_find(CycloneDDS cyclonedds-dev 0.10)
+# So far, what the libraries need: libpcavr-dev depends on these packages.
+get_property(pcavr_found GLOBAL PROPERTY PCAVR_FOUND_PACKAGES)
+set_property(GLOBAL PROPERTY PCAVR_DEVELOPMENT_PACKAGES ${pcavr_found})
 
 if(PCAVR_BUILD_APPS)
   pcavr_find(CLI11 libcli11-dev)

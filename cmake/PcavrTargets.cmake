@@ -50,7 +50,7 @@ function(pcavr_add_module name)
   if(PCAVR_BUILD_FUZZERS) # fuzzers are guided by the coverage of the modules, not of the tests
     target_compile_options(pcavr_${name} PRIVATE -fsanitize=fuzzer-no-link)
   endif()
-  install(TARGETS pcavr_${name} EXPORT pcavrTargets)
+  install(TARGETS pcavr_${name} EXPORT pcavrTargets ARCHIVE COMPONENT development)
 endfunction()
 
 # pcavr_add_tests(NAME SOURCES file... [NO_UNITY file...] LINK library... [LABELS label...])

@@ -68,10 +68,11 @@ void add_configuration_options(CLI::App& app, Configuration& configuration,
            const Expected<void> read = read_options(file, configuration.sections());
            if (!read) options.error = read.error();
          },
-         "YAML file with options; --print-config lists them")
+         "YAML file with options, for any command; --print-config lists them")
       ->trigger_on_parse();
   app.add_flag("--print-config", options.is_printed,
-               "Print all options with their values in force, and exit");
+               "Print the options of a configuration file that the command uses, with their "
+               "values in force, and exit");
 }
 
 }  // namespace pcavr::app

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -65,6 +66,8 @@ struct Configuration {
 
   /// They refer to this object.
   [[nodiscard]] std::vector<OptionSection> sections();
+  /// Those that a command uses, by its full name ("pcavr identify robot"); all for the program.
+  [[nodiscard]] std::vector<OptionSection> sections_of_command(std::string_view command);
   /// "section.key" and value of what differs from the defaults, for the manifests of outputs.
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> changed();
 };

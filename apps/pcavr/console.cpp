@@ -9,6 +9,8 @@
 
 #include "pcavr/base/core/utf8.hpp"
 
+#include "terminal.hpp"
+
 namespace pcavr::app {
 namespace {
 
@@ -17,7 +19,8 @@ constexpr auto kRedrawInterval = std::chrono::milliseconds(50);  ///< faster is 
 
 }  // namespace
 
-Console::Console() : is_terminal_(::isatty(STDERR_FILENO) != 0) {}
+Console::Console()
+    : is_terminal_(::isatty(STDERR_FILENO) != 0), has_colors_(has_colors(STDERR_FILENO)) {}
 
 Console::~Console() { clear_bar(); }
 
@@ -58,8 +61,8 @@ void Console::progress(std::string_view stage, std::size_t done, std::size_t tot
 
 void Console::print_line(std::string_view prefix, std::string_view line) {
   clear_bar();
-  std::fprintf(stderr, "%.*s%s\n", static_cast<int>(prefix.size()), prefix.data(),
-               printable(line).c_str());
+  const std::string kind = styled(prefix, TextStyle::kWarning, has_colors_ && !prefix.empty());
+  std::fprintf(stderr, "%s%s\n", kind.c_str(), printable(line).c_str());
 }
 
 void Console::clear_bar() {

@@ -15,6 +15,7 @@
 #include "import_clouds.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
+#include "shared_files.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -236,8 +237,10 @@ void add_import(CLI::App& app, Action& action) {
       ->add_option("--format", arguments->format,
                    "bag, tum, 7scenes, clouds or joints; detected from the files if absent")
       ->check(CLI::IsMember({"bag", "tum", "7scenes", "clouds", "joints"}));
-  command->add_option("--camera", arguments->camera,
-                      "Camera file for a source without intrinsics (see calib/cameras)");
+  command
+      ->add_option("--camera", arguments->camera,
+                   "Camera file for a source without intrinsics (see calib/cameras)")
+      ->transform(installed_calibration());
   add_number(
       *command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
       "Depth image units per metre; without it the camera file's or the format's, by the readings");

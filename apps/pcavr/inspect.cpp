@@ -53,6 +53,13 @@ CommandResult describe_checks(const std::vector<SceneCheck>& checks,
   return result;
 }
 
+/// Number of poses, and the time from the first to the last [s].
+nlohmann::ordered_json values_of(const Trajectory& trajectory) {
+  const auto& poses = trajectory.poses();
+  const double seconds = poses.empty() ? 0.0 : to_seconds(poses.back().stamp - poses.front().stamp);
+  return {{"poses", poses.size()}, {"duration_s", seconds}};
+}
+
 std::string span_of(const Trajectory& trajectory) {
   if (trajectory.empty()) return "none";
   const double seconds =
@@ -80,6 +87,14 @@ class DepthReadings {
                             median(sample_), farthest_);
     }
     return {"depth", std::move(figure), frames_ == 0 || count_ > 0};
+  }
+  [[nodiscard]] nlohmann::ordered_json values() const {
+    nlohmann::ordered_json json{{"readings_per_frame", frames_ == 0 ? 0 : count_ / frames_}};
+    if (count_ == 0) return json;
+    json["nearest_m"] = nearest_;
+    json["median_m"] = median(sample_);
+    json["farthest_m"] = farthest_;
+    return json;
   }
 
  private:
@@ -132,6 +147,22 @@ Expected<void> check_consistency(const Recording& recording, const PerceptionOpt
   return {};
 }
 
+/// The numbers of a recording's checks, for programs: what the checks state in words.
+nlohmann::ordered_json values_of(const Recording& recording, std::size_t frames,
+                                 const DepthReadings& readings) {
+  nlohmann::ordered_json values{{"markers", recording.manifest.markers.size()},
+                                {"objects", recording.manifest.objects.size()},
+                                {"frames", frames},
+                                {"unpaired_color", recording.unpaired_color},
+                                {"unpaired_depth", recording.unpaired_depth},
+                                {"groundtruth.txt", values_of(recording.groundtruth)},
+                                {"tool.csv", values_of(recording.tool)},
+                                {"wrench.csv", {{"samples", recording.wrench.size()}}},
+                                {"joints.csv", {{"samples", recording.joints.size()}}}};
+  if (recording.has_depth) values["depth"] = readings.values();
+  return values;
+}
+
 /// Reads all files without skipping bad rows, and decodes every frame.
 Expected<CommandResult> inspect_recording(const fs::path& folder,
                                           const Configuration& configuration,
@@ -174,7 +205,9 @@ Expected<CommandResult> inspect_recording(const fs::path& folder,
   const Expected<void> checked =
       check_consistency(*recording, configuration.perception(), observer, checks, comparisons);
   if (!checked) return checked.error();
-  return describe_checks(checks, comparisons);
+  CommandResult result = describe_checks(checks, comparisons);
+  result.json["values"] = values_of(*recording, frames, readings);
+  return result;
 }
 
 /// Reads every tracked trajectory of a run.

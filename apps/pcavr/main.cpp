@@ -4,12 +4,11 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
-#include <numeric>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -23,9 +22,14 @@
 #include "pcavr/recordings/recording/camera_file.hpp"
 #include "pcavr/recordings/recording/option_file.hpp"
 
+#include "command_description.hpp"
 #include "commands.hpp"
 #include "failure.hpp"
+#include "help_formatter.hpp"
 #include "number_option.hpp"
+#include "shared_files.hpp"
+#include "terminal.hpp"
+#include "usage_error.hpp"
 
 #ifndef PCAVR_VERSION
 #error "PCAVR_VERSION is set by the build"
@@ -37,8 +41,8 @@ namespace {
 constexpr int kExitDone = 0;
 constexpr int kExitFailed = 1;
 constexpr int kExitUsage = 2;
-constexpr std::size_t kMaxCommand = 32;  ///< characters: no command is as long
-constexpr int kMaxThreads = 256;         ///< above the machines that pcavr was tested on
+constexpr int kExitNo = 3;        ///< the answer to a question is no
+constexpr int kMaxThreads = 256;  ///< above the machines that pcavr was tested on
 
 /// A program that was started without one of its descriptors 0 to 2, as by cron or `<&-`, would
 /// open its files as these, and print into them. False if that can't be prevented.
@@ -52,7 +56,8 @@ bool open_standard_descriptors() {
 
 /// One line on standard error, and with --json an object on standard output.
 int report_error(const Error& error, bool as_json, int exit_code = kExitFailed) {
-  std::fprintf(stderr, "pcavr: %s\n", error.to_string().c_str());
+  const std::string name = styled("pcavr:", TextStyle::kError, has_colors(STDERR_FILENO));
+  std::fprintf(stderr, "%s %s\n", name.c_str(), error.to_string().c_str());
   if (as_json) std::cout << json_text(error_json(error, exit_code), 2) << '\n' << std::flush;
   return exit_code;
 }
@@ -70,7 +75,8 @@ int run(const Action& action, bool as_json) {
   }
   std::cout.flush();
   if (!std::cout) return report_error({.message = "can't write to standard output"}, false);
-  return result->is_failure ? kExitFailed : kExitDone;
+  if (result->is_failure) return kExitFailed;
+  return result->is_no ? kExitNo : kExitDone;
 }
 
 /// Needed for errors before the command line is parsed, and for exceptions.
@@ -79,64 +85,12 @@ bool has_json_flag(std::span<char* const> arguments) {
                      [](const char* argument) { return std::string_view(argument) == "--json"; });
 }
 
-/// The name by which help on the invoked command is asked for.
-std::string invoked(const CLI::App& app) {
-  std::string name = app.get_name();
-  for (const CLI::App* command : app.get_subcommands()) name += ' ' + invoked(*command);
-  return name;
-}
-
-/// The first word in place of a command, which CLI11 reports as a missing one, and not at all
-/// where help is asked for; else empty.
-std::string unknown_command(const CLI::App& app) {
-  const std::vector<std::string> words = app.remaining();
-  const auto word = std::find_if(words.begin(), words.end(),
-                                 [](const std::string& each) { return !each.starts_with('-'); });
-  return app.get_subcommands().empty() && word != words.end() ? *word : std::string();
-}
-
-/// Number of characters to insert, remove or replace to turn one into the other [Levenshtein 1966].
-std::size_t edits_between(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-/// The command that was probably meant; empty if none is similar.
-std::string nearest_command(const CLI::App& app, const std::string& word) {
-  std::string nearest;
-  std::size_t fewest = 3;  // edits: beyond two it is another word
-  if (word.size() > kMaxCommand) return nearest;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    const std::size_t edits = edits_between(word, command->get_name());
-    if (edits >= std::min(fewest, command->get_name().size())) continue;
-    fewest = edits;
-    nearest = command->get_name();
-  }
-  return nearest;
-}
-
 /// Help and version are printed, too; returns the exit code.
 int report_usage(const CLI::App& app, const CLI::ParseError& error, bool as_json) {
-  std::string hint = "see " + invoked(app) + " --help";
   const bool is_version = dynamic_cast<const CLI::CallForVersion*>(&error) != nullptr;
-  const std::string unknown = is_version ? std::string() : unknown_command(app);
-  if (!unknown.empty()) {
-    const std::string nearest = nearest_command(app, unknown);
-    if (!nearest.empty()) hint = "did you mean " + nearest + "? " + hint;
-    return report_error({.message = "unknown command '" + unknown + "'", .hint = hint}, as_json,
-                        kExitUsage);
-  }
-  if (error.get_exit_code() == kExitDone) return app.exit(error);
-  return report_error({.message = error.what(), .hint = hint}, as_json, kExitUsage);
+  const bool is_request = error.get_exit_code() == kExitDone;
+  if (is_version || (is_request && unknown_command(app).empty())) return app.exit(error);
+  return report_error(usage_error(app, error), as_json, kExitUsage);
 }
 
 /// An option or argument that was given without a value, as by an unset variable of a shell: it
@@ -182,6 +136,9 @@ int run_command_line(int argc, char** argv) {
   app.fallthrough();
   bool as_json = false;
   app.add_flag("--json", as_json, "Print the result as JSON on standard output");
+  app.formatter(std::make_shared<HelpFormatter>(help_width(), has_colors(STDOUT_FILENO)));
+  bool is_described = false;
+  app.add_flag("--describe-commands", is_described, "All commands as JSON, and exit")->group("");
 
   Configuration configuration;
   ConfigurationOptions configuration_options;
@@ -210,13 +167,18 @@ int run_command_line(int argc, char** argv) {
   try {
     app.parse(reversed_words(given));
   } catch (const CLI::RequiredError& error) {
-    // --print-config needs no arguments.
-    if (!configuration_options.is_printed) return report_usage(app, error, has_json_flag(given));
+    // --print-config and --describe-commands need no arguments.
+    if (!configuration_options.is_printed && !is_described) {
+      return report_usage(app, error, has_json_flag(given));
+    }
   } catch (const CLI::ParseError& error) {
     return report_usage(app, error, has_json_flag(given));
   }
   if (configuration_options.error) return report_error(*configuration_options.error, as_json);
-  if (configuration_options.is_printed) return print(print_options(configuration.sections()));
+  if (is_described) return print(json_text(describe_command(app), 2) + '\n');
+  if (configuration_options.is_printed) {
+    return print(print_options(configuration.sections_of_command(full_name(invoked_command(app)))));
+  }
   if (const auto empty = find_empty_value(app)) return report_error(*empty, as_json);
   return run(action, as_json);
 }
@@ -224,8 +186,10 @@ int run_command_line(int argc, char** argv) {
 }  // namespace
 
 void add_sensor_option(CLI::App& command, std::string& camera_file) {
-  command.add_option("--sensor", camera_file,
-                     "Camera file with the sensor's depth noise (see calib/cameras)");
+  command
+      .add_option("--sensor", camera_file,
+                  "Camera file with the sensor's depth noise (see calib/cameras)")
+      ->transform(installed_calibration());
 }
 
 Expected<DepthNoise> depth_noise_of(const std::string& camera_file, const DepthNoise& configured) {

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include "pcavr/base/core/json_text.hpp"
 #include "pcavr/serve/certificate.hpp"
 #include "pcavr/teleoperation/devices/open_device.hpp"
 #include "pcavr/teleoperation/devices/remote_device.hpp"
 
+#include "shared_files.hpp"
 #include "startup_message.hpp"
 
 namespace pcavr::app {
@@ -25,15 +25,10 @@ namespace fs = std::filesystem;
 /// Largest weight of the tool, as a share of the device's force.
 constexpr double kMaxWeightShare = 0.5;
 
-/// The page is next to the executable in the build tree, or in the installation.
+/// The page of the installation, or that of the sources.
 Expected<fs::path> find_page() {
-  std::error_code ignored;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const fs::path& candidate :
-       {folder / "../viewer", folder / "../viewer/dist", folder / "../share/pcavr/viewer",
-        fs::path(PCAVR_SOURCE_PAGE)}) {
-    if (fs::exists(candidate / "index.html", ignored)) return candidate;
-  }
+  fs::path folder = find_shared_folder("viewer", "apps/viewer/dist", "index.html");
+  if (!folder.empty()) return folder;
   return Error{
       .message = "the web page is not built",
       .hint = "run npm ci && npm run build in apps/viewer, or give its folder with --page"};

@@ -215,6 +215,7 @@ void describe_answer(bool is_possible, const std::string& reason, const TorqueUs
                                   100.0 * torque.ratio, name_of_joint(arm, torque.joint));
   }
   result.json["is_possible"] = is_possible;
+  result.is_no = !is_possible;
   if (!reason.empty()) result.json["reason"] = reason;
   if (torque.ratio > 0.0) {
     result.json["torque_ratio"] = torque.ratio;
@@ -363,6 +364,8 @@ void add_arm_options(CLI::App& command, PredictArguments& arguments) {
       ->required();
 }
 
+constexpr char kExitCodes[] = "\nExit code: 0 yes, 3 no, 1 an input is wrong, 2 wrong usage.";
+
 using Ask = Expected<CommandResult> (*)(const PredictArguments&, const ArmQueryOptions&,
                                         const Observer&);
 
@@ -401,14 +404,16 @@ void add_predict(CLI::App& app, Configuration& configuration, Action& action) {
               "of the point in base [m/s]");
   add_number(*command, "--time", reach->time, kReachTime,
              "When the tip has to be there [s]; without it the earliest time is searched");
-  command->footer("Example:\n  pcavr predict reach --robot arm.urdf --point 0.4 0.1 0.3 --time 1");
+  command->footer("Example:\n  pcavr predict reach --robot arm.urdf --point 0.4 0.1 0.3 --time 1" +
+                  std::string(kExitCodes));
   const auto hold = add_question(*predict, "hold", "Can the tip exert a force at a point?",
                                  predict_hold, configuration, action, command);
   add_numbers(*command, "--force", hold->force, 3, ranges::kForce,
               "of the tip on what it touches, in base [N]")
       ->required();
   command->footer(
-      "Example:\n  pcavr predict hold --robot arm.urdf --point 0.4 0.1 0.3 --force 0 0 -40");
+      "Example:\n  pcavr predict hold --robot arm.urdf --point 0.4 0.1 0.3 --force 0 0 -40" +
+      std::string(kExitCodes));
   const auto push = add_question(*predict, "push",
                                  "How fast must a body be pushed to slide a distance after it left "
                                  "the tip, and can the arm do it?",
@@ -424,7 +429,8 @@ void add_predict(CLI::App& app, Configuration& configuration, Action& action) {
       ->required();
   command->footer(
       "Example:\n  pcavr predict push --scene my_scene --object box --parameters "
-      "my_parameters.yaml --point 0.4 0.1 0.05 --direction 0 1 --distance 0.3");
+      "my_parameters.yaml --point 0.4 0.1 0.05 --direction 0 1 --distance 0.3" +
+      std::string(kExitCodes));
 }
 
 }  // namespace pcavr::app

@@ -14,6 +14,7 @@
 #include "commands.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
+#include "shared_files.hpp"
 
 namespace pcavr::app {
 namespace {
@@ -290,6 +291,7 @@ void add_simulate(CLI::App& app, Action& action) {
   command
       ->add_option("--camera", arguments->camera,
                    "Camera file: image size, intrinsics and distortion (see calib/cameras)")
+      ->transform(installed_calibration())
       ->excludes("--image-size")
       ->excludes("--depth-size");
   add_threads_option(*command, arguments->threads);

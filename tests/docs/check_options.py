@@ -15,7 +15,7 @@ COMMAND_NAME = re.compile(r"^  ([a-z][a-z-]+)  ", re.MULTILINE)
 FLAG = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]+")
 DOTTED = re.compile(r"`([a-z]\w*(?:\.[a-z]\w*)+)`")
 # Commands of other programs: in a block, and scripts of this repository in a text.
-OTHER_COMMAND = re.compile(r"^ {4}(?:\S*/)?(?:cmake|pip|python3) .*$|`scripts/[^`]*`", re.MULTILINE)
+OTHER_COMMAND = re.compile(r"^ {4}(?:sudo )?(?:\S*/)?(?:cmake|docker|pip|python3) .*$|`scripts/[^`]*`", re.MULTILINE)
 FILE_SUFFIXES = set("csv glb jsonl json mcap mp4 ply png sdf svg txt urdf usda xml yaml".split())
 
 
@@ -36,7 +36,7 @@ def help_of(command, *subcommands):
 def sections_of(command):
     """The keys of a configuration file by section."""
     sections, keys = {}, set()
-    for line in output_of(command, "build", "--print-config").splitlines():
+    for line in output_of(command, "--print-config").splitlines():
         if section := re.match(r"([a-z][\w.]*):", line):
             keys = sections.setdefault(section[1], set())
         elif key := re.match(r"  ([a-z]\w*):", line):

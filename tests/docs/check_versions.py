@@ -19,6 +19,8 @@ VERSIONS = [
      ("apps/viewer/src/protocol.ts", r"protocolVersion = (\d+);")),
     ("the time limit of clang-tidy", ("CONTRIBUTING.md", r"for at most (\d+) seconds"),
      (".ci/run", r"check-tidy --seconds (\d+)")),
+    ("the version of the packages", ("packaging/changelog", r"pcavr \(([\d.]+)-"),
+     ("CMakeLists.txt", r"project\(pcavr VERSION ([\d.]+)")),
 ]
 
 

@@ -41,14 +41,13 @@ class ConfigurationCommand : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(ConfigurationCommand, EveryCommandReadsWhatEveryCommandPrints) {
-  const CommandOutcome defaults = run_pcavr({"build", "--print-config"});
+TEST_F(ConfigurationCommand, EveryCommandReadsTheOptionsOfAll) {
+  const CommandOutcome defaults = run_pcavr({"--print-config"});
   ASSERT_EQ(defaults.exit_code, 0) << defaults.standard_error;
   const std::string file = write(defaults.standard_output);
   for (const std::vector<std::string>& command : kCommands) {
     const CommandOutcome printed = run(command, {"--print-config", "--config", file});
     EXPECT_EQ(printed.exit_code, 0) << command[0] << ": " << printed.standard_error;
-    EXPECT_EQ(printed.standard_output, defaults.standard_output) << command[0];
   }
 }
 
