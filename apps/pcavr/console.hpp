@@ -16,9 +16,10 @@ namespace pcavr::app {
 
 /// The result of a subcommand.
 struct CommandResult {
-  std::string summary;          ///< human-readable; printed on standard output
-  nlohmann::ordered_json json;  ///< machine-readable, printed instead with --json
-  bool is_failure = false;      ///< finished, but the checked data are not sound: exit code 1
+  std::string summary;            ///< human-readable; printed on standard output
+  nlohmann::ordered_json json;    ///< machine-readable, printed instead with --json
+  bool is_failure = false;        ///< finished, but the checked data are not sound: exit code 1
+  bool has_disagreement = false;  ///< finished, but some of the inputs disagree: exit code 3
 };
 
 /// Set by the invoked subcommand, run after the whole command line is parsed.

@@ -37,6 +37,7 @@ namespace {
 constexpr int kExitDone = 0;
 constexpr int kExitFailed = 1;
 constexpr int kExitUsage = 2;
+constexpr int kExitDisagreement = 3;
 constexpr std::size_t kMaxCommand = 32;  ///< characters: no command is as long
 constexpr int kMaxThreads = 256;         ///< above the machines that pcavr was tested on
 
@@ -70,7 +71,8 @@ int run(const Action& action, bool as_json) {
   }
   std::cout.flush();
   if (!std::cout) return report_error({.message = "can't write to standard output"}, false);
-  return result->is_failure ? kExitFailed : kExitDone;
+  if (result->is_failure) return kExitFailed;
+  return result->has_disagreement ? kExitDisagreement : kExitDone;
 }
 
 /// Needed for errors before the command line is parsed, and for exceptions.
@@ -199,6 +201,7 @@ int run_command_line(int argc, char** argv) {
   add_export(app, configuration, action);
   add_serve(app, configuration, action);
   add_inspect(app, configuration, action);
+  add_doctor(app, configuration, action);
   add_tags(app, action);
   add_keygen(app, action);
   add_robot_site(app, configuration, action);
