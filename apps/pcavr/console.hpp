@@ -19,7 +19,7 @@ struct CommandResult {
   std::string summary;          ///< human-readable; printed on standard output
   nlohmann::ordered_json json;  ///< machine-readable, printed instead with --json
   bool is_failure = false;      ///< finished, but the checked data are not sound: exit code 1
-  bool is_no = false;           ///< the answer to the question is no: exit code 3
+  bool is_no = false;           ///< the answer is no, or some inputs disagree: exit code 3
 };
 
 /// Set by the invoked subcommand, run after the whole command line is parsed.

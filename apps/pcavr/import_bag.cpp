@@ -13,6 +13,7 @@
 
 #include "pcavr/base/core/input_ranges.hpp"
 #include "pcavr/base/model/cad_model.hpp"
+#include "pcavr/pipeline/doctor.hpp"
 #include "pcavr/recordings/recording/manifest_template.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 #include "pcavr/recordings/recording/text_rows.hpp"
@@ -439,7 +440,7 @@ Expected<CommandResult> inspect_bag(const std::filesystem::path& bag, const Obse
       result.summary += fmt::format("not read, as no CSV files: {}\n", fmt::join(others, ", "));
     }
   }
-  result.summary += fmt::format("next: pcavr import '{}' -o RECORDING\n", bag.string());
+  result.summary += "next: " + import_command(bag, *selection) + '\n';
   return result;
 }
 

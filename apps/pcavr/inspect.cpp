@@ -20,6 +20,7 @@
 
 #include "commands.hpp"
 #include "import_bag.hpp"
+#include "unknown_input.hpp"
 
 namespace pcavr::app {
 namespace fs = std::filesystem;
@@ -227,25 +228,6 @@ Expected<std::vector<SceneCheck>> inspect_run(const fs::path& folder) {
   std::sort(checks.begin(), checks.end(),
             [](const SceneCheck& a, const SceneCheck& b) { return a.what < b.what; });
   return checks;
-}
-
-/// The error for a path that is none of what `inspect` reads; names the first bag in a folder of
-/// bags.
-Error unknown_input(const fs::path& path) {
-  Error error{.message = "is no recording, scene, run or bag",
-              .file = path.string(),
-              .hint = "give the folder of a recording, a scene or a run, or a bag"};
-  if (!fs::is_directory(path)) return error;
-  error.message = "contains no recording.yaml, scene.yaml or run.yaml, and is no bag";
-  std::vector<fs::path> bags;
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator(path, code)) {
-    if (is_bag(entry.path())) bags.push_back(entry.path());
-  }
-  if (bags.empty()) return error;
-  error.hint = fmt::format("it holds bags: give one, such as {}",
-                           std::min_element(bags.begin(), bags.end())->string());
-  return error;
 }
 
 Expected<CommandResult> inspect(const fs::path& folder, const Configuration& configuration,

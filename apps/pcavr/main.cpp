@@ -156,6 +156,7 @@ int run_command_line(int argc, char** argv) {
   add_export(app, configuration, action);
   add_serve(app, configuration, action);
   add_inspect(app, configuration, action);
+  add_doctor(app, configuration, action);
   add_tags(app, action);
   add_keygen(app, action);
   add_robot_site(app, configuration, action);

@@ -125,6 +125,28 @@ TEST_F(ContradictingInputs, AreNotFoundInASoundRecording) {
   fs::remove_all(scene());
 }
 
+TEST_F(ContradictingInputs, DoctorStatesWhatAgreesAndWhatCouldNotBeChecked) {
+  const json report = run_json({"doctor", recording().string()});
+  EXPECT_TRUE(report["disagrees"].empty()) << report["disagrees"];
+  const std::string agreeing = report["agrees"].dump();
+  EXPECT_NE(agreeing.find("\"tag tag36h11:0\""), agreeing.npos) << agreeing;
+  EXPECT_NE(agreeing.find("of 12 sampled frames"), agreeing.npos) << agreeing;
+  EXPECT_NE(agreeing.find("of the pixels are measured"), agreeing.npos) << agreeing;
+  EXPECT_FALSE(report["not_checked"].empty());
+  EXPECT_TRUE(report["next"].get<std::string>().starts_with("pcavr build")) << report["next"];
+}
+
+TEST_F(ContradictingInputs, DoctorNamesAWrongSizeWithItsFactor) {
+  replace("recording.yaml", "size: 0.12", "size: 0.06");
+  const CommandOutcome outcome = run_pcavr({"doctor", recording().string()});
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.standard_error;
+  const std::string& text = outcome.standard_output;
+  const std::size_t disagrees = text.find("disagrees:"), open = text.find("could not be checked:");
+  const std::size_t size = text.find("markers[0].size"), factor = text.find("factor 2.0");
+  ASSERT_NE(open, text.npos) << text;
+  EXPECT_TRUE(disagrees < size && size < factor && factor < open) << text;
+}
+
 TEST_F(ContradictingInputs, BaseTagOfHalfItsSize) {
   replace("recording.yaml", "size: 0.12", "size: 0.06");
   expect_refused({"recording.yaml: markers[0].size", "0.06 m", "0.12 m", "factor 2.0"});

@@ -37,11 +37,27 @@ struct ConsistencyFinding {
 /// such an error would do; nullopt where they always can, and without a camera.
 [[nodiscard]] std::optional<std::string> unchecked_camera(const Manifest& manifest);
 
+/// A tag, and in how many of the sampled frames it is in view.
+struct SearchedTag {
+  MarkerId id;
+  bool is_declared = false;  ///< in recording.yaml
+  std::size_t seen = 0;      ///< frames with the tag
+  std::size_t frames = 0;    ///< that were searched for its family
+};
+
+/// When the families of tags that a recording does not declare are searched for.
+enum class FamilySearch {
+  where_missing,  ///< where no tag of base or of an object is in view, or none is declared
+  always,         ///< a second or two longer
+};
+
 /// An input that `inspect` compared with another one, or could not.
 struct InputComparison {
   std::string what;         ///< "poses of tags of base", "camera.fx, camera.fy"
   std::string figure = {};  ///< how well they agree
   std::string reason = {};  ///< why it was not compared; empty where it was
+  /// What it compares: a finding whose input() contains one of these contradicts it.
+  std::vector<std::string> inputs = {};
 
   [[nodiscard]] bool is_compared() const { return reason.empty(); }
 };
@@ -49,7 +65,9 @@ struct InputComparison {
 /// Findings of a recording's inputs about each other.
 struct InputReport {
   std::vector<ConsistencyFinding> findings;  ///< contradictions first
-  std::vector<InputComparison> comparisons;
+  std::vector<InputComparison> comparisons;  ///< without those that a finding contradicts
+  /// The declared tags, in view or not, and all others that are; empty without images.
+  std::vector<SearchedTag> tags = {};
 };
 
 [[nodiscard]] bool has_contradiction(const std::vector<ConsistencyFinding>& findings);
@@ -63,8 +81,9 @@ struct InputReport {
 /// depth scale, focal lengths, CAD bodies, camera poses, tracks, tool and force; and states what
 /// was compared. An Error where a frame, a CAD file or the robot's description can't be read, or
 /// its joints are not those of the log.
-[[nodiscard]] Expected<InputReport> inspect_inputs(const Recording& recording,
-                                                   const PerceptionOptions& options = {});
+[[nodiscard]] Expected<InputReport> inspect_inputs(
+    const Recording& recording, const PerceptionOptions& options = {},
+    FamilySearch families = FamilySearch::where_missing);
 
 /// The findings of inspect_inputs.
 [[nodiscard]] Expected<std::vector<ConsistencyFinding>> inspect_consistency(

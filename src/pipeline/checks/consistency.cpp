@@ -10,6 +10,7 @@
 #include "pcavr/recordings/recording/frame_reader.hpp"
 
 #include "assess_consistency.hpp"
+#include "contact_comparisons.hpp"
 #include "input_comparisons.hpp"
 #include "pipeline/build/survey.hpp"
 #include "pipeline/robot/recorded_arm.hpp"
@@ -35,6 +36,17 @@ void add_outline_finding(std::vector<ConsistencyFinding>& findings,
     return finding.place == outline.place && !is_contradiction(finding);
   });
   findings.push_back(outline);
+}
+
+/// Whether a finding is about what was compared.
+bool is_contradicted(const InputComparison& comparison,
+                     const std::vector<ConsistencyFinding>& findings) {
+  return comparison.is_compared() &&
+         std::any_of(findings.begin(), findings.end(), [&](const ConsistencyFinding& finding) {
+           return std::any_of(
+               comparison.inputs.begin(), comparison.inputs.end(),
+               [&](const std::string& input) { return finding.input().find(input) != input.npos; });
+         });
 }
 
 /// Frames that inspect samples: enough for a median, and quick compared with decoding all.
@@ -95,7 +107,7 @@ Expected<std::vector<DeclaredBody>> bodies_with_mesh(const Recording& recording,
 Expected<InspectedFrames> observe_some(const Recording& recording,
                                        const std::vector<DeclaredBody>& bodies,
                                        const std::vector<SurfaceQuery>& surfaces,
-                                       const PerceptionOptions& options) {
+                                       const PerceptionOptions& options, FamilySearch families) {
   TagDetectorOptions detector_options = options.tag_detector;
   detector_options.full_search_interval = 1;  // the frames are too far apart for regions
   Expected<std::optional<TagDetector>> detector = make_tag_detector(recording, detector_options);
@@ -130,7 +142,7 @@ Expected<InspectedFrames> observe_some(const Recording& recording,
   collector.ignore_tags(copies.ids(), bodies_with_tags(bodies, copies.ids()));
   for (std::vector<TagDetection>& detections : seen) remove_tags(copies.ids(), detections);
   const Expected<void> searched =
-      search_other_families(recording, chosen, options.tag_detector, tags);
+      search_other_families(recording, chosen, options.tag_detector, families, tags);
   if (!searched) return searched.error();
   return InspectedFrames{
       collector.observations(),
@@ -225,7 +237,8 @@ std::vector<ConsistencyFinding> sorted(std::vector<ConsistencyFinding> findings)
   return findings;
 }
 
-Expected<InputReport> inspect_inputs(const Recording& recording, const PerceptionOptions& options) {
+Expected<InputReport> inspect_inputs(const Recording& recording, const PerceptionOptions& options,
+                                     FamilySearch families) {
   const Expected<std::optional<RecordedArm>> arm = read_recorded_joints(recording);
   if (!arm) return arm.error();
   const Expected<std::vector<DeclaredBody>> bodies = bodies_with_mesh(recording, options.cad);
@@ -238,10 +251,12 @@ Expected<InputReport> inspect_inputs(const Recording& recording, const Perceptio
   if (!tracks) return tracks.error();
   append(report.findings, *tracks);
   if (recording.manifest.camera && !recording.frames.empty()) {
-    const Expected<InspectedFrames> seen = observe_some(recording, *bodies, surfaces, options);
+    const Expected<InspectedFrames> seen =
+        observe_some(recording, *bodies, surfaces, options, families);
     if (!seen) return seen.error();
     append(report.findings, seen->copied_tags);
     append(report.findings, check_tags_in_view(recording, seen->tags));
+    report.tags = searched_tags(recording.manifest, seen->tags);
     CameraTrack track;
     if (!recording.groundtruth.empty()) {
       Expected<CameraTrack> tracked = track_some(recording, options);
@@ -258,6 +273,8 @@ Expected<InputReport> inspect_inputs(const Recording& recording, const Perceptio
   std::vector<InputComparison> contacts = compare_contacts(recording, options, report.findings);
   std::move(contacts.begin(), contacts.end(), std::back_inserter(report.comparisons));
   report.findings = sorted(std::move(report.findings));
+  std::erase_if(report.comparisons,
+                [&](const InputComparison& one) { return is_contradicted(one, report.findings); });
   return report;
 }
 

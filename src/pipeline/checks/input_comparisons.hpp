@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "pcavr/perception/tracking/camera_tracker.hpp"
@@ -22,16 +23,15 @@ struct InspectedFrames {
 };
 
 /// Comparisons of the images with other inputs, each with its figure, and what could not be
-/// compared: sizes and distances of tags, the camera's model, given camera poses, CAD bodies.
+/// compared: depth, sizes and distances of tags, the camera's model, given camera poses, CAD
+/// bodies.
 [[nodiscard]] std::vector<InputComparison> compare_images(const Recording& recording,
                                                           const InspectedFrames& seen,
                                                           const CameraTrack& track,
                                                           const ConsistencyOptions& options = {});
 
-/// The force and the tool's path against the objects: the checks of `identify`. Adds a
-/// contradiction where they find a fault.
-[[nodiscard]] std::vector<InputComparison> compare_contacts(
-    const Recording& recording, const PerceptionOptions& options,
-    std::vector<ConsistencyFinding>& findings);
+[[nodiscard]] InputComparison compared(std::string what, std::string figure,
+                                       std::vector<std::string> inputs = {});
+[[nodiscard]] InputComparison not_compared(std::string what, std::string reason);
 
 }  // namespace pcavr

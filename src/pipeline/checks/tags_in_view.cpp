@@ -52,19 +52,14 @@ std::vector<std::string> other_families(const Manifest& manifest) {
   return families;
 }
 
-/// The tags in view that are not declared, of all families searched; those seen in one frame only
-/// are false detections.
+/// The tags in view that are not declared, of all families searched.
 std::string undeclared_text(const Manifest& manifest, const TagsInView& tags) {
   std::string text;
-  const auto add = [&](const std::map<MarkerId, std::size_t>& seen, std::size_t frames) {
-    for (const auto& [id, count] : seen) {
-      if (is_declared(manifest, id) || count < std::min(kMinOtherFrames, frames)) continue;
-      text += (text.empty() ? "" : ", ") +
-              fmt::format("{} in {} of {} sampled frames", id.to_string(), count, frames);
-    }
-  };
-  add(tags.seen, tags.frames);
-  add(tags.seen_of_others, tags.frames_of_others);
+  for (const SearchedTag& tag : searched_tags(manifest, tags)) {
+    if (tag.is_declared) continue;
+    text += (text.empty() ? "" : ", ") +
+            fmt::format("{} in {} of {} sampled frames", tag.id.to_string(), tag.seen, tag.frames);
+  }
   return text;
 }
 
@@ -72,9 +67,11 @@ std::string undeclared_text(const Manifest& manifest, const TagsInView& tags) {
 
 Expected<void> search_other_families(const Recording& recording,
                                      const std::vector<std::size_t>& frames,
-                                     const TagDetectorOptions& options, TagsInView& tags) {
+                                     const TagDetectorOptions& options, FamilySearch families,
+                                     TagsInView& tags) {
   const Manifest& manifest = recording.manifest;
-  if (!manifest.markers.empty() && bodies_out_of_view(manifest, tags).empty()) return {};
+  const bool is_missing = manifest.markers.empty() || !bodies_out_of_view(manifest, tags).empty();
+  if (!is_missing && families == FamilySearch::where_missing) return {};
   TagDetectorOptions strict = options;
   strict.max_hamming = 0;  // many families: no pattern of the scene may count as a tag
   strict.full_search_interval = 1;
@@ -90,6 +87,24 @@ Expected<void> search_other_families(const Recording& recording,
     }
   }
   return {};
+}
+
+std::vector<SearchedTag> searched_tags(const Manifest& manifest, const TagsInView& tags) {
+  std::vector<SearchedTag> searched;
+  for (const MarkerEntry& marker : manifest.markers) {
+    const auto found = tags.seen.find(marker.id);
+    const std::size_t seen = found == tags.seen.end() ? 0 : found->second;
+    searched.push_back({.id = marker.id, .is_declared = true, .seen = seen, .frames = tags.frames});
+  }
+  const auto add = [&](const std::map<MarkerId, std::size_t>& seen, std::size_t frames) {
+    for (const auto& [id, count] : seen) {
+      if (is_declared(manifest, id) || count < std::min(kMinOtherFrames, frames)) continue;
+      searched.push_back({.id = id, .is_declared = false, .seen = count, .frames = frames});
+    }
+  };
+  add(tags.seen, tags.frames);
+  add(tags.seen_of_others, tags.frames_of_others);
+  return searched;
 }
 
 std::vector<ConsistencyFinding> check_tags_in_view(const Recording& recording,

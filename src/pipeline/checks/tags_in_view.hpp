@@ -22,11 +22,16 @@ struct TagsInView {
 };
 
 /// Searches some of `frames` (indices) for the AprilTag families that the recording does not
-/// declare, if no tag of base or of an object is in view, or none is declared.
+/// declare.
 [[nodiscard]] Expected<void> search_other_families(const Recording& recording,
                                                    const std::vector<std::size_t>& frames,
                                                    const TagDetectorOptions& options,
-                                                   TagsInView& tags);
+                                                   FamilySearch families, TagsInView& tags);
+
+/// The declared tags in the manifest's order, then the others in view: those seen in one frame only
+/// are false detections.
+[[nodiscard]] std::vector<SearchedTag> searched_tags(const Manifest& manifest,
+                                                     const TagsInView& tags);
 
 /// A warning for base and each object of whose tags none is in view; it states which tags are.
 [[nodiscard]] std::vector<ConsistencyFinding> check_tags_in_view(const Recording& recording,

@@ -1,0 +1,260 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "contact_comparisons.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "pcavr/base/core/median.hpp"
+#include "pcavr/physics/identification/path_view.hpp"
+#include "pcavr/physics/inputs/input_monitor.hpp"
+#include "pcavr/physics/inputs/touch.hpp"
+#include "pcavr/pipeline/identify.hpp"
+
+#include "consistency_text.hpp"
+#include "force_at_rest.hpp"
+#include "input_comparisons.hpp"
+#include "pipeline/identify/series_of.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr char kContacts[] = "tool and force against the objects";
+constexpr char kDistance[] = "distance from the tip to the object at contact";
+constexpr char kDirection[] = "angle between force and sliding direction";
+constexpr char kForceClock[] = "clock of wrench.csv against tool.csv";
+constexpr char kTrackingClock[] = "clock of the tracking against tool.csv";
+
+/// Contacts of which none is at an object that are a fault.
+constexpr std::size_t kMinContacts = 2;
+/// [m] A shorter slide has no certain direction.
+constexpr double kMinSlide = 5e-3;
+/// [rad] The friction at the tip and a lever about the centre of mass turn the force as far; beyond
+/// it, a force that is mounted wrongly and a tip that slides along the face look alike.
+constexpr double kMaxSlideAngle = 0.35;
+
+/// The contacts of a recording, and what the series show about themselves.
+struct SeenContacts {
+  const IdentificationInput& input;
+  InputFindings found = {};
+  std::vector<AttributedContact> contacts = {};
+
+  [[nodiscard]] PathView tip() const { return {input.t_tool, input.p_base_tip}; }
+  [[nodiscard]] std::size_t at_no_object() const {
+    return static_cast<std::size_t>(std::count_if(
+        contacts.begin(), contacts.end(), [](const auto& contact) { return !contact.object; }));
+  }
+};
+
+/// A line of the series' notes as a finding: what follows the first semicolon is the hint.
+ConsistencyFinding finding_of(const std::string& note) {
+  const std::size_t end = note.find("; ");
+  return {.file = "tool, force and tracking",
+          .message = note.substr(0, end),
+          .hint = end == note.npos ? "check the stream at that time" : note.substr(end + 2)};
+}
+
+/// [m] from the tip to the nearest object's surface as the contact begins; nothing beyond 0.2 m.
+std::optional<double> nearest_gap(const SeenContacts& seen, const ContactEpisode& episode) {
+  double gap = HUGE_VAL;
+  for (const IdentifiableObject& object : seen.input.objects) {
+    const Pose T_base_object =
+        object.tracked.empty() ? object.T_base_object : pose_at(object.tracked, episode.begin);
+    gap = std::min(gap,
+                   BodySurface(object.model)
+                       .touch(T_base_object, seen.tip().at(episode.begin), seen.input.tool_radius)
+                       .gap);
+  }
+  return std::isfinite(gap) ? std::optional(gap) : std::nullopt;
+}
+
+/// "-0.2 to 1.3 mm, median 0.1 mm".
+std::string millimetres_text(const std::vector<double>& lengths) {
+  const auto [first, last] = std::minmax_element(lengths.begin(), lengths.end());
+  return fmt::format("{:.1f} to {:.1f} mm, median {:.1f} mm", 1e3 * *first, 1e3 * *last,
+                     1e3 * median(lengths));
+}
+
+void compare_distances(const SeenContacts& seen, std::vector<InputComparison>& comparisons) {
+  for (std::size_t i = 0; i < seen.input.objects.size(); ++i) {
+    const std::string& name = seen.input.objects[i].name;
+    std::vector<double> gaps;
+    for (const AttributedContact& contact : seen.contacts) {
+      if (contact.object == i) gaps.push_back(contact.gap);
+    }
+    comparisons.push_back(
+        gaps.empty() ? not_compared("pose of " + name, "no contact is at its surface")
+                     : compared(kDistance, fmt::format("{}: {} contacts at its surface, {}", name,
+                                                       gaps.size(), millimetres_text(gaps))));
+  }
+  const std::size_t elsewhere = seen.at_no_object();
+  if (elsewhere == 0 || elsewhere == seen.contacts.size()) return;
+  std::vector<double> gaps;
+  for (const AttributedContact& contact : seen.contacts) {
+    if (contact.object) continue;
+    if (const auto gap = nearest_gap(seen, contact.episode)) gaps.push_back(*gap);
+  }
+  comparisons.push_back(not_compared(
+      kContacts, fmt::format("{} more contacts are at no object{}", elsewhere,
+                             gaps.empty() ? "" : "; the nearest is " + millimetres_text(gaps))));
+}
+
+/// Motion of the object's centre of mass while it slides, or of the tip where it is not tracked
+/// [m].
+Eigen::Vector2d displacement(const SeenContacts& seen, const IdentifiableObject& object,
+                             const SlideInterval& slide) {
+  if (object.tracked.empty()) {
+    return (seen.tip().at(slide.end) - seen.tip().at(slide.begin)).head<2>();
+  }
+  const Eigen::Vector3d& centre = object.model.centre_of_mass_object;
+  return (pose_at(object.tracked, slide.end) * centre -
+          pose_at(object.tracked, slide.begin) * centre)
+      .head<2>();
+}
+
+/// The force's mean in the plane over the slide [N].
+Eigen::Vector2d mean_force(const AttributedContact& contact, const SlideInterval& slide) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < contact.force_base.size(); ++i) {
+    const double t = contact.episode.t[i];
+    if (t >= slide.begin && t <= slide.end) sum += contact.force_base[i].head<2>();
+  }
+  return sum;
+}
+
+void compare_directions(const SeenContacts& seen, std::vector<InputComparison>& comparisons) {
+  std::vector<double> angles;
+  for (const AttributedContact& contact : seen.contacts) {
+    if (!contact.object || !contact.left_out.empty()) continue;
+    for (const SlideInterval& slide : contact.episode.slides) {
+      const Eigen::Vector2d motion = displacement(seen, seen.input.objects[*contact.object], slide);
+      const Eigen::Vector2d force = mean_force(contact, slide);
+      if (motion.norm() < kMinSlide || force.isZero()) continue;
+      angles.push_back(std::acos(std::clamp(motion.normalized().dot(force.normalized()), -1., 1.)));
+    }
+  }
+  if (angles.empty()) {
+    comparisons.push_back(not_compared(kDirection, "no object slides by 5 mm in a contact"));
+    return;
+  }
+  const double middle = median(angles);
+  const std::string figure =
+      fmt::format("median {}, at most {} in {} slides", degrees(middle),
+                  degrees(*std::max_element(angles.begin(), angles.end())), angles.size());
+  comparisons.push_back(
+      middle <= kMaxSlideAngle
+          ? compared(kDirection, figure)
+          : not_compared(kDirection, figure + ": the tip slides along the face or beside the "
+                                              "centre, or the force is turned"));
+}
+
+/// Adds a clock's offset, which is a warning where it is significant.
+void compare_clock(const char* what, const char* file, const TimeOffset& offset, bool is_applied,
+                   const std::string& unknown, std::vector<InputComparison>& comparisons,
+                   std::vector<ConsistencyFinding>& findings) {
+  if (!offset.is_known) {
+    comparisons.push_back(not_compared(what, "the offset is not observable: " + unknown));
+    return;
+  }
+  const std::string figure =
+      fmt::format("{:.1f} +- {:.1f} ms", 1e3 * offset.offset, 1e3 * offset.std);
+  if (!is_applied) {
+    comparisons.push_back(compared(what, figure));
+    return;
+  }
+  findings.push_back({.file = file,
+                      .message = "its stamps are " + figure +
+                                 " later than those of tool.csv; "
+                                 "identify and replay take this off",
+                      .hint = "synchronise the clocks, or record the sensor's own stamps"});
+}
+
+void compare_clocks(const SeenContacts& seen, std::vector<InputComparison>& comparisons,
+                    std::vector<ConsistencyFinding>& findings) {
+  compare_clock(kForceClock, "wrench.csv", seen.found.tool_to_force,
+                seen.found.is_force_offset_applied, "no press, release or loading shows it",
+                comparisons, findings);
+  const bool is_tracked = std::any_of(seen.input.objects.begin(), seen.input.objects.end(),
+                                      [](const auto& object) { return !object.tracked.empty(); });
+  compare_clock(kTrackingClock, "tracked", seen.found.tool_to_camera,
+                seen.found.is_camera_offset_applied,
+                is_tracked ? "no slide of a tracked object shows it" : "there are no tracked poses",
+                comparisons, findings);
+}
+
+void compare_masses(const SeenContacts& seen, std::vector<InputComparison>& comparisons) {
+  for (const IdentifiableObject& object : seen.input.objects) {
+    comparisons.push_back(
+        object.mass
+            ? compared("the force's scale", object.name + "'s weight, where it is pushed")
+            : not_compared("the force's scale", "the mass of " + object.name + " is not known"));
+  }
+}
+
+void add_fault(const Error& error, std::vector<ConsistencyFinding>& findings) {
+  findings.push_back({.severity = FindingSeverity::contradiction,
+                      .file = error.file.empty() ? "wrench.csv" : error.file,
+                      .place = error.place,
+                      .message = error.message,
+                      .hint = error.hint});
+}
+
+/// Single contacts may be with the table; all of them are not.
+void check_elsewhere(const SeenContacts& seen, std::vector<ConsistencyFinding>& findings) {
+  const std::size_t elsewhere = seen.at_no_object();
+  if (elsewhere < kMinContacts || elsewhere != seen.found.contacts) return;
+  std::string notes;
+  for (const std::string& note : seen.found.notes) notes += "; " + note;
+  findings.push_back({.file = "recording.yaml",
+                      .place = "objects",
+                      .message = fmt::format("none of the tool's {} contacts is at an object's "
+                                             "surface{}",
+                                             elsewhere, notes),
+                      .hint = "check the objects' poses and the tool's path: both are in base"});
+}
+
+}  // namespace
+
+std::vector<InputComparison> compare_contacts(const Recording& recording,
+                                              const PerceptionOptions& options,
+                                              std::vector<ConsistencyFinding>& findings) {
+  if (recording.tool.empty() || recording.wrench.empty()) {
+    return {not_compared(kContacts, recording.tool.empty() ? "no tool.csv" : "no wrench.csv")};
+  }
+  const auto input = identification_input(recording, {.perception = options});
+  if (!input) {
+    return {
+        not_compared(kContacts, input.error().message + " (build, then pcavr identify --scene)")};
+  }
+  if (const auto missing = missing_streams(*input)) {
+    return {not_compared(kContacts, missing->message)};
+  }
+  if (input->objects.empty()) {
+    return {compare_force_at_rest(*input, findings),
+            not_compared(kContacts, "no object has a mesh and a pose")};
+  }
+  SeenContacts seen{.input = *input};
+  seen.found = examine_inputs(series_of(*input), InputOptions(), [&](AttributedContact&& contact) {
+    seen.contacts.push_back(std::move(contact));
+  });
+  if (seen.found.fault) {
+    add_fault(seen.found.fault->error, findings);
+    return {};
+  }
+  if (seen.found.no_contact) return {not_compared(kContacts, seen.found.no_contact->message)};
+  for (const std::string& note : seen.found.notes) findings.push_back(finding_of(note));
+  std::vector<InputComparison> comparisons{compare_force_at_rest(*input, findings)};
+  compare_distances(seen, comparisons);
+  compare_masses(seen, comparisons);
+  compare_directions(seen, comparisons);
+  compare_clocks(seen, comparisons, findings);
+  check_elsewhere(seen, findings);
+  return comparisons;
+}
+
+}  // namespace pcavr

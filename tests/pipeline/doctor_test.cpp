@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+// A small recording without images; each test changes one of its files.
+#include "pcavr/pipeline/doctor.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include "pcavr/base/core/output.hpp"
+
+#include "support/temporary_folder.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr char kManifest[] =
+    "format: pcavr-recording/1\n"
+    "objects:\n"
+    "  - {name: box, mesh: box.obj, mass: 1.0, movable: true,\n"
+    "     pose: {t: [0.5, 0, 0.05], q: [0, 0, 0, 1]}}\n"
+    "tool: {radius: 0.01}\n";
+
+/// A box of 0.1 m about its origin.
+constexpr char kBox[] =
+    "v -0.05 -0.05 -0.05\nv 0.05 -0.05 -0.05\nv 0.05 0.05 -0.05\nv -0.05 0.05 -0.05\n"
+    "v -0.05 -0.05 0.05\nv 0.05 -0.05 0.05\nv 0.05 0.05 0.05\nv -0.05 0.05 0.05\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n";
+
+struct Series {
+  double bias = 0.0;       ///< [N] along z
+  double gap_at = 1e9;     ///< [s] from which samples are 0.4 s late
+  double time_unit = 1.0;  ///< stamps in a second
+};
+
+class Doctor : public testing::Test {
+ protected:
+  void SetUp() override {
+    write("recording.yaml", kManifest);
+    write("box.obj", kBox);
+    write_series({});
+  }
+  void write(const std::string& name, const std::string& text) {
+    ASSERT_TRUE(write_file(folder_.path() / name, text));
+  }
+  /// 4 s of a tip that approaches the box, and of a force with some noise.
+  void write_series(const Series& series) {
+    std::string tool = "t,x,y,z,qx,qy,qz,qw\n";
+    std::string wrench = "t,fx,fy,fz,tx,ty,tz\n";
+    for (int i = 0; i < 400; ++i) {
+      const double at = 0.01 * i;
+      const double t = (at + (at >= series.gap_at ? 0.4 : 0.0)) * series.time_unit;
+      tool += fmt::format("{:.6f},{:.6f},0,0.05,0,0,0,1\n", t, 0.1 + 0.05 * at);
+      wrench += fmt::format("{:.6f},{:.6f},0,{:.6f},0,0,0\n", 0.01 * i + 0.001,
+                            0.01 * ((i * 37) % 11 - 5), series.bias + 0.01 * ((i * 53) % 13 - 6));
+    }
+    write("tool.csv", tool);
+    write("wrench.csv", wrench);
+  }
+  DiagnosisReport diagnose() {
+    const Expected<Recording> recording = read_recording(folder_.path());
+    EXPECT_TRUE(recording) << recording.error().to_string();
+    return diagnose_recording(*recording);
+  }
+  /// The rows of one verdict, a line each.
+  static std::string rows_of(const DiagnosisReport& report, DiagnosisVerdict verdict) {
+    std::string text;
+    for (const DiagnosisRow& row : report.rows) {
+      if (row.verdict == verdict) text += row.what + ": " + row.figure + "; " + row.cause + '\n';
+    }
+    return text;
+  }
+  /// Expects a disagreement that contains each of `texts`, and no other.
+  void expect_disagreement(const std::vector<std::string>& texts) {
+    const std::string rows = rows_of(diagnose(), DiagnosisVerdict::disagrees);
+    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1) << rows;
+    for (const std::string& text : texts) {
+      EXPECT_NE(rows.find(text), rows.npos) << "no '" << text << "' in: " << rows;
+    }
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Doctor, FindsNothingInSoundInputsAndNamesWhatItCouldNotCheck) {
+  const DiagnosisReport report = diagnose();
+  EXPECT_FALSE(report.has_disagreement()) << rows_of(report, DiagnosisVerdict::disagrees);
+  const std::string agreeing = rows_of(report, DiagnosisVerdict::agrees);
+  for (const char* text : {"tool.csv: 400 rows over 3.990 s, 100.0 Hz; no gaps",
+                           "CAD of box: closed, 0.1 x 0.1 x 0.1 m, 1 litres, 1000 kg/m^3"}) {
+    EXPECT_NE(agreeing.find(text), agreeing.npos) << "no '" << text << "' in: " << agreeing;
+  }
+  const std::string open = rows_of(report, DiagnosisVerdict::not_checked);
+  for (const char* text :
+       {"rgb.txt, depth.txt: absent", "groundtruth.txt: absent", "tracking of box: absent",
+        "tags, camera and depth: no images", "robot: recording.yaml names no URDF"}) {
+    EXPECT_NE(open.find(text), open.npos) << "no '" << text << "' in: " << open;
+  }
+  EXPECT_TRUE(report.next.starts_with("pcavr identify friction '")) << report.next;
+}
+
+TEST_F(Doctor, NamesAGapWithItsLengthAndTime) {
+  write_series({.gap_at = 2.0});
+  expect_disagreement({"tool.csv: ", "1 gap, the longest of 0.410 s at t = 1.990 s"});
+}
+
+TEST_F(Doctor, NamesAForceAtRestAndTheToolWhoseWeightItMayBe) {
+  write_series({.bias = -2.943});
+  expect_disagreement({"2.94 N without contact", "z -2.94", "a tool of 0.30 kg", "--tare"});
+}
+
+TEST_F(Doctor, NamesJointsInDegrees) {
+  write("joints.csv", "t,q_a,q_b\n0,90,-45\n0.01,90.5,-45.1\n0.02,91,-45.2\n");
+  expect_disagreement({"unit of joints.csv: positions within +- 91; degrees"});
+}
+
+TEST_F(Doctor, NamesAMeshThatCannotBeReadAndChecksTheRest) {
+  write("box.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+  expect_disagreement({"box.obj"});
+  const DiagnosisReport report = diagnose();
+  EXPECT_NE(rows_of(report, DiagnosisVerdict::agrees).find("tool.csv: 400 rows"),
+            std::string::npos);
+  EXPECT_TRUE(report.next.starts_with("correct what disagrees")) << report.next;
+}
+
+TEST_F(Doctor, NamesTheFactorOfStampsInMilliseconds) {
+  write_series({.time_unit = 1000.0});
+  const std::string rows = rows_of(diagnose(), DiagnosisVerdict::disagrees);
+  EXPECT_NE(rows.find("tool.csv: the stamps are probably in milliseconds"), rows.npos) << rows;
+}
+
+}  // namespace
+}  // namespace pcavr
