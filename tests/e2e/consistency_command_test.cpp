@@ -130,7 +130,7 @@ TEST_F(ContradictingInputs, DoctorStatesWhatAgreesAndWhatCouldNotBeChecked) {
   EXPECT_TRUE(report["disagrees"].empty()) << report["disagrees"];
   const std::string agreeing = report["agrees"].dump();
   EXPECT_NE(agreeing.find("\"tag tag36h11:0\""), agreeing.npos) << agreeing;
-  EXPECT_NE(agreeing.find("of 12 sampled frames"), agreeing.npos) << agreeing;
+  EXPECT_NE(agreeing.find("sampled frames"), agreeing.npos) << agreeing;
   EXPECT_NE(agreeing.find("of the pixels are measured"), agreeing.npos) << agreeing;
   EXPECT_FALSE(report["not_checked"].empty());
   EXPECT_TRUE(report["next"].get<std::string>().starts_with("pcavr build")) << report["next"];

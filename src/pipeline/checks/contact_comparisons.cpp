@@ -88,9 +88,10 @@ void compare_distances(const SeenContacts& seen, std::vector<InputComparison>& c
       if (contact.object == i) gaps.push_back(contact.gap);
     }
     comparisons.push_back(
-        gaps.empty() ? not_compared("pose of " + name, "no contact is at its surface")
-                     : compared(kDistance, fmt::format("{}: {} contacts at its surface, {}", name,
-                                                       gaps.size(), millimetres_text(gaps))));
+        gaps.empty()
+            ? failed_comparison("pose of " + name, "no contact is at its surface")
+            : comparison_of(kDistance, fmt::format("{}: {} contacts at its surface, {}", name,
+                                                   gaps.size(), millimetres_text(gaps))));
   }
   const std::size_t elsewhere = seen.at_no_object();
   if (elsewhere == 0 || elsewhere == seen.contacts.size()) return;
@@ -99,7 +100,7 @@ void compare_distances(const SeenContacts& seen, std::vector<InputComparison>& c
     if (contact.object) continue;
     if (const auto gap = nearest_gap(seen, contact.episode)) gaps.push_back(*gap);
   }
-  comparisons.push_back(not_compared(
+  comparisons.push_back(failed_comparison(
       kContacts, fmt::format("{} more contacts are at no object{}", elsewhere,
                              gaps.empty() ? "" : "; the nearest is " + millimetres_text(gaps))));
 }
@@ -139,7 +140,7 @@ void compare_directions(const SeenContacts& seen, std::vector<InputComparison>& 
     }
   }
   if (angles.empty()) {
-    comparisons.push_back(not_compared(kDirection, "no object slides by 5 mm in a contact"));
+    comparisons.push_back(failed_comparison(kDirection, "no object slides by 5 mm in a contact"));
     return;
   }
   const double middle = median(angles);
@@ -148,9 +149,9 @@ void compare_directions(const SeenContacts& seen, std::vector<InputComparison>& 
                   degrees(*std::max_element(angles.begin(), angles.end())), angles.size());
   comparisons.push_back(
       middle <= kMaxSlideAngle
-          ? compared(kDirection, figure)
-          : not_compared(kDirection, figure + ": the tip slides along the face or beside the "
-                                              "centre, or the force is turned"));
+          ? comparison_of(kDirection, figure)
+          : failed_comparison(kDirection, figure + ": the tip slides along the face or beside the "
+                                                   "centre, or the force is turned"));
 }
 
 /// Adds a clock's offset, which is a warning where it is significant.
@@ -158,13 +159,13 @@ void compare_clock(const char* what, const char* file, const TimeOffset& offset,
                    const std::string& unknown, std::vector<InputComparison>& comparisons,
                    std::vector<ConsistencyFinding>& findings) {
   if (!offset.is_known) {
-    comparisons.push_back(not_compared(what, "the offset is not observable: " + unknown));
+    comparisons.push_back(failed_comparison(what, "the offset is not observable: " + unknown));
     return;
   }
   const std::string figure =
       fmt::format("{:.1f} +- {:.1f} ms", 1e3 * offset.offset, 1e3 * offset.std);
   if (!is_applied) {
-    comparisons.push_back(compared(what, figure));
+    comparisons.push_back(comparison_of(what, figure));
     return;
   }
   findings.push_back({.file = file,
@@ -191,8 +192,9 @@ void compare_masses(const SeenContacts& seen, std::vector<InputComparison>& comp
   for (const IdentifiableObject& object : seen.input.objects) {
     comparisons.push_back(
         object.mass
-            ? compared("the force's scale", object.name + "'s weight, where it is pushed")
-            : not_compared("the force's scale", "the mass of " + object.name + " is not known"));
+            ? comparison_of("the force's scale", object.name + "'s weight, where it is pushed")
+            : failed_comparison("the force's scale",
+                                "the mass of " + object.name + " is not known"));
   }
 }
 
@@ -224,19 +226,19 @@ std::vector<InputComparison> compare_contacts(const Recording& recording,
                                               const PerceptionOptions& options,
                                               std::vector<ConsistencyFinding>& findings) {
   if (recording.tool.empty() || recording.wrench.empty()) {
-    return {not_compared(kContacts, recording.tool.empty() ? "no tool.csv" : "no wrench.csv")};
+    return {failed_comparison(kContacts, recording.tool.empty() ? "no tool.csv" : "no wrench.csv")};
   }
   const auto input = identification_input(recording, {.perception = options});
   if (!input) {
-    return {
-        not_compared(kContacts, input.error().message + " (build, then pcavr identify --scene)")};
+    return {failed_comparison(kContacts,
+                              input.error().message + " (build, then pcavr identify --scene)")};
   }
   if (const auto missing = missing_streams(*input)) {
-    return {not_compared(kContacts, missing->message)};
+    return {failed_comparison(kContacts, missing->message)};
   }
   if (input->objects.empty()) {
     return {compare_force_at_rest(*input, findings),
-            not_compared(kContacts, "no object has a mesh and a pose")};
+            failed_comparison(kContacts, "no object has a mesh and a pose")};
   }
   SeenContacts seen{.input = *input};
   seen.found = examine_inputs(series_of(*input), InputOptions(), [&](AttributedContact&& contact) {
@@ -244,9 +246,12 @@ std::vector<InputComparison> compare_contacts(const Recording& recording,
   });
   if (seen.found.fault) {
     add_fault(seen.found.fault->error, findings);
-    return {};
+    return {failed_comparison("contacts, clocks and force at rest", "the fault comes first")};
   }
-  if (seen.found.no_contact) return {not_compared(kContacts, seen.found.no_contact->message)};
+  if (seen.found.no_contact) {
+    return {compare_force_at_rest(*input, findings),
+            failed_comparison(kContacts, seen.found.no_contact->message)};
+  }
   for (const std::string& note : seen.found.notes) findings.push_back(finding_of(note));
   std::vector<InputComparison> comparisons{compare_force_at_rest(*input, findings)};
   compare_distances(seen, comparisons);

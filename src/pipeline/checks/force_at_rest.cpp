@@ -59,14 +59,14 @@ InputComparison compare_force_at_rest(const IdentificationInput& input,
                                       std::vector<ConsistencyFinding>& findings) {
   const Segmentation found =
       segment_contacts(input.t_force, input.force_base, input.t_tool, input.p_base_tip);
-  if (found.bias_base.empty()) return not_compared(kWhat, "the tool is never free of contact");
+  if (found.bias_base.empty()) return failed_comparison(kWhat, "the tool is never free of contact");
   const RestingForce resting = resting_force(found.bias_base);
   std::string figure = figure_of(resting, found.noise);
   if (resting.level.norm() >= kMaxBias) {
     findings.push_back(
         {.file = "wrench.csv", .place = kInput, .message = figure, .hint = cause_of(resting)});
   }
-  return compared(kWhat, std::move(figure), {kInput});
+  return comparison_of(kWhat, std::move(figure), {kInput});
 }
 
 }  // namespace pcavr

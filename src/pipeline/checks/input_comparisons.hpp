@@ -30,8 +30,8 @@ struct InspectedFrames {
                                                           const CameraTrack& track,
                                                           const ConsistencyOptions& options = {});
 
-[[nodiscard]] InputComparison compared(std::string what, std::string figure,
-                                       std::vector<std::string> inputs = {});
-[[nodiscard]] InputComparison not_compared(std::string what, std::string reason);
+[[nodiscard]] InputComparison comparison_of(std::string what, std::string figure,
+                                            std::vector<std::string> inputs = {});
+[[nodiscard]] InputComparison failed_comparison(std::string what, std::string reason);
 
 }  // namespace pcavr
