@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <numeric>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "pcavr/base/core/decimal.hpp"
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/recordings/recording/yaml_map.hpp"
@@ -65,12 +68,20 @@ std::set<std::string> varied_keys(const std::vector<EvaluatedRun>& runs) {
   return keys;
 }
 
+/// A file's number has as many digits as a double; a name has as few as say the same.
+std::string short_text(const std::string& text) {
+  double number = 0.0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, number);
+  return parsed.ec == std::errc() && parsed.ptr == end ? shortest_decimal(number) : text;
+}
+
 std::string setting_name(const EvaluatedRun& run, const std::set<std::string>& keys) {
   std::string name;
   for (const std::string& key : keys) {
     const auto found = run.settings.find(key);
     name += fmt::format("{}{}={}", name.empty() ? "" : " ", key,
-                        found == run.settings.end() ? "default" : found->second);
+                        found == run.settings.end() ? "default" : short_text(found->second));
   }
   return name.empty() ? "all" : name;
 }

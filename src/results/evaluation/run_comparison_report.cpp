@@ -237,7 +237,10 @@ Expected<void> write_run_comparison(const RunComparison& comparison,
 
 std::string run_comparison_text(const RunComparison& comparison) {
   std::string text = text_of(medians_table(comparison, columns_of(comparison)));
-  if (!comparison.differences.empty()) text += text_of(differences_table(comparison));
+  RunComparison changed = comparison;  // a metric that is the same in each pair needs no line
+  std::erase_if(changed.differences,
+                [](const PairedDifference& one) { return one.mean == 0.0 && one.median == 0.0; });
+  if (!changed.differences.empty()) text += text_of(differences_table(changed));
   return text;
 }
 
