@@ -90,7 +90,8 @@ Error unknown_word(const std::string& kind, const std::string& word,
 
 std::string unknown_command(const CLI::App& app) {
   const CLI::App& command = invoked_command(app);
-  const std::vector<std::string> words = command.remaining();
+  // A word that a nested command does not know is left to those that it belongs to.
+  const std::vector<std::string> words = app.remaining(true);
   const auto word = std::find_if(words.begin(), words.end(),
                                  [](const std::string& each) { return !each.starts_with('-'); });
   return command_names(command).empty() || word == words.end() ? std::string() : *word;
