@@ -79,6 +79,23 @@ TEST(TaskGraphOfRecordings, RefusesTwoBodiesOfOneName) {
   EXPECT_NE(graph.error().message.find("box has another CAD file"), std::string::npos);
 }
 
+// A recording in the root folder had an absolute name: its results would have been written into it.
+TEST(TaskGraphOfRecordings, HasItsResultsInTheirFolderWhateverTheSupport) {
+  const TaskCase lab;
+  const std::string recording = lab.record("_pooled/a", "0");
+  const auto graph = lab.plan({recording});
+  ASSERT_TRUE(graph) << graph.error().to_string();
+  EXPECT_EQ(graph->recordings[0].support, "unnamed");
+  for (const char* support : {"../out", "/tmp", "a/b", ".", "_pooled"}) {
+    const auto refused = make_task_graph({.recordings = {recording},
+                                          .chain = {TaskStage::build},
+                                          .results = lab.path("results"),
+                                          .support = support});
+    ASSERT_FALSE(refused) << support;
+    EXPECT_EQ(refused.error().message, "is no name of a support");
+  }
+}
+
 TEST(TaskGraphOfRecordings, RefusesAMissingRecording) {
   const TaskCase lab;
   EXPECT_FALSE(lab.plan({lab.record("lab/a", "0"), lab.path("lab/none")}));

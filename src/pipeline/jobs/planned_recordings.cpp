@@ -53,6 +53,19 @@ Expected<void> check_bodies(const Recording& recording, Bodies& bodies) {
   return {};
 }
 
+/// One folder's name: results lie in it, so that of another place, or of the pooled results, is
+/// none.
+bool is_support_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' && name.front() != '_' &&
+         name.find('/') == std::string::npos;
+}
+
+/// The name of the folder that a recording lies in; a recording in the root folder has none.
+std::string support_of(const fs::path& folder) {
+  const std::string name = folder.parent_path().filename().string();
+  return is_support_name(name) ? name : "unnamed";
+}
+
 /// SUPPORT/FOLDER; a number follows where another recording has this name.
 std::string unique_name(const std::string& support, const fs::path& folder,
                         std::set<std::string>& names) {
@@ -104,6 +117,13 @@ Expected<PlannedInput> planned_input(const fs::path& path, const std::string& wi
 Expected<std::vector<PlannedRecording>> planned_recordings(const std::vector<std::string>& folders,
                                                            const std::string& support,
                                                            const Observer& observer) {
+  if (!support.empty() && !is_support_name(support)) {
+    return Error{
+        .message = "is no name of a support",
+        .file = "--support",
+        .place = support,
+        .hint = "give a name without '/' that does not begin with '.' or '_', such as wood"};
+  }
   std::vector<PlannedRecording> all;
   std::map<std::string, fs::path> by_content;
   std::set<std::string> names;
@@ -115,7 +135,7 @@ Expected<std::vector<PlannedRecording>> planned_recordings(const std::vector<std
     if (!planned) return planned.error();
     const auto [before, is_new] = by_content.try_emplace(planned->files.content, *folder);
     if (!is_new) return given_twice(given, before->second);
-    planned->support = support.empty() ? folder->parent_path().filename().string() : support;
+    planned->support = support.empty() ? support_of(*folder) : support;
     planned->name = unique_name(planned->support, *folder, names);
     all.push_back(*std::move(planned));
     observer.on_progress("reading recordings", all.size(), folders.size());
