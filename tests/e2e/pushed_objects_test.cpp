@@ -185,6 +185,14 @@ TEST_F(PushedObjects, AreIdentified) {
   }
 }
 
+// A force of another scale contradicts nothing that doctor looks at.
+TEST_F(PushedObjects, LeaveTheForcesScaleToTheirIdentification) {
+  const json report = run_json({"doctor", path_of("probe")});
+  const std::string scale = "the force's scale";
+  EXPECT_EQ(report["agrees"].dump().find(scale), std::string::npos) << report["agrees"].dump(1);
+  EXPECT_NE(report["not_checked"].dump().find(scale), std::string::npos);
+}
+
 TEST_F(PushedObjects, ArePredictedWithoutCorrectionsWhileTheySlide) {
   const json report = replay_and_evaluate(
       "push", "alone",

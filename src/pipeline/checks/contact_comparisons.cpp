@@ -188,13 +188,13 @@ void compare_clocks(const SeenContacts& seen, std::vector<InputComparison>& comp
                 comparisons, findings);
 }
 
+/// Only pushes that excite an object's mass show the scale: `identify` compares it then.
 void compare_masses(const SeenContacts& seen, std::vector<InputComparison>& comparisons) {
   for (const IdentifiableObject& object : seen.input.objects) {
-    comparisons.push_back(
-        object.mass
-            ? comparison_of("the force's scale", object.name + "'s weight, where it is pushed")
-            : failed_comparison("the force's scale",
-                                "the mass of " + object.name + " is not known"));
+    comparisons.push_back(failed_comparison(
+        "the force's scale", object.mass ? "identify compares it with " + object.name +
+                                               "'s weighed mass, where pushes excite the mass"
+                                         : "the mass of " + object.name + " is not known"));
   }
 }
 

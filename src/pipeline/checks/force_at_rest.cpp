@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/base/core/gravity.hpp"
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/physics/identification/segmentation.hpp"
 
@@ -19,7 +20,6 @@ namespace {
 constexpr char kWhat[] = "force at rest";
 constexpr char kInput[] = "wrench.csv: force at rest";
 constexpr double kMaxBias = 1.0;        // [N] from which `identify` takes it off with a warning
-constexpr double kGravity = 9.81;       // [m/s^2]
 constexpr double kMinWeightPart = 0.7;  // of the bias along z, from which a weight explains it
 
 struct RestingForce {
@@ -50,7 +50,8 @@ std::string cause_of(const RestingForce& found) {
   if (vertical < kMinWeightPart * found.level.norm()) {
     return "a bias: no weight points that way; " + zero;
   }
-  return fmt::format("the weight of a tool of {:.2f} kg, or a bias; {}", vertical / kGravity, zero);
+  return fmt::format("the weight of a tool of {:.2f} kg, or a bias; {}",
+                     vertical / kStandardGravity, zero);
 }
 
 }  // namespace

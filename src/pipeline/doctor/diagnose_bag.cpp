@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,7 +11,6 @@
 #include "pcavr/pipeline/doctor.hpp"
 #include "pcavr/recordings/bag_import/csv_series.hpp"
 #include "pcavr/recordings/recording/stamp_units.hpp"
-#include "pcavr/recordings/rosbag/bag_reader.hpp"
 
 #include "diagnosis_rows.hpp"
 
@@ -27,29 +24,12 @@ constexpr double kMaxSensorInterval = 1.0;   // [s] of a tool or a force: no rob
 constexpr double kSlowTopic = 0.12;          // [s] robots are sampled at 10 Hz or more
 constexpr std::size_t kMinRateMessages = 5;  // fewer show no rate
 
-/// The longest interval [s] between log times of two messages that follow each other, by topic.
-/// Empty where the bag can't be read again.
-using LongestIntervals = std::map<std::string, double>;
-LongestIntervals longest_intervals(const std::filesystem::path& bag, const CsvOptions& csv) {
-  LongestIntervals longest;
-  const auto reader = open_bag_or_csv(bag, csv);
-  if (!reader) return longest;
-  std::map<std::size_t, Stamp> last;
-  for (;;) {
-    const Expected<std::optional<BagMessage>> message = (*reader)->next();
-    if (!message || !*message) return longest;
-    const auto [before, is_first] = last.try_emplace((*message)->topic, (*message)->log_time);
-    double& interval = longest[(*reader)->topics()[(*message)->topic].name];
-    interval = std::max(interval, to_seconds((*message)->log_time - before->second));
-    before->second = (*message)->log_time;
-  }
-}
-
-std::string figure_of(const SurveyedTopic& topic, const std::string& use, double longest) {
+std::string figure_of(const SurveyedTopic& topic, const std::string& use) {
   std::string figure = fmt::format("taken for {}: {} messages", use, topic.messages);
   if (topic.rate) {
     figure += fmt::format(" over {:.3f} s, {:.4g} Hz, longest interval {:.1f} ms",
-                          to_seconds(topic.last - topic.first), *topic.rate, 1e3 * longest);
+                          to_seconds(topic.last - topic.first), *topic.rate,
+                          1e3 * topic.longest_interval);
   }
   if (topic.delay) figure += fmt::format("; {:.1f} ms from stamp to log time", 1e3 * *topic.delay);
   if (topic.unstamped > 0) figure += fmt::format("; {} without a stamp", topic.unstamped);
@@ -57,7 +37,7 @@ std::string figure_of(const SurveyedTopic& topic, const std::string& use, double
 }
 
 /// What a topic's rate and messages show to be wrong; empty cause where nothing is.
-std::string cause_of(const SurveyedTopic& topic, bool is_sensor, double longest) {
+std::string cause_of(const SurveyedTopic& topic, bool is_sensor) {
   if (topic.undecodable > 0) {
     return fmt::format("{} messages can't be decoded: {}", topic.undecodable, topic.problem);
   }
@@ -70,18 +50,18 @@ std::string cause_of(const SurveyedTopic& topic, bool is_sensor, double longest)
         "--column-unit t=UNIT",
         unit);
   }
-  if (longest > std::max(kMinTopicGap, kMinTopicIntervals * interval)) {
+  if (topic.longest_interval > std::max(kMinTopicGap, kMinTopicIntervals * interval)) {
     return "messages were lost, or the source paused: nothing is known of that time";
   }
   return "";
 }
 
-void add_topic(const SurveyedTopic& topic, const BagSelection& selection, double longest,
+void add_topic(const SurveyedTopic& topic, const BagSelection& selection,
                std::vector<DiagnosisRow>& rows) {
   const std::string& name = topic.topic.name;
   const bool is_sensor = &topic == selection.tool || &topic == selection.wrench;
-  std::string figure = figure_of(topic, selection.use_of(topic), longest);
-  std::string cause = cause_of(topic, is_sensor, longest);
+  std::string figure = figure_of(topic, selection.use_of(topic));
+  std::string cause = cause_of(topic, is_sensor);
   const bool agrees = cause.empty();
   rows.push_back(agrees ? agreement(name, std::move(figure))
                         : disagreement(name, std::move(figure), std::move(cause)));
@@ -167,10 +147,8 @@ DiagnosisReport diagnose_bag(const std::filesystem::path& bag, const BagSurvey& 
   if (survey.messages == 0) {
     rows.push_back(disagreement("messages", "there are none", "the recorder had no subscription"));
   }
-  LongestIntervals longest = longest_intervals(bag, survey.csv);
   for (const SurveyedTopic& topic : survey.topics) {
-    if (selection.use_of(topic).empty()) continue;
-    add_topic(topic, selection, longest[topic.topic.name], rows);
+    if (!selection.use_of(topic).empty()) add_topic(topic, selection, rows);
   }
   for (const std::string& warning : survey.warnings) {
     rows.push_back(unchecked("assumed in reading", warning));

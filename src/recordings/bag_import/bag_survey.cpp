@@ -55,6 +55,8 @@ class TopicSurveyor {
 
   void add(const BagMessage& message, BagSurvey& bag) {
     if (survey_.messages++ == 0) survey_.first = survey_.last = message.log_time;
+    survey_.longest_interval =
+        std::max(survey_.longest_interval, to_seconds(message.log_time - survey_.last));
     survey_.first = std::min(survey_.first, message.log_time);
     survey_.last = std::max(survey_.last, message.log_time);
     if (survey_.kind == RosMessageKind::other) return;

@@ -27,9 +27,10 @@ struct SurveyedTopic {
   Stamp first, last;  ///< log time; of no meaning without messages
   /// Rate of the log times [Hz]; nullopt for less than two messages.
   std::optional<double> rate = {};
-  std::size_t undecodable = 0;  ///< messages of a known type that can't be decoded
-  std::string problem = {};     ///< of the first of them
-  std::size_t unstamped = 0;    ///< decoded messages whose header stamp is zero or absent
+  double longest_interval = 0.0;  ///< [s] between log times of two messages that follow each other
+  std::size_t undecodable = 0;    ///< messages of a known type that can't be decoded
+  std::string problem = {};       ///< of the first of them
+  std::size_t unstamped = 0;      ///< decoded messages whose header stamp is zero or absent
   /// [s] from header stamp to log time, median; nullopt where no message has a stamp.
   std::optional<double> delay = {};
   std::vector<std::string> frames = {};  ///< of the headers, without leading slash, at most 8
