@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/pipeline/gather_results.hpp"
+
 #include "pipeline/task_case.hpp"
 
 namespace pcavr {
@@ -27,6 +29,15 @@ TEST(TaskRun, DoesEachTaskOnce) {
   EXPECT_EQ(second->ran, 0U);
   EXPECT_EQ(second->were_done, 4U);
   EXPECT_EQ(lab.calls(), 4);
+}
+
+TEST(TaskRun, IsGatheredOnlyWhereATaskIsDone) {
+  const TaskCase lab;
+  const auto graph = lab.plan({lab.record("lab/a", "0")});
+  ASSERT_TRUE(graph);
+  const auto gathered = gather_results(*graph, {.command = lab.path("command")}, lab.path("."));
+  ASSERT_FALSE(gathered);
+  EXPECT_EQ(gathered.error().message, "none of the plan's 2 tasks is done");
 }
 
 TEST(TaskRun, DoesATaskAgainWhoseOutputIsMissingOrChanged) {

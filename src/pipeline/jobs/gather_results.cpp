@@ -3,6 +3,7 @@
 #include "pcavr/pipeline/gather_results.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -157,12 +158,33 @@ Expected<RunComparison> gather_evaluations(const TaskGraph& graph,
   return compare_runs(std::move(runs));
 }
 
+/// An Error where no task is done, and a warning where some are not.
+Expected<void> check_done(const TaskGraph& graph, const std::vector<TaskStatus>& states,
+                          const Observer& observer) {
+  const auto done = std::ranges::count(states, TaskState::done, &TaskStatus::state);
+  if (done == 0) {
+    return Error{.message = fmt::format("none of the plan's {} tasks is done", states.size()),
+                 .file = graph.results.string(),
+                 .place = {},
+                 .hint = "pcavr run the plan first; pcavr status names what failed"};
+  }
+  if (done < std::ssize(states)) {
+    observer.on_warning(
+        fmt::format("{} of the plan's {} tasks are not done: what they would make "
+                    "is not gathered; pcavr status names them",
+                    std::ssize(states) - done, states.size()));
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<GatheredResults> gather_results(const TaskGraph& graph, const RunTasksOptions& options,
                                          const fs::path& folder, const Observer& observer) {
   const Expected<std::vector<TaskStatus>> states = task_states(graph);
   if (!states) return states.error();
+  const Expected<void> checked = check_done(graph, *states, observer);
+  if (!checked) return checked.error();
   Expected<RunComparison> comparison = gather_evaluations(graph, *states);
   if (!comparison) return comparison.error();
   GatheredResults gathered{.comparison = *std::move(comparison)};
