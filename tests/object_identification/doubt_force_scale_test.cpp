@@ -17,6 +17,7 @@ constexpr double kLimit = 3.4;  // [N]
 ObjectIdentification pushed_object(double scale) {
   ObjectIdentification found;
   found.sliding.mass = {.value = scale * kMass, .std = 0.02 * kMass, .is_excited = true};
+  found.parameters.inertial_mass = ParameterValue{scale * kMass, 0.02 * kMass};
   found.parameters.sliding_friction_coefficient = ParameterValue{scale * kCoefficient, 0.002};
   found.parameters.limiting_static_friction = ParameterValue{scale * kLimit, 0.05};
   found.parameters.sliding_force = {{0.05, scale * 3.5, 0.03}};
@@ -34,6 +35,7 @@ TEST(DoubtForceScale, CoversTheTruthWhetherForceOrMassIsWrong) {
     doubt_force_scale({.name = "body", .mass = kMass}, {}, found);
     expect_covered(*found.parameters.limiting_static_friction, kLimit);
     expect_covered(*found.parameters.sliding_friction_coefficient, kCoefficient);
+    expect_covered(*found.parameters.inertial_mass, kMass);
     EXPECT_LE(std::abs(found.parameters.sliding_force[0].force - 3.5),
               found.parameters.sliding_force[0].std);
     EXPECT_FALSE(found.notes.empty());

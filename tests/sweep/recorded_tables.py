@@ -71,14 +71,17 @@ def edit_manifest(recording, pattern, replace, count=0):
     return changed
 
 
-def scale_mesh(path, factors, shift=(0.0, 0.0, 0.0)):
-    """Of a .obj: each coordinate times its factor, then moved [m]."""
-    lines = path.read_text().split("\n")
-    for i, line in enumerate(lines):
-        cells = line.split()
-        if cells[:1] == ["v"]:
-            lines[i] = "v " + " ".join(f"{float(x) * f + s:.9g}" for x, f, s in zip(cells[1:4], factors, shift))
-    replace_file(path, "\n".join(lines))
+def scale_meshes(recording, factor, shift=(0.0, 0.0, 0.0)):
+    """How many .obj files there are: their coordinates times `factor`, then moved [m]."""
+    paths = list(recording.glob("objects/*.obj"))
+    for path in paths:
+        lines = path.read_text().split("\n")
+        for i, line in enumerate(lines):
+            cells = line.split()
+            if cells[:1] == ["v"]:
+                lines[i] = "v " + " ".join(f"{float(x) * factor + s:.9g}" for x, s in zip(cells[1:4], shift))
+        replace_file(path, "\n".join(lines))
+    return len(paths)
 
 
 # Rotations, as rows of matrices and as quaternions x y z w

@@ -7,7 +7,7 @@ import dataclasses
 import math
 
 from recorded_tables import (axis_turn, edit_manifest, inverse, pose_product, product, quaternion, random_axis, rotate,
-                             scale_mesh, streams, times, tool, tracks, wrench)
+                             scale_meshes, streams, times, tool, tracks, wrench)
 
 CLOCK = ("late", "early", "clock", "stamps")
 FORCE_AXES = ("turned", "axes", "mirror", "sign", "degrees")
@@ -155,7 +155,8 @@ def tool_unit(rng, recording, base):
 def force_unit(rng, recording, base):
     name, factor = rng.choice((("lbf", 1.0 / 4.44822), ("kgf", 1.0 / 9.80665), ("mN", 1e3), ("ozf", 1.0 / 0.278)))
     wrench(recording).change(lambda row: [row[0], *(factor * x for x in row[1:])])
-    return Wrong(f"force in {name}", ("unit", "friction over", "mass", "force is", "no contact"), factor)
+    return Wrong(f"force in {name}", ("unit", "friction over", "mass", "force is", "no contact"),
+                 max(factor, 1.0 / factor), "" if base.excites_mass else "the force's scale")
 
 
 def tracked_unit(rng, recording, base):
@@ -236,15 +237,15 @@ def force_in_tool_axes(rng, recording, base):
 
 def mesh_size(rng, recording, base):
     factor = rng.choice((1e-3, 1e3, 25.4, 0.0254, either_way(rng, 1.01, 1.5)))
-    for path in recording.glob("objects/*.obj"):
-        scale_mesh(path, (factor,) * 3)
+    if not scale_meshes(recording, factor):
+        return None
     return Wrong(f"meshes times {factor:.3g}", UNITS + PLACE + ("size", "deep"), max(factor, 1.0 / factor))
 
 
 def mesh_origin(rng, recording, base):
     shift = [log_uniform(rng, 0.5, 40.0) * 1e-3 * x for x in random_axis(rng)]
-    for path in recording.glob("objects/*.obj"):
-        scale_mesh(path, (1.0,) * 3, shift)
+    if not scale_meshes(recording, 1.0, shift):
+        return None
     return Wrong("origin of the meshes off by " + " ".join(f"{1e3 * x:.1f}" for x in shift) + " mm", PLACE)
 
 
@@ -335,7 +336,7 @@ def bursts(rng, recording, base):
 
 def low_pass(rng, recording, base):
     """A filter of first order, and its delay, of the force."""
-    table, cutoff = wrench(recording), log_uniform(rng, 1.0, 50.0)
+    table, cutoff = wrench(recording), log_uniform(rng, 5.0, 100.0)
     share = 1.0 - math.exp(-2.0 * math.pi * cutoff * table.interval)
     state = list(table.rows[0][1:])
 

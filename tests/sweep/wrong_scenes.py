@@ -5,7 +5,7 @@ import math
 import re
 
 from recorded_tables import (Table, edit_manifest, inverse, pose_product, quaternion, random_axis, replace_file,
-                             scale_mesh)
+                             scale_meshes)
 from wrong_recordings import Wrong, either_way, log_uniform, signed
 
 TAG = ("tag", "marker", "reprojection")
@@ -94,15 +94,15 @@ def depth_scale(rng, recording, base):
 
 def mesh_size(rng, recording, base):
     factor = rng.choice((1e-3, 1e3, either_way(rng, 1.02, 1.6)))
-    for path in recording.glob("objects/*.obj"):
-        scale_mesh(path, (factor,) * 3)
+    if not scale_meshes(recording, factor):
+        return None
     return Wrong(f"mesh times {factor:.3g}", ("mesh", "metres", "size"), max(factor, 1.0 / factor))
 
 
 def mesh_origin(rng, recording, base):
     shift = [log_uniform(rng, 2.0, 60.0) * 1e-3 * x for x in random_axis(rng)]
-    for path in recording.glob("objects/*.obj"):
-        scale_mesh(path, (1.0,) * 3, shift)
+    if not scale_meshes(recording, 1.0, shift):
+        return None
     return Wrong("origin of the mesh off by " + " ".join(f"{1e3 * x:.0f}" for x in shift) + " mm",
                  TAG + ("mesh", "pose", "surface", "depth"))
 

@@ -20,11 +20,12 @@ void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters&
       contradicted_scale({object.name, *object.mass, result.sliding.mass});
   if (!factor) return;
   const double share = std::abs(1.0 - 1.0 / *factor);
-  widen_new(std::array{&ObjectParameters::limiting_static_friction,
-                       &ObjectParameters::sliding_friction_coefficient,
-                       &ObjectParameters::viscous_friction, &ObjectParameters::contact_stiffness,
-                       &ObjectParameters::contact_damping},
-            share, known, result.parameters);
+  widen_new(
+      std::array{&ObjectParameters::inertial_mass, &ObjectParameters::limiting_static_friction,
+                 &ObjectParameters::sliding_friction_coefficient,
+                 &ObjectParameters::viscous_friction, &ObjectParameters::contact_stiffness,
+                 &ObjectParameters::contact_damping},
+      share, known, result.parameters);
   for (SlidingForce& sliding : result.parameters.sliding_force) {
     sliding.std = std::hypot(sliding.std, share * sliding.force);
   }
