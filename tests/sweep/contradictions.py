@@ -225,11 +225,12 @@ def make_wrong(rng, family, pools, recording):
 
 
 def run_one(arguments, pools, work, number):
-    rng = random.Random(f"{arguments.seed}/{arguments.family}/{number}")
+    family = list(FAMILIES)[number % len(FAMILIES)] if arguments.family == "all" else arguments.family
+    rng = random.Random(f"{arguments.seed}/{family}/{number}")
     private = work / str(number)
     private.mkdir()
     recording = private / "recording"
-    base, name, wrong = make_wrong(rng, arguments.family, pools, recording)
+    base, name, wrong = make_wrong(rng, family, pools, recording)
     outcome = run_command(arguments.pcavr.resolve(), base, recording, private)
     faults = faults_of(arguments.pcavr.resolve(), recording, wrong, outcome)
     if arguments.only is None:
@@ -248,7 +249,7 @@ def describe(number, base, name, wrong, outcome, faults):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pcavr", required=True, type=pathlib.Path, help="the command")
-    parser.add_argument("--family", choices=FAMILIES, required=True)
+    parser.add_argument("--family", choices=(*FAMILIES, "all"), default="all", help="all: one after the other")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--only", type=int, help="run this trial alone and keep its files")
