@@ -247,7 +247,7 @@ Scores scores_of_scattered(double scatter, double kept, std::uint64_t seed,
 TEST(FrictionPosterior, CoversTheViscousFrictionOfTwoCloseSpeeds) {
   Random random(90);
   Scores viscous, coulomb;
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 60; ++i) {
     Body body = random_body(random);
     body.scatter = random.uniform(0.01, 0.06);
     body.viscous = random.uniform(3.0, 25.0);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,13 @@ namespace {
 constexpr double kMass = 1.25;  // [kg]
 constexpr double kCoefficient = 0.23;
 constexpr double kLimit = 3.4;  // [N]
+
+IdentifiableObject body(std::optional<double> weighed_mass) {
+  IdentifiableObject object;
+  object.name = "body";
+  object.mass = weighed_mass;
+  return object;
+}
 
 /// What a force of `scale` times the true one shows.
 ObjectIdentification pushed_object(double scale) {
@@ -32,7 +40,7 @@ TEST(DoubtForceScale, CoversTheTruthWhetherForceOrMassIsWrong) {
   for (const double scale : {0.5, 0.8, 1.3, 2.0}) {
     // The force is wrong.
     ObjectIdentification found = pushed_object(scale);
-    doubt_force_scale({.name = "body", .mass = kMass}, {}, found);
+    doubt_force_scale(body(kMass), {}, found);
     expect_covered(*found.parameters.limiting_static_friction, kLimit);
     expect_covered(*found.parameters.sliding_friction_coefficient, kCoefficient);
     expect_covered(*found.parameters.inertial_mass, kMass);
@@ -42,17 +50,17 @@ TEST(DoubtForceScale, CoversTheTruthWhetherForceOrMassIsWrong) {
     // The mass is.
     found = pushed_object(1.0);
     found.parameters.sliding_friction_coefficient->value = kCoefficient * scale;
-    doubt_force_scale({.name = "body", .mass = kMass / scale}, {}, found);
+    doubt_force_scale(body(kMass / scale), {}, found);
     expect_covered(*found.parameters.sliding_friction_coefficient, kCoefficient);
   }
 }
 
 TEST(DoubtForceScale, LeavesStdsWhereTheMassesAgreeOrOneIsNotKnown) {
   ObjectIdentification found = pushed_object(1.05);
-  doubt_force_scale({.name = "body", .mass = kMass}, {}, found);
+  doubt_force_scale(body(kMass), {}, found);
   EXPECT_EQ(found.parameters.limiting_static_friction->std, 0.05);
   found = pushed_object(1.5);
-  doubt_force_scale({.name = "body"}, {}, found);
+  doubt_force_scale(body({}), {}, found);
   EXPECT_EQ(found.parameters.limiting_static_friction->std, 0.05);
   EXPECT_TRUE(found.notes.empty());
 }

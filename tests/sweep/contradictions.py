@@ -155,8 +155,7 @@ def words_of(out, err):
         result = json.loads(out)
     except ValueError:
         result = {}
-    for part in (result, *result.get("objects", [])):
-        lines += [json.dumps(part.get(key, [])) for key in ("input_warnings", "warnings", "notes")]
+    lines += [json.dumps(result.get(key, [])) for key in ("input_warnings", "warnings", "notes")]
     return " ".join(lines).lower()
 
 
