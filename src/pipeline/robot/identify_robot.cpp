@@ -153,7 +153,8 @@ void check_joint_lags(const RobotFitOptions& options, const std::string& file,
 /// Friction takes power from a joint's motion. Where it gives some, decidedly, the joint's torques
 /// have another sign than the other joints', or than its positions.
 Expected<void> check_friction_power(const std::string& file, const RobotIdentification& found) {
-  constexpr double kDecisive = 10.0;  // stds
+  constexpr double kDecisive = 10.0;   // stds
+  constexpr double kMinOfNoise = 2.0;  // of the residual, which the wrong sign makes large
   const std::vector<bool> moving = moving_joints(found.signals);
   for (std::size_t j = 0; j < moving.size(); ++j) {
     if (!moving[j]) continue;
@@ -167,7 +168,8 @@ Expected<void> check_friction_power(const std::string& file, const RobotIdentifi
       friction += by * term.value;
       variance += by * by * term.std * term.std;
     }
-    if (friction >= -kDecisive * std::max(std::sqrt(variance), joint.noise_std)) continue;
+    const double least = std::max(kDecisive * std::sqrt(variance), kMinOfNoise * joint.noise_std);
+    if (friction >= -least) continue;
     return Error{.message = fmt::format("friction of {:.3g} +- {:.2g} N m at {:.2g} rad/s would "
                                         "drive the joint: its torques have the opposite sign of "
                                         "the other joints', or of its positions",
@@ -328,9 +330,6 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
       found.warnings);
   if (!checked) return checked.error();
   check_joint_lags(options.fit, file, found);
-  if (Expected<void> possible = check_friction_power(file, found); !possible) {
-    return possible.error();
-  }
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
   found.intervals = friction_by_interval(found.signals, found.model, found.fit, options.intervals);
   if (options.is_trial_wanted) {
@@ -368,6 +367,9 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   fit_all_rows(options, found);
   return_couplings(std::move(coupled), found);
   drop_friction_at_rest(found);
+  if (Expected<void> possible = check_friction_power(file, found); !possible) {
+    return possible.error();
+  }
   note_unexcited(found);
   return found;
 }
