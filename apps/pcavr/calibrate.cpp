@@ -327,6 +327,7 @@ void add_calibrate(CLI::App& app, Action& action) {
   add_clocks(*command, action);
   add_calibrate_tags(*command, action);
   add_calibrate_force(*command, action);
+  add_calibrate_touch(*command, action);
 }
 
 }  // namespace pcavr::app
