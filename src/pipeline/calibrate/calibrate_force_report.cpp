@@ -14,23 +14,10 @@
 #include "pcavr/base/report/report_page.hpp"
 #include "pcavr/pipeline/calibrate_force.hpp"
 
+#include "yaml_text.hpp"
+
 namespace pcavr {
 namespace {
-
-std::string row_text(const Eigen::VectorXd& values) {
-  std::string text = "[";
-  for (const double value : values) text += (text.size() > 1 ? ", " : "") + shortest_decimal(value);
-  return text + ']';
-}
-
-std::string in_quotes(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + '"';
-}
 
 void add_vector(const std::string& name, const Eigen::Vector3d& value, const Eigen::Vector3d& std,
                 double factor, const char* unit, ReportTable& table) {
@@ -95,29 +82,27 @@ Plot force_plot(const ForceSensorResult& found) {
 
 std::string format_force_sensor(const ForceSensorResult& found, const ForceInput& input) {
   std::string text = "format: pcavr-calibration/1\nkind: force\nsources:\n  poses: " +
-                     in_quotes(input.poses.string()) + '\n';
-  if (!input.forces.empty()) text += "  forces: " + in_quotes(input.forces.string()) + '\n';
+                     quoted(input.poses.string()) + '\n';
+  if (!input.forces.empty()) text += "  forces: " + quoted(input.forces.string()) + '\n';
   text +=
       "# reading = force_bias + sign * mass * R_sensor_flange * R_base_flange^T * gravity_base,\n"
       "# in the sensor's axes\n";
   text += std::string("axes: ") + (found.axes == ForceAxes::sensor ? "sensor" : "base") + '\n';
   text += std::string("sign: ") + (found.sign < 0.0 ? "-1" : "1") + '\n';
-  text += "q_sensor_flange: " + row_text(found.R_sensor_flange.coeffs()) + "  # x y z w\n";
-  text += "rotation_std: " + row_text(found.rotation_std) + "  # rad, about the flange's axes\n";
+  text += "q_sensor_flange: " + number_list(found.R_sensor_flange.coeffs()) + "  # x y z w\n";
+  text += "rotation_std: " + number_list(found.rotation_std) + "  # rad, about the flange's axes\n";
   text += "mass: " + shortest_decimal(found.mass) + "  # kg\n";
   text += "mass_std: " + shortest_decimal(found.mass_std) + '\n';
-  text += "force_bias: " + row_text(found.force_bias) + "  # N\n";
-  text += "force_bias_std: " + row_text(found.force_bias_std) + '\n';
+  text += "force_bias: " + number_list(found.force_bias) + "  # N\n";
+  text += "force_bias_std: " + number_list(found.force_bias_std) + '\n';
   if (found.centre) {
-    text += "centre: " + row_text(*found.centre) + "  # m, of the load in the sensor's axes\n";
-    text += "centre_std: " + row_text(found.centre_std) + '\n';
-    text += "torque_bias: " + row_text(found.torque_bias) + "  # N m\n";
-    text += "torque_bias_std: " + row_text(found.torque_bias_std) + '\n';
+    text += "centre: " + number_list(*found.centre) + "  # m, of the load in the sensor's axes\n";
+    text += "centre_std: " + number_list(found.centre_std) + '\n';
+    text += "torque_bias: " + number_list(found.torque_bias) + "  # N m\n";
+    text += "torque_bias_std: " + number_list(found.torque_bias_std) + '\n';
   }
   text += "gain:  # readings over forces, in the sensor's axes\n";
-  for (int row = 0; row < 3; ++row) {
-    text += "  - " + row_text(found.gain.row(row).transpose()) + '\n';
-  }
+  text += row_lists(found.gain, "  ");
   text += std::string("has_cross_talk: ") + (found.has_cross_talk ? "true" : "false") + '\n';
   text += "residual_rms: " + shortest_decimal(found.residual_rms) + "  # N per axis\n";
   text += "held_out_rms: " + shortest_decimal(found.held_out_rms) + "  # N per axis\n";

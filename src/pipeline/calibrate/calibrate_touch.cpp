@@ -16,6 +16,8 @@
 #include "pcavr/recordings/recording/csv_dialect.hpp"
 #include "pcavr/recordings/recording/text_rows.hpp"
 
+#include "yaml_text.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -34,12 +36,6 @@ std::optional<LengthColumn> length_column(const std::vector<std::string>& header
     if (column.unit.empty() || column.unit == "m") return LengthColumn{i, 1.0};
   }
   return std::nullopt;
-}
-
-std::string list_text(const Eigen::VectorXd& values) {
-  std::string text = "[";
-  for (const double value : values) text += (text.size() > 1 ? ", " : "") + shortest_decimal(value);
-  return text + ']';
 }
 
 }  // namespace
@@ -89,21 +85,15 @@ Expected<std::vector<TouchedPoint>> read_touched_points(const std::filesystem::p
 }
 
 std::string format_touch(const TouchResult& found, const std::filesystem::path& file) {
-  std::string source = "\"";
-  for (const char c : file.string()) {
-    if (c == '"' || c == '\\') source += '\\';
-    source += c;
-  }
-  std::string text = "format: pcavr-calibration/1\nkind: touch\nsource: " + source + "\"\n";
-  text += "T_base_world:\n  position: " + list_text(found.T_base_world.translation()) + "  # m\n";
-  text += "  rotation: " + list_text(found.T_base_world.rotation().coeffs()) + "  # x y z w\n";
-  text += "  rotation_std: " + list_text(found.rotation_std) + "  # rad, about the base's axes\n";
+  std::string text =
+      "format: pcavr-calibration/1\nkind: touch\nsource: " + quoted(file.string()) + '\n';
+  text += "T_base_world:\n  position: " + number_list(found.T_base_world.translation()) + "  # m\n";
+  text += "  rotation: " + number_list(found.T_base_world.rotation().coeffs()) + "  # x y z w\n";
+  text += "  rotation_std: " + number_list(found.rotation_std) + "  # rad, about the base's axes\n";
   text += "  covariance:  # of the twist [v (m); w (rad)] in the world's axes: T exp([v; w])\n";
-  for (int row = 0; row < 6; ++row) {
-    text += "    - " + list_text(found.covariance.row(row).transpose()) + '\n';
-  }
-  text += "centre_world: " + list_text(found.centre_world) + "  # m, of the points\n";
-  text += "position_std: " + list_text(found.position_std) + "  # m, of their centre in base\n";
+  text += row_lists(found.covariance, "    ");
+  text += "centre_world: " + number_list(found.centre_world) + "  # m, of the points\n";
+  text += "position_std: " + number_list(found.position_std) + "  # m, of their centre in base\n";
   text += "rms: " + shortest_decimal(found.rms) + "  # m per axis\n";
   text += "scale: " + shortest_decimal(found.scale) + "  # lengths in base over lengths in world\n";
   return text + "scale_std: " + shortest_decimal(found.scale_std) + '\n';

@@ -13,6 +13,8 @@
 #include "pcavr/recordings/recording/time_series.hpp"
 #include "pcavr/recordings/recording/yaml_map.hpp"
 
+#include "yaml_text.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -192,12 +194,6 @@ std::string tagslam_text(const CalibratedTags& found) {
   return text;
 }
 
-std::string numbers_text(const Eigen::VectorXd& values) {
-  std::string text = "[";
-  for (const double value : values) text += (text.size() > 1 ? ", " : "") + shortest_decimal(value);
-  return text + ']';
-}
-
 /// The markers as a recording lists them, and how sure each is.
 std::string pcavr_text(const CalibratedTags& found, const TagWalkInput& input) {
   Manifest manifest;
@@ -215,20 +211,13 @@ std::string pcavr_text(const CalibratedTags& found, const TagWalkInput& input) {
           tag.id.to_string(), shortest_decimal(tag.position_std()),
           shortest_decimal(tag.rotation_std()), tag.views, tag.rejected, tag.is_reference);
       accuracy += "    covariance:  # of the twist [v (m); w (rad)] in the tag's axes\n";
-      for (int row = 0; row < 6; ++row) {
-        accuracy += "      - " + numbers_text(tag.covariance.row(row).transpose()) + '\n';
-      }
+      accuracy += row_lists(tag.covariance, "      ");
     }
   }
   std::string markers = format_manifest(manifest);
   markers.erase(0, markers.find('\n') + 1);  // its own format line
-  std::string source = "\"";
-  for (const char c : input.input.string()) {
-    if (c == '"' || c == '\\') source += '\\';
-    source += c;
-  }
-  return "format: pcavr-calibration/1\nkind: tags\nsource: " + source + "\"\n" + markers +
-         "accuracy:\n" + accuracy;
+  return "format: pcavr-calibration/1\nkind: tags\nsource: " + quoted(input.input.string()) + '\n' +
+         markers + "accuracy:\n" + accuracy;
 }
 
 }  // namespace
