@@ -16,7 +16,7 @@ namespace pcavr {
 namespace {
 
 constexpr int kMaxLayoutIterations = 50;  // bounds the time; ends at convergence
-constexpr double kMinDepth = 1e-3;        ///< [m] nearer points are not in the image
+constexpr double kMinLayoutDepth = 1e-3;  ///< [m] nearer points are not in the image
 /// Blocks of successive views whose sums show the correlation of their residuals: enough to average
 /// over, and each long against the time in which a view changes.
 constexpr std::size_t kBlocks = 16;
@@ -142,7 +142,7 @@ bool is_before_camera(const LayoutProblem& problem, const LayoutView& view,
                       const SeenCorners& seen) {
   for (const Eigen::Vector3d& corner : tag_corners(problem.sizes[seen.tag])) {
     const Eigen::Vector3d p = view.T_camera_layout * (problem.T_layout_tag[seen.tag] * corner);
-    if (p.z() < kMinDepth) return false;
+    if (p.z() < kMinLayoutDepth) return false;
   }
   return true;
 }

@@ -16,11 +16,11 @@ constexpr double kDegreesOfRadian = 180.0 / std::numbers::pi;
 /// Images in which a tag that nothing names has to be, to be one and no pattern.
 constexpr std::size_t kMinUnnamedImages = 5;
 
-using Bodies = std::map<std::string, std::vector<LayoutTag>>;
+using TagBodies = std::map<std::string, std::vector<LayoutTag>>;
 
 /// By body, base is "": the tags with stated poses, and those in view that have a size only.
-Bodies bodies_of(const TagWalk& walk, const TagWalkInput& input) {
-  Bodies bodies;
+TagBodies tag_bodies_of(const TagWalk& walk, const TagWalkInput& input) {
+  TagBodies bodies;
   std::set<MarkerId> known;
   for (const MarkerEntry& marker : walk.known.markers) {
     bodies[marker.object].push_back(
@@ -47,7 +47,7 @@ bool is_named(const MarkerId& id, const std::string& name) {
 }
 
 /// Marks the tags that are given; an Error where one is not known, or has no pose.
-Expected<void> fix_tags(const std::vector<std::string>& names, Bodies& bodies) {
+Expected<void> fix_tags(const std::vector<std::string>& names, TagBodies& bodies) {
   for (const std::string& name : names) {
     bool is_known = false;
     for (auto& [body, tags] : bodies) {
@@ -69,7 +69,7 @@ Expected<void> fix_tags(const std::vector<std::string>& names, Bodies& bodies) {
 }
 
 /// Tags in view that neither the files nor --size name.
-std::optional<std::string> unnamed_note(const TagWalk& walk, const Bodies& bodies) {
+std::optional<std::string> unnamed_note(const TagWalk& walk, const TagBodies& bodies) {
   std::map<MarkerId, std::size_t> unnamed;
   for (const auto& frame : walk.frames) {
     for (const TagDetection& detection : frame) ++unnamed[detection.id];
@@ -126,7 +126,7 @@ std::vector<std::string> notes_of(const TagWalk& walk, const CalibratedBody& bod
 }  // namespace
 
 Expected<CalibratedTags> calibrate_tags(const TagWalk& walk, const TagWalkInput& input) {
-  Bodies bodies = bodies_of(walk, input);
+  TagBodies bodies = tag_bodies_of(walk, input);
   const Expected<void> fixed = fix_tags(input.fixed, bodies);
   if (!fixed) return fixed.error();
   CalibratedTags found;

@@ -17,8 +17,8 @@
 namespace pcavr {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr double kMillimetre = 1e3;
+constexpr double kToDegreesOfTag = 180.0 / std::numbers::pi;
+constexpr double kToMillimetres = 1e3;
 
 std::string heading_of(const CalibratedBody& body) {
   return body.name.empty() ? "Tags of the base" : "Tags of " + body.name;
@@ -68,7 +68,7 @@ Plot std_plot(const CalibratedBody& body) {
   PlotSeries position{.label = "position, worst direction", .color = 0, .points = true};
   for (const LaidOutTag& tag : body.layout.tags) {
     position.x.push_back(tag.id.id);
-    position.y.push_back(kMillimetre * tag.position_std());
+    position.y.push_back(kToMillimetres * tag.position_std());
   }
   plot.series.push_back(std::move(position));
   return plot;
@@ -88,13 +88,14 @@ ReportTable tag_table(const CalibratedBody& body) {
                                 "from stated (mm)", "from stated (deg)", "images", "left out",
                                 "residual (px)", ""}};
   for (const LaidOutTag& tag : body.layout.tags) {
-    const Eigen::Vector3d p = kMillimetre * tag.T_body_tag.translation();
-    table.rows.push_back(
-        {tag.id.to_string(), fixed(p.x(), 1), fixed(p.y(), 1), fixed(p.z(), 1),
-         readable(kMillimetre * tag.position_std()), readable(kDegrees * tag.rotation_std()),
-         tag.shift ? readable(kMillimetre * tag.shift->offset) : "-",
-         tag.shift ? readable(kDegrees * tag.shift->rotation) : "-", std::to_string(tag.views),
-         std::to_string(tag.rejected), readable(tag.pixel_rms), remark_of(tag)});
+    const Eigen::Vector3d p = kToMillimetres * tag.T_body_tag.translation();
+    table.rows.push_back({tag.id.to_string(), fixed(p.x(), 1), fixed(p.y(), 1), fixed(p.z(), 1),
+                          readable(kToMillimetres * tag.position_std()),
+                          readable(kToDegreesOfTag * tag.rotation_std()),
+                          tag.shift ? readable(kToMillimetres * tag.shift->offset) : "-",
+                          tag.shift ? readable(kToDegreesOfTag * tag.shift->rotation) : "-",
+                          std::to_string(tag.views), std::to_string(tag.rejected),
+                          readable(tag.pixel_rms), remark_of(tag)});
   }
   return table;
 }
@@ -105,7 +106,7 @@ ReportTable tags_headline(const CalibratedTags& found) {
     const std::string name = body.name.empty() ? "base" : body.name;
     double largest = 0.0;
     for (const LaidOutTag& tag : body.layout.tags) {
-      largest = std::max(largest, kMillimetre * tag.position_std());
+      largest = std::max(largest, kToMillimetres * tag.position_std());
     }
     table.rows.push_back({name + ": largest std of a position", readable(largest), "mm"});
     table.rows.push_back({name + ": residual of a corner", readable(body.layout.pixel_rms), "px"});

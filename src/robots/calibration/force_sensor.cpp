@@ -34,27 +34,27 @@ using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
 /// A reading as the sensor has it, and gravity in the flange.
-struct Sample {
+struct ForceSample {
   Eigen::Vector3d force, gravity_flange;
   std::optional<Eigen::Vector3d> torque = {};
   bool is_used = true;
 };
-using Samples = std::vector<Sample>;
+using ForceSamples = std::vector<ForceSample>;
 
 struct Hypothesis {
   ForceAxes axes = ForceAxes::sensor;
   bool is_pose_inverted = false;
 };
 
-Samples samples_of(const std::vector<ForceReading>& readings, const Hypothesis& hypothesis,
-                   const ForceSensorOptions& options) {
+ForceSamples force_samples_of(const std::vector<ForceReading>& readings,
+                              const Hypothesis& hypothesis, const ForceSensorOptions& options) {
   const Eigen::Vector3d gravity_base = -kStandardGravity * options.up_base.normalized();
-  Samples samples;
+  ForceSamples samples;
   for (const ForceReading& reading : readings) {
     const Eigen::Quaterniond R_flange_base =
         hypothesis.is_pose_inverted ? reading.R_base_flange : reading.R_base_flange.conjugate();
     const bool is_base = hypothesis.axes == ForceAxes::base;
-    Sample sample{reading.force, R_flange_base * gravity_base, reading.torque};
+    ForceSample sample{reading.force, R_flange_base * gravity_base, reading.torque};
     if (is_base) sample.force = R_flange_base * reading.force;
     if (is_base && reading.torque) sample.torque = R_flange_base * *reading.torque;
     samples.push_back(std::move(sample));
@@ -62,9 +62,9 @@ Samples samples_of(const std::vector<ForceReading>& readings, const Hypothesis& 
   return samples;
 }
 
-std::size_t used_count(const Samples& samples) {
-  return static_cast<std::size_t>(
-      std::count_if(samples.begin(), samples.end(), [](const Sample& one) { return one.is_used; }));
+std::size_t used_count(const ForceSamples& samples) {
+  return static_cast<std::size_t>(std::count_if(
+      samples.begin(), samples.end(), [](const ForceSample& one) { return one.is_used; }));
 }
 
 /// Least squares of reading = bias + matrix gravity.
@@ -75,17 +75,17 @@ struct LinearFit {
   double squares = 0.0;                               ///< [N^2]
 };
 
-LinearFit linear_fit(const Samples& samples) {
+LinearFit linear_fit(const ForceSamples& samples) {
   const double n = static_cast<double>(used_count(samples));
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), gravity = Eigen::Vector3d::Zero();
-  for (const Sample& sample : samples) {
+  for (const ForceSample& sample : samples) {
     if (!sample.is_used) continue;
     force += sample.force / n;
     gravity += sample.gravity_flange / n;
   }
   LinearFit fit;
   Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
-  for (const Sample& sample : samples) {
+  for (const ForceSample& sample : samples) {
     if (!sample.is_used) continue;
     const Eigen::Vector3d g = sample.gravity_flange - gravity;
     fit.scatter += g * g.transpose();
@@ -93,7 +93,7 @@ LinearFit linear_fit(const Samples& samples) {
   }
   fit.matrix = fit.scatter.ldlt().solve(mixed).transpose();
   fit.bias = force - fit.matrix * gravity;
-  for (const Sample& sample : samples) {
+  for (const ForceSample& sample : samples) {
     if (!sample.is_used) continue;
     fit.squares += (sample.force - fit.bias - fit.matrix * sample.gravity_flange).squaredNorm();
   }
@@ -109,10 +109,10 @@ struct RigidFit {
   Matrix7d inverse = Matrix7d::Zero();  ///< of the normal equations: bias, mass, rotation
   std::size_t used = 0;
 
-  [[nodiscard]] Eigen::Vector3d weight(const Sample& sample) const {
+  [[nodiscard]] Eigen::Vector3d weight(const ForceSample& sample) const {
     return sign * mass * (R_sensor_flange * sample.gravity_flange);
   }
-  [[nodiscard]] Eigen::Vector3d residual(const Sample& sample) const {
+  [[nodiscard]] Eigen::Vector3d residual(const ForceSample& sample) const {
     return sample.force - bias - weight(sample);
   }
   [[nodiscard]] double freedoms() const {
@@ -132,11 +132,11 @@ RigidFit start_of(const LinearFit& linear) {
 }
 
 /// Gauss-Newton from the start; the readings are linear in all but the rotation.
-RigidFit rigid_fit(const Samples& samples, RigidFit fit) {
+RigidFit rigid_fit(const ForceSamples& samples, RigidFit fit) {
   for (int i = 0; i < kFitIterations; ++i) {
     Matrix7d matrix = Matrix7d::Zero();
     Vector7d gradient = Vector7d::Zero();
-    for (const Sample& sample : samples) {
+    for (const ForceSample& sample : samples) {
       if (!sample.is_used) continue;
       Eigen::Matrix<double, 3, 7> J;
       J.leftCols<3>() = Eigen::Matrix3d::Identity();
@@ -156,15 +156,15 @@ RigidFit rigid_fit(const Samples& samples, RigidFit fit) {
   }
   fit.squares = 0.0;
   fit.used = used_count(samples);
-  for (const Sample& sample : samples) {
+  for (const ForceSample& sample : samples) {
     if (sample.is_used) fit.squares += fit.residual(sample).squaredNorm();
   }
   return fit;
 }
 
-void mark_outliers(Samples& samples, const RigidFit& fit) {
+void mark_outliers(ForceSamples& samples, const RigidFit& fit) {
   std::vector<double> norms;
-  for (const Sample& sample : samples) norms.push_back(fit.residual(sample).norm());
+  for (const ForceSample& sample : samples) norms.push_back(fit.residual(sample).norm());
   // The median of the norm of three normal components is 1.538 of their std.
   const double limit = kMaxOutlierRatio * median(norms) / 1.538;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -172,16 +172,16 @@ void mark_outliers(Samples& samples, const RigidFit& fit) {
   }
 }
 
-struct Candidate {
+struct ForceCandidate {
   Hypothesis hypothesis;
-  Samples samples = {};
+  ForceSamples samples = {};
   RigidFit fit = {};
   double rms = 0.0;  ///< [N] per axis, robust: over the samples that are not outliers
 };
 
-Candidate candidate_of(const std::vector<ForceReading>& readings, const Hypothesis& hypothesis,
-                       const ForceSensorOptions& options) {
-  Candidate candidate{hypothesis, samples_of(readings, hypothesis, options)};
+ForceCandidate candidate_of(const std::vector<ForceReading>& readings, const Hypothesis& hypothesis,
+                            const ForceSensorOptions& options) {
+  ForceCandidate candidate{hypothesis, force_samples_of(readings, hypothesis, options)};
   candidate.fit = rigid_fit(candidate.samples, start_of(linear_fit(candidate.samples)));
   for (int round = 0; round < 3; ++round) {
     mark_outliers(candidate.samples, candidate.fit);
@@ -189,7 +189,7 @@ Candidate candidate_of(const std::vector<ForceReading>& readings, const Hypothes
     candidate.fit = rigid_fit(candidate.samples, start_of(linear_fit(candidate.samples)));
   }
   std::vector<double> norms;
-  for (const Sample& sample : candidate.samples) {
+  for (const ForceSample& sample : candidate.samples) {
     norms.push_back(candidate.fit.residual(sample).norm());
   }
   candidate.rms = median(std::move(norms)) / 1.538;
@@ -206,11 +206,11 @@ double scatter_of(const std::vector<ForceReading>& readings) {
   return std::sqrt(squares / (3.0 * static_cast<double>(readings.size())));
 }
 
-bool has_weight(const Candidate& candidate) {
+bool has_weight(const ForceCandidate& candidate) {
   return candidate.fit.mass * kStandardGravity > kMinWeightRatio * candidate.rms;
 }
 
-std::optional<Error> unobservable(const Samples& samples) {
+std::optional<Error> undetermined_axes(const ForceSamples& samples) {
   const LinearFit fit = linear_fit(samples);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(fit.scatter);
   const double n = static_cast<double>(samples.size());
@@ -236,16 +236,16 @@ void set_axes(const Eigen::Matrix3d& signed_rotation, ForceSensorResult& result)
 }
 
 /// Least squares of torque = bias + centre x weight.
-void set_centre(const Candidate& found, ForceSensorResult& result) {
+void set_centre(const ForceCandidate& found, ForceSensorResult& result) {
   Matrix6d matrix = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   std::size_t count = 0;
-  const auto jacobian = [&](const Sample& sample) {
+  const auto jacobian = [&](const ForceSample& sample) {
     Eigen::Matrix<double, 3, 6> J;
     J << Eigen::Matrix3d::Identity(), -skew(found.fit.weight(sample));
     return J;
   };
-  for (const Sample& sample : found.samples) {
+  for (const ForceSample& sample : found.samples) {
     if (!sample.is_used || !sample.torque) continue;
     const Eigen::Matrix<double, 3, 6> J = jacobian(sample);
     matrix += J.transpose() * J;
@@ -256,7 +256,7 @@ void set_centre(const Candidate& found, ForceSensorResult& result) {
   const Vector6d solution = matrix.ldlt().solve(gradient);
   const Matrix6d inverse = matrix.ldlt().solve(Matrix6d::Identity());
   double squares = 0.0;
-  for (const Sample& sample : found.samples) {
+  for (const ForceSample& sample : found.samples) {
     if (!sample.is_used || !sample.torque) continue;
     squares += (*sample.torque - jacobian(sample) * solution).squaredNorm();
   }
@@ -269,7 +269,7 @@ void set_centre(const Candidate& found, ForceSensorResult& result) {
   result.torque_rms = std::sqrt(squares / (3.0 * static_cast<double>(count)));
 }
 
-void set_gain(const Candidate& found, ForceSensorResult& result) {
+void set_gain(const ForceCandidate& found, ForceSensorResult& result) {
   const LinearFit linear = linear_fit(found.samples);
   const RigidFit& fit = found.fit;
   const double freedoms = std::max(1.0, 3.0 * static_cast<double>(fit.used) - 12.0);
@@ -286,10 +286,10 @@ void set_gain(const Candidate& found, ForceSensorResult& result) {
 }
 
 /// [N] per axis, each pose by the fit of the others.
-double leave_one_out_rms(const Candidate& found) {
+double rms_of_each_by_others(const ForceCandidate& found) {
   double squares = 0.0;
-  Samples samples = found.samples;
-  for (Sample& sample : samples) {
+  ForceSamples samples = found.samples;
+  for (ForceSample& sample : samples) {
     if (!sample.is_used) continue;
     sample.is_used = false;
     squares += rigid_fit(samples, found.fit).residual(sample).squaredNorm();
@@ -298,11 +298,11 @@ double leave_one_out_rms(const Candidate& found) {
   return std::sqrt(squares / (3.0 * static_cast<double>(found.fit.used)));
 }
 
-void set_residuals(const std::vector<ForceReading>& readings, const Candidate& found,
+void set_residuals(const std::vector<ForceReading>& readings, const ForceCandidate& found,
                    ForceSensorResult& result) {
   std::string outliers;
   for (std::size_t i = 0; i < readings.size(); ++i) {
-    const Sample& sample = found.samples[i];
+    const ForceSample& sample = found.samples[i];
     result.residuals.push_back({readings[i].name, found.fit.residual(sample), !sample.is_used});
     if (!sample.is_used) outliers += (outliers.empty() ? "" : ", ") + readings[i].name;
   }
@@ -311,8 +311,8 @@ void set_residuals(const std::vector<ForceReading>& readings, const Candidate& f
                          " (touched, or not at rest)");
 }
 
-ForceSensorResult result_of(const std::vector<ForceReading>& readings, const Candidate& found,
-                            double other_rms) {
+ForceSensorResult force_result(const std::vector<ForceReading>& readings,
+                               const ForceCandidate& found, double other_rms) {
   const RigidFit& fit = found.fit;
   ForceSensorResult result{.axes = found.hypothesis.axes,
                            .is_pose_inverted = found.hypothesis.is_pose_inverted,
@@ -326,7 +326,7 @@ ForceSensorResult result_of(const std::vector<ForceReading>& readings, const Can
   result.force_bias = fit.bias;
   result.force_bias_std = stds.head<3>();
   result.residual_rms = std::sqrt(fit.squares / (3.0 * static_cast<double>(fit.used)));
-  result.held_out_rms = leave_one_out_rms(found);
+  result.held_out_rms = rms_of_each_by_others(found);
   result.other_axes_rms = other_rms;
   set_axes(fit.sign * fit.R_sensor_flange, result);
   set_centre(found, result);
@@ -350,22 +350,22 @@ Expected<ForceSensorResult> calibrate_force_sensor(const std::vector<ForceReadin
     return Error{.message = fmt::format("{} poses at rest are too few", readings.size()),
                  .hint = fmt::format("give {} and more, with different tilts", kMinPoses)};
   }
-  if (const auto error = unobservable(samples_of(readings, {}, options))) return *error;
-  std::vector<Candidate> candidates;
+  if (const auto error = undetermined_axes(force_samples_of(readings, {}, options))) return *error;
+  std::vector<ForceCandidate> candidates;
   for (const bool is_inverted : {false, true}) {
     for (const ForceAxes axes : {ForceAxes::sensor, ForceAxes::base}) {
       candidates.push_back(candidate_of(readings, {axes, is_inverted}, options));
     }
   }
   // The first of those that fit alike: poses as they are given, the sensor's axes.
-  const Candidate* best = &candidates.front();
-  for (const Candidate& candidate : candidates) {
+  const ForceCandidate* best = &candidates.front();
+  for (const ForceCandidate& candidate : candidates) {
     if (candidate.rms < best->rms / kUnclearRatio) best = &candidate;
   }
   bool is_constant = false;
   if (!has_weight(*best)) {
     // Turned to the base's axes without a bias, the weight is the same in every pose.
-    const Candidate& base = candidates[1];
+    const ForceCandidate& base = candidates[1];
     if (!has_weight(base)) {
       return Error{
           .message = fmt::format("the readings do not change with the pose, but for {:.2g} N: the "
@@ -377,14 +377,14 @@ Expected<ForceSensorResult> calibrate_force_sensor(const std::vector<ForceReadin
     best = &base;
   }
   double other = 0.0;
-  for (const Candidate& candidate : candidates) {
+  for (const ForceCandidate& candidate : candidates) {
     if (candidate.hypothesis.axes == best->hypothesis.axes ||
         candidate.hypothesis.is_pose_inverted != best->hypothesis.is_pose_inverted) {
       continue;
     }
     other = candidate.rms;
   }
-  ForceSensorResult result = result_of(readings, *best, other);
+  ForceSensorResult result = force_result(readings, *best, other);
   if (is_constant) {
     result.notes.push_back(
         "the readings are the same in all poses: a weight in the base's axes, or else a "

@@ -72,8 +72,7 @@ struct Manifest {
 
 /// Reads and checks the text of a manifest; `file` names it in errors. Unknown keys, wrong types,
 /// sizes <= 0, duplicate tags, objects that are not declared, and paths that leave the folder are
-/// errors with their line. Without the recording's folder the tags of its `calibration` are not
-/// read (manifest_parser.hpp).
+/// errors with their line.
 [[nodiscard]] Expected<Manifest> parse_manifest(const std::string& text, const std::string& file);
 
 /// The YAML text, the inverse of parse_manifest.

@@ -10,8 +10,7 @@
 namespace pcavr {
 
 /// Does the same as the public function, and checks that the files in the manifest exist in
-/// `folder`, unless that is empty; the tags of the `calibration` there replace those of the same
-/// id.
+/// `folder`, unless that is empty.
 [[nodiscard]] Expected<Manifest> parse_manifest(const std::string& text, const std::string& file,
                                                 const std::filesystem::path& folder);
 
