@@ -9,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "pcavr/base/model/mesh_simplification.hpp"
+#include "pcavr/perception/scene/scene_text.hpp"
 #include "pcavr/physics/prediction/body_physics.hpp"
 
 #include "results/export/body_standing.hpp"
@@ -270,6 +271,7 @@ Expected<ExportedWorld> make_exported_world(const SceneManifest& scene,
     if (!scan) return scan.error();
     world.scan_name = unused_name(world.bodies, world.scan_name);
     world.scan_base = *std::move(scan);
+    world.occupancy_file = scene.folder / kOccupancyFile;
   }
   add_tool(options, world);
   return world;

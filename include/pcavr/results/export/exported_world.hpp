@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -103,6 +104,7 @@ struct ExportedWorld {
   std::string base_name = "base";  ///< of the frame
   std::string scan_name = "scan";
   TriangleMesh scan_base;  ///< may be empty
+  std::filesystem::path occupancy_file = {};  ///< the scene's OctoMap; empty without a scan
   ExportedTool tool;
   std::vector<ExportedNumber> numbers;
   std::vector<ExportResidual> residuals;
