@@ -183,7 +183,8 @@ Expected<void> write_samples(const ExportArguments& arguments, const SceneManife
     std::error_code code;
     std::filesystem::create_directories(place, code);
     if (code) return Error{.message = code.message(), .file = place.string()};
-    if (auto written = write_world(arguments, drawn, motion, std::nullopt, place, *world); !written) {
+    if (auto written = write_world(arguments, drawn, motion, std::nullopt, place, *world);
+        !written) {
       return written;
     }
     observer.on_progress("samples", number, arguments.samples);
@@ -244,8 +245,8 @@ Expected<CommandResult> export_plain(const ExportArguments& arguments, PlainForm
   if (auto committed = folder.commit(); !committed) return committed.error();
   const char* what = format == PlainFormat::pcd ? "points" : "triangles";
   CommandResult result;
-  result.summary = fmt::format("{}: {} {}\nwrote {}\n", written->file, written->count, what,
-                               arguments.output);
+  result.summary =
+      fmt::format("{}: {} {}\nwrote {}\n", written->file, written->count, what, arguments.output);
   result.json = {{"output", arguments.output},
                  {"format", arguments.format},
                  {"file", written->file},
@@ -269,8 +270,7 @@ Expected<CommandResult> export_world(const ExportArguments& arguments, const Sce
   if (!world) return world.error();
   for (const std::string& warning : world->warnings) observer.on_warning(warning);
   const std::filesystem::path& place = folder.path();
-  if (auto written = write_world(arguments, *parameters, *motion, robot, place, *world);
-      !written) {
+  if (auto written = write_world(arguments, *parameters, *motion, robot, place, *world); !written) {
     return written.error();
   }
   if (arguments.samples > 0) {

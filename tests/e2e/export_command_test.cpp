@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "export/identified_two_joints.hpp"
 #include "support/json_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/two_joint_arm.hpp"
 
 namespace pcavr {
 namespace {

@@ -62,10 +62,10 @@ TEST(ExportedRobot, WritesNegativeFrictionAsZeroWithAWarning) {
   EXPECT_TRUE(std::any_of(robot->warnings.begin(), robot->warnings.end(), [](const auto& warning) {
     return warning.find("negative coulomb") != std::string::npos;
   }));
-  EXPECT_TRUE(std::any_of(
-      robot->residuals.begin(), robot->residuals.end(), [](const ExportResidual& residual) {
-        return residual.what == "coulomb friction" && residual.wanted == -0.2;
-      }));
+  EXPECT_TRUE(std::any_of(robot->residuals.begin(), robot->residuals.end(),
+                          [](const ExportResidual& residual) {
+                            return residual.what == "coulomb friction" && residual.wanted == -0.2;
+                          }));
 }
 
 TEST(ExportedRobot, RefusesAJointWithoutIdentifiedFriction) {

@@ -32,9 +32,8 @@ nlohmann::json judged(const std::string& script, const std::filesystem::path& wo
     return nullptr;
   }
   const std::string report = (tools / "report.json").string();
-  const bool is_done =
-      run("node '" + (source_folder() / "tests/export" / script).string() + "' '" +
-          tools.string() + "' '" + world.string() + "' > '" + report + "' 2>&1");
+  const bool is_done = run("node '" + (source_folder() / "tests/export" / script).string() + "' '" +
+                           tools.string() + "' '" + world.string() + "' > '" + report + "' 2>&1");
   EXPECT_TRUE(is_done) << *read_file(report);
   return nlohmann::json::parse(*read_file(report));
 }

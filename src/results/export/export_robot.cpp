@@ -35,8 +35,8 @@ double add_friction(const std::string& joint, FrictionTerm term, const std::stri
                            .unit = unit_of(term),
                            .origin = "measured"});
   if (written != found.value) {
-    robot.warnings.push_back(
-        fmt::format("{}: identified with a negative {} friction: written as 0", joint, name_of(term)));
+    robot.warnings.push_back(fmt::format("{}: identified with a negative {} friction: written as 0",
+                                         joint, name_of(term)));
     robot.residuals.push_back({.object = joint,
                                .what = fmt::format("{} friction", name_of(term)),
                                .wanted = found.value,

@@ -113,10 +113,8 @@ Expected<PlanningJson> octomap_json(ExportedWorld& world) {
   if (!tree) return tree.error();
   for (const ExportedBody& body : world.bodies) {
     const BodySpace space(body);
-    const std::size_t cleared =
-        tree->clear_occupied([&](const Eigen::Vector3d& centre, double edge) {
-          return space.meets(centre, edge);
-        });
+    const std::size_t cleared = tree->clear_occupied(
+        [&](const Eigen::Vector3d& centre, double edge) { return space.meets(centre, edge); });
     world.residuals.push_back({.object = body.name,
                                .what = "cells of the scan that meet it",
                                .wanted = 0.0,
@@ -153,8 +151,7 @@ std::string planning_text(const ExportedWorld& world) {
   std::string text = "pcavr\n";
   for (const ExportedBody& body : world.bodies) {
     const TriangleMesh& mesh = body.mesh_object;
-    std::string shape =
-        fmt::format("mesh\n{} {}\n", mesh.vertices.size(), mesh.triangles.size());
+    std::string shape = fmt::format("mesh\n{} {}\n", mesh.vertices.size(), mesh.triangles.size());
     for (const Eigen::Vector3f& v : mesh.vertices) {
       shape += fmt::format("{} {} {}\n", v.x(), v.y(), v.z());
     }

@@ -42,8 +42,7 @@ Expected<std::vector<NamedMesh>> meshes_of(const SceneManifest& scene) {
   for (const SceneObjectEntry& object : scene.objects) {
     const Expected<CadModel> model = read_object_model(scene, object);
     if (!model) return model.error();
-    meshes.push_back(
-        completed(object.name, transformed(object.T_base_object, model->mesh_object)));
+    meshes.push_back(completed(object.name, transformed(object.T_base_object, model->mesh_object)));
   }
   return meshes;
 }
@@ -123,7 +122,9 @@ Expected<PlainScene> write_plain_scene(const SceneManifest& scene, PlainFormat f
     return Error{.message = "has neither a scan nor bodies", .file = scene.folder.string()};
   }
   const bool is_ply = format == PlainFormat::ply, is_obj = format == PlainFormat::obj;
-  PlainScene written{.file = is_ply ? "scene.ply" : is_obj ? "scene.obj" : "scene.stl",
+  PlainScene written{.file = is_ply   ? "scene.ply"
+                             : is_obj ? "scene.obj"
+                                      : "scene.stl",
                      .count = all.triangles.size()};
   const std::string bytes = is_ply   ? format_ply(all)
                             : is_obj ? coloured_obj(*meshes)

@@ -42,7 +42,8 @@ std::string geom_shape(const RobotShape& shape) {
     return fmt::format("type=\"box\" size=\"{}\"", vector_text(box->size / 2.0));
   }
   if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry)) {
-    return fmt::format("type=\"cylinder\" size=\"{} {}\"", cylinder->radius, cylinder->length / 2.0);
+    return fmt::format("type=\"cylinder\" size=\"{} {}\"", cylinder->radius,
+                       cylinder->length / 2.0);
   }
   if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
     return fmt::format("type=\"sphere\" size=\"{}\"", sphere->radius);
@@ -55,7 +56,8 @@ std::string links_text(const RobotModel& model, std::optional<std::size_t> joint
   std::string text;
   for (const RobotLink& link : model.links) {
     if (link.joint != joint) continue;
-    text += fmt::format("<site name=\"{}\" {}/>\n", xml_text(link.name), mjcf_pose(link.T_joint_link));
+    text +=
+        fmt::format("<site name=\"{}\" {}/>\n", xml_text(link.name), mjcf_pose(link.T_joint_link));
     for (const RobotShape& shape : link.collisions) {
       const std::string geometry = geom_shape(shape);
       if (geometry.empty()) continue;
@@ -104,8 +106,8 @@ Expected<void> write_robot_mjcf(const ExportedRobot& robot, const std::filesyste
   for (std::size_t j = 0; j < robot.model.joints.size(); ++j) {
     if (!robot.model.joints[j].parent) text += joint_body_text(robot, j);
   }
-  text += "</body>\n</worldbody>\n<actuator>\n" + motors_text(robot.model) +
-          "</actuator>\n</mujoco>\n";
+  text +=
+      "</body>\n</worldbody>\n<actuator>\n" + motors_text(robot.model) + "</actuator>\n</mujoco>\n";
   return write_file(folder / kRobotMjcfFile, text);
 }
 

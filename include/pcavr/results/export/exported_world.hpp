@@ -103,7 +103,7 @@ struct ExportedWorld {
   std::vector<ExportedSupport> supports;
   std::string base_name = "base";  ///< of the frame
   std::string scan_name = "scan";
-  TriangleMesh scan_base;  ///< may be empty
+  TriangleMesh scan_base;                     ///< may be empty
   std::filesystem::path occupancy_file = {};  ///< the scene's OctoMap; empty without a scan
   ExportedTool tool;
   std::vector<ExportedNumber> numbers;

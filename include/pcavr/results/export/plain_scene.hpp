@@ -24,8 +24,7 @@ struct PlainScene {
 /// with colours), scene.stl; scene.pcd has the scan's points alone. Errors: a file of the scene
 /// that can't be read, a scene without geometry, a file that can't be written. Thread-safe for
 /// different folders.
-[[nodiscard]] Expected<PlainScene> write_plain_scene(const SceneManifest& scene,
-                                                     PlainFormat format,
+[[nodiscard]] Expected<PlainScene> write_plain_scene(const SceneManifest& scene, PlainFormat format,
                                                      const std::filesystem::path& folder);
 
 }  // namespace pcavr
