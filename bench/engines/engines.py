@@ -18,6 +18,7 @@ import json
 import math
 import pathlib
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -31,7 +32,7 @@ from pushes import Bench, cases_in  # noqa: E402
 from sdf_world import BEST, DEFAULTS, EXPORT, MU_ALONE, read_world, with_setting  # noqa: E402
 
 SETTINGS = [DEFAULTS, MU_ALONE, EXPORT, BEST]
-# Options of an engine's program by setting: the first for all, then those of BEST and of EXPORT.
+# Options of an engine's program by setting; none: its library's defaults.
 GAZEBO = {"quick": True, "iterations": 50}
 OPTIONS = {
     "physx": {DEFAULTS: {"solver": "pgs"}, MU_ALONE: {"solver": "pgs"}, EXPORT: {"solver": "tgs"},
@@ -41,8 +42,9 @@ OPTIONS = {
     "ode": {DEFAULTS: GAZEBO, MU_ALONE: GAZEBO, EXPORT: {**GAZEBO, "compliant": True},
             BEST: {"compliant": True, "along": True}},
 }
+BEYOND = 1000.0  # larger figures are those of rigid contacts, for instance
 COLUMNS = [("force", 100.0, "force"), ("waveform", 100.0, "waveform"), ("end", 1.0, "end"),
-           ("heading", 1.0, "heading"), ("breakaway", 100.0, "breakaway"), ("turn", 100.0, "turning"),
+           ("heading", 1.0, "heading"), ("offcentre", 1.0, "off-centre"), ("breakaway", 100.0, "breakaway"), ("turn", 100.0, "turning"),
            ("slide", 100.0, "slid"), ("creep", 1.0, "creep"), ("press", 100.0, "N/m")]
 
 
@@ -68,6 +70,7 @@ class Engines(Bench):
         """The folders of a test's world as MJCF and SDF."""
         mjcf = self.world(test, parameters, work)
         sdf = work / "sdf"
+        shutil.rmtree(sdf, ignore_errors=True)
         run(self.arguments.pcavr, "export", work / "scene", "--parameters", parameters, "--to", "sdf",
             "--motion", test, "-o", sdf)
         return mjcf, sdf
@@ -104,6 +107,8 @@ class Engines(Bench):
                 figures = found.setdefault((engine, setting), {})
                 if name == "push":
                     figures.update(push.figures(rows))
+                    if test.name.startswith("offcentre"):
+                        figures["offcentre"] = figures["heading"]
                 else:
                     figures[name] = FIGURES[name](rows, world, manifest)
         return found
@@ -137,10 +142,11 @@ def collect(engines, arguments):
 
 
 def cell(values, scale):
+    """Median absolute value; NaN is "no answer", and beyond what any setting gives."""
     if not values:
         return "-"
-    value = statistics.median(abs(scale * each) if not math.isnan(each) else math.inf for each in values)
-    return "-" if math.isinf(value) else f"{value:.3g}"
+    value = statistics.median(math.inf if math.isnan(each) else abs(scale * each) for each in values)
+    return f"{value:.1f}" if value < BEYOND else f"> {BEYOND:.0f}"
 
 
 def print_table(results):

@@ -8,8 +8,6 @@ import statistics
 STEP = 1e-3  # [s] of all engines
 GRAVITY = 9.80665  # [m/s^2]
 SLIDING_SPEED = 1e-3  # [m/s] of the body: faster is sliding
-SPIN = 10.0  # [rad/s] at the start of a turn
-SPEED = 0.3  # [m/s] at the start of a slide
 SETTLE = 0.3  # [s]
 WINDOW = 0.4  # [s] over which the tracked body's speed is taken
 BIAS_TIME = 0.5  # [s] without contact at a recording's start
@@ -28,6 +26,11 @@ def speed_of(row):
     return math.hypot(row[VX], row[VY])
 
 
+def start_speed(manifest):
+    """[m/s] of a body that is released: twice the reference speed, so that its mean is that one."""
+    return 2.0 * next(each["value"] for each in manifest["numbers"] if each["key"] == "reference_speed")
+
+
 def canonical(world, manifest):
     """The experiments on a body alone, by name."""
     known, body = manifest["bodies"][0], world["body"]
@@ -39,7 +42,9 @@ def canonical(world, manifest):
     radius, depth = world["tool_radius"], known["press_depths"][0]
     press = [[t, x, y, top + radius - d, 0, 0, v] for t, d, v in
              ((0.0, -2e-4, -(2e-4 + 1.5 * depth) / 2.0), (2.0, 1.5 * depth, 0.0))]
-    return {"turn": experiment(1.0, 2, twist=[0, 0, SPIN]), "slide": experiment(1.0, twist=[SPEED, 0, 0]),
+    speed = start_speed(manifest)
+    return {"turn": experiment(0.5, 1, twist=[0, 0, speed / known["friction_radius"]]),
+            "slide": experiment(0.5, twist=[speed, 0, 0]),
             "breakaway": experiment(4.0, 2, wrench=ramp), "creep": experiment(4.0, 20, wrench=half),
             "press": experiment(2.0, 2, tool=press)}
 
@@ -69,7 +74,8 @@ def slope(xs, ys):
 
 def turning_error(rows, world, manifest):
     """Torque while it turns from 90 to 20 % of the speed, against the identified limit surface."""
-    part = [row for row in rows if 0.2 * SPIN < row[WZ] < 0.9 * SPIN]
+    spin = start_speed(manifest) / manifest["bodies"][0]["friction_radius"]
+    part = [row for row in rows if 0.2 * spin < row[WZ] < 0.9 * spin]
     if len(part) < 3:
         return math.nan
     torque = -world["body"]["inertia_z"] * slope([row[T] for row in part], [row[WZ] for row in part])
@@ -82,8 +88,9 @@ def slide_error(rows, _, manifest):
     known = manifest["bodies"][0]
     mass, b = known["mass"], known["viscous"]
     coulomb = known["coulomb_friction"] * mass * GRAVITY
-    wanted = (mass * SPEED ** 2 / (2.0 * coulomb) if b * SPEED < 1e-6 * coulomb else
-              mass / b * (SPEED - coulomb / b * math.log1p(b * SPEED / coulomb)))
+    speed = start_speed(manifest)
+    wanted = (mass * speed ** 2 / (2.0 * coulomb) if b * speed < 1e-6 * coulomb else
+              mass / b * (speed - coulomb / b * math.log1p(b * speed / coulomb)))
     return math.hypot(rows[-1][X] - rows[0][X], rows[-1][Y] - rows[0][Y]) / wanted - 1.0
 
 

@@ -182,7 +182,13 @@ class OdeEngine : public Engine {
     if (first == second) return;
     constexpr int kMaxContacts = 16;
     std::array<dContact, kMaxContacts> found{};
-    const int count = dCollide(a, b, kMaxContacts, &found[0].geom, sizeof(dContact));
+    int count = dCollide(a, b, kMaxContacts, &found[0].geom, sizeof(dContact));
+    if (first == tool_ || second == tool_) {
+      // A sphere has a contact with each triangle near it, which would add up their stiffness.
+      const auto deeper = [](const dContact& x, const dContact& y) { return x.geom.depth > y.geom.depth; };
+      std::sort(found.begin(), found.begin() + count, deeper);
+      count = std::min(count, 1);
+    }
     const auto& sa = *static_cast<Surface*>(dGeomGetData(a));
     const auto& sb = *static_cast<Surface*>(dGeomGetData(b));
     const Surface& own = sa.stiffness > 0.0 ? sa : sb;
