@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // Bullet (Debian libbullet-dev): bullet_engine JOBS
-// options: iterations of the solver; compliant: the tip's contact has the identified stiffness; feet_friction: each
-// foot has its own coefficient, by a contact callback (a body has one).
+// options: iterations of the solver; compliant: the tip's contact has the identified stiffness;
+// feet_friction: each foot has its own coefficient, by a contact callback (a body has one).
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,8 +27,8 @@ btQuaternion quaternion(const Json& q) {
 /// Coefficients of the shapes of the body, by their index: of feet they differ.
 std::vector<double>* child_friction = nullptr;
 
-bool set_friction(btManifoldPoint& point, const btCollisionObjectWrapper* first, int, int first_index,
-                  const btCollisionObjectWrapper* second, int, int second_index) {
+bool set_friction(btManifoldPoint& point, const btCollisionObjectWrapper* first, int,
+                  int first_index, const btCollisionObjectWrapper* second, int, int second_index) {
   const bool is_first = first->getCollisionObject()->getUserIndex() == 1;
   const auto* other = is_first ? second : first;
   const int index = is_first ? first_index : second_index;
@@ -101,8 +101,8 @@ class BulletEngine : public Engine {
     return kept;
   }
 
-  btRigidBody* add(double mass, btCollisionShape* shape, const btVector3& inertia, const btTransform& pose,
-                   const Json& friction) {
+  btRigidBody* add(double mass, btCollisionShape* shape, const btVector3& inertia,
+                   const btTransform& pose, const Json& friction) {
     btRigidBody::btRigidBodyConstructionInfo info(scalar(mass), nullptr, shape, inertia);
     info.m_startWorldTransform = pose;
     if (!friction.is_null()) info.m_friction = friction;
@@ -136,7 +136,8 @@ class BulletEngine : public Engine {
     friction_.assign(1, body["friction"].is_null() ? 0.5 : body["friction"].get<double>());
     for (const Json& foot : body["feet"]) {
       const btTransform place(btQuaternion::getIdentity(), bullet(vector_of(foot["centre"])));
-      parts->addChildShape(T_body_frame_.inverse() * place, shape<btSphereShape>(scalar(foot["radius"])));
+      parts->addChildShape(T_body_frame_.inverse() * place,
+                           shape<btSphereShape>(scalar(foot["radius"])));
       friction_.push_back(foot["friction"]);
     }
     parts->setMargin(kMargin);
@@ -153,9 +154,10 @@ class BulletEngine : public Engine {
   }
 
   void add_tool(const Json& world, const Json& options) {
-    tool_ = add(kToolMass, shape<btSphereShape>(scalar(world["tool_radius"])),
-                btVector3(1, 1, 1) * scalar(kToolMass),
-                btTransform(btQuaternion::getIdentity(), bullet(kAway)), world["bullet_tip_friction"]);
+    tool_ =
+        add(kToolMass, shape<btSphereShape>(scalar(world["tool_radius"])),
+            btVector3(1, 1, 1) * scalar(kToolMass),
+            btTransform(btQuaternion::getIdentity(), bullet(kAway)), world["bullet_tip_friction"]);
     tool_->setGravity({0, 0, 0});
     tool_->setUserIndex(2);
     // The other side has none, which counts as stiff.

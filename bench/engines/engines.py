@@ -137,6 +137,8 @@ def collect(engines, arguments):
                 continue
             results += [{"test": f"{name}/{test.name}", "engine": engine, "setting": setting, **figures}
                         for (engine, setting), figures in found.items()]
+            if arguments.json:
+                arguments.json.write_text(json.dumps(results, indent=1) + "\n")
             print(f"{name}/{test.name}", file=sys.stderr, flush=True)
     return results
 
@@ -163,7 +165,7 @@ def main():
     parser = recordings_parser(__doc__, "out/engine-table")
     parser.add_argument("--engines", default="mujoco,physx,rapier,bullet,ode")
     parser.add_argument("--tests", type=int, default=None, help="maximum number of tests of a case")
-    parser.add_argument("--json", type=pathlib.Path, help="file for the results of all tests")
+    parser.add_argument("--json", type=pathlib.Path, help="file for the results, written after each test")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     results = collect(Engines(arguments), arguments)
@@ -171,8 +173,6 @@ def main():
         print("no test was judged", file=sys.stderr)
         return 1
     print_table(results)
-    if arguments.json:
-        arguments.json.write_text(json.dumps(results, indent=1) + "\n")
     return 0
 
 

@@ -70,9 +70,9 @@ inline Json row_of(double t, const Engine& engine) {
   const auto& [x, y, z, w] = body.quaternion;
   const double yaw = std::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
   const Vector force = engine.tool_force();
-  return {t,    body.position[0], body.position[1], body.position[2],
-          yaw,  body.velocity[0], body.velocity[1], body.spin[2],
-          force[0], force[1], force[2]};
+  return {t,        body.position[0], body.position[1], body.position[2],
+          yaw,      body.velocity[0], body.velocity[1], body.spin[2],
+          force[0], force[1],         force[2]};
 }
 
 inline Json run_experiment(Engine& engine, const Json& experiment) {

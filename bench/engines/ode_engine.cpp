@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // ODE (Debian libode-dev): ode_engine JOBS
-// options: quick (dWorldQuickStep) with iterations, else dWorldStep; compliant: contacts have the stiffness and
-// damping of the export; along: the friction pyramid's first axis is along the slip.
+// options: quick (dWorldQuickStep) with iterations, else dWorldStep; compliant: contacts have the
+// stiffness and damping of the export; along: the friction pyramid's first axis is along the slip.
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -87,7 +87,9 @@ class OdeEngine : public Engine {
     dBodyGetRelPointPos(body_, origin_body_[0], origin_body_[1], origin_body_[2], origin);
     dQuaternion q;
     dQMultiply2(q, dBodyGetQuaternion(body_), q_object_body_);
-    return {numbers(origin), {q[1], q[2], q[3], q[0]}, numbers(dBodyGetLinearVel(body_)),
+    return {numbers(origin),
+            {q[1], q[2], q[3], q[0]},
+            numbers(dBodyGetLinearVel(body_)),
             numbers(dBodyGetAngularVel(body_))};
   }
 
@@ -102,7 +104,9 @@ class OdeEngine : public Engine {
   }
 
  private:
-  static double number(const Json& json) { return json.is_null() ? std::nan("") : json.get<double>(); }
+  static double number(const Json& json) {
+    return json.is_null() ? std::nan("") : json.get<double>();
+  }
 
   static void set_mass(dBodyID body, double mass, const Vector& inertia) {
     dMass m;
@@ -126,7 +130,8 @@ class OdeEngine : public Engine {
     const double half = support["size"][2].get<double>() / 2.0;
     const Vector n{r[2], r[6], r[10]};
     const double offset = n[0] * p[0] + n[1] * p[1] + n[2] * p[2] + half;
-    add_geom(dCreatePlane(space_, n[0], n[1], n[2], offset), {.friction = number(world["partner_friction"])});
+    add_geom(dCreatePlane(space_, n[0], n[1], n[2], offset),
+             {.friction = number(world["partner_friction"])});
   }
 
   void add_body(const Json& body) {
@@ -148,7 +153,8 @@ class OdeEngine : public Engine {
       dVector3 offset{position[0] - centre[0], position[1] - centre[1], position[2] - centre[2]};
       dVector3 in_body;
       dMultiply1_331(in_body, R_object_body, offset);
-      dQuaternion inverse{q_object_body_[0], -q_object_body_[1], -q_object_body_[2], -q_object_body_[3]};
+      dQuaternion inverse{q_object_body_[0], -q_object_body_[1], -q_object_body_[2],
+                          -q_object_body_[3]};
       dGeomSetBody(geom, body_);
       dGeomSetOffsetPosition(geom, in_body[0], in_body[1], in_body[2]);
       dGeomSetOffsetQuaternion(geom, inverse);
@@ -156,9 +162,11 @@ class OdeEngine : public Engine {
     dVector3 back{-centre[0], -centre[1], -centre[2]}, origin;
     dMultiply1_331(origin, R_object_body, back);
     origin_body_ = {origin[0], origin[1], origin[2]};
-    place(add_geom(mesh_of(body), {number(body["friction"]), body["stiffness"], body["damping"]}), {0, 0, 0});
+    place(add_geom(mesh_of(body), {number(body["friction"]), body["stiffness"], body["damping"]}),
+          {0, 0, 0});
     for (const Json& foot : body["feet"]) {
-      place(add_geom(dCreateSphere(space_, foot["radius"]), {foot["friction"], foot["stiffness"], foot["damping"]}),
+      place(add_geom(dCreateSphere(space_, foot["radius"]),
+                     {foot["friction"], foot["stiffness"], foot["damping"]}),
             vector_of(foot["centre"]));
     }
   }
@@ -185,7 +193,9 @@ class OdeEngine : public Engine {
     int count = dCollide(a, b, kMaxContacts, &found[0].geom, sizeof(dContact));
     if (first == tool_ || second == tool_) {
       // A sphere has a contact with each triangle near it, which would add up their stiffness.
-      const auto deeper = [](const dContact& x, const dContact& y) { return x.geom.depth > y.geom.depth; };
+      const auto deeper = [](const dContact& x, const dContact& y) {
+        return x.geom.depth > y.geom.depth;
+      };
       std::sort(found.begin(), found.begin() + count, deeper);
       count = std::min(count, 1);
     }

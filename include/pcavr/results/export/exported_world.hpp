@@ -67,7 +67,7 @@ struct ExportedBody {
   /// [m] The touched faces' measured offset; see ObjectParameters::contact_surface_offset.
   Eigen::Vector3d surface_offset_object = Eigen::Vector3d::Zero();
   std::vector<SupportFoot> feet;
-  /// Friction on the support over the weight at the reference speed; it has its viscous part.
+  /// Friction on the support over the weight at the reference speed, all parts of it.
   double friction = 0.0;
   double static_friction = 0.0;   ///< F_M over the weight
   double coulomb_friction = 0.0;  ///< Coulomb force over the weight
