@@ -27,7 +27,7 @@ inline constexpr Vector kAway{0.0, 0.0, 50.0};
 
 inline Vector vector_of(const Json& json) { return {json[0], json[1], json[2]}; }
 
-/// What an engine tells of the body after a step.
+/// The body after a step.
 struct BodyState {
   Vector position{};  ///< [m] of its origin
   std::array<double, 4> quaternion{};

@@ -97,7 +97,8 @@ void warn_of_relative_meshes(const RobotModel& model, ExportedRobot& robot) {
 
 Expected<ExportedRobot> make_exported_robot(const RobotModel& described,
                                             const IdentifiedArm& identified) {
-  ExportedRobot robot{.model = identified.model};
+  ExportedRobot robot;
+  robot.model = identified.model;
   robot.locked = joints_beyond(described, identified.model);
   for (const std::string& name : robot.locked) {
     robot.warnings.push_back(name + ": not identified: fixed at 0");
