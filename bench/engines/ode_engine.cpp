@@ -218,7 +218,7 @@ class OdeEngine : public Engine {
     }
   }
 
-  /// The first axis of friction along the slip of the point.
+  /// Of a point that slides: friction along its slip, none across.
   static void set_axis(dBodyID first, dBodyID second, dContact& contact) {
     dVector3 slip{0, 0, 0}, v;
     const dReal* p = contact.geom.pos;
@@ -231,9 +231,10 @@ class OdeEngine : public Engine {
     const double along = slip[0] * n[0] + slip[1] * n[1] + slip[2] * n[2];
     for (int i = 0; i < 3; ++i) slip[i] -= along * n[i];
     const double speed = std::hypot(slip[0], slip[1], slip[2]);
-    constexpr double kMinSpeed = 1e-5;  // [m/s] below, it has no direction
+    constexpr double kMinSpeed = 1e-3;  // [m/s] of sliding: slower, it may come to rest
     if (speed < kMinSpeed) return;
-    contact.surface.mode |= dContactFDir1;
+    contact.surface.mode |= dContactFDir1 | dContactMu2;
+    contact.surface.mu2 = 0.0;
     for (int i = 0; i < 3; ++i) contact.fdir1[i] = slip[i] / speed;
   }
 
