@@ -106,7 +106,9 @@ TEST(PlanningScene, HasTheTextThatRvizImports) {
     ASSERT_TRUE(text >> shapes >> shape);
     ASSERT_EQ(shapes, 1);
     int vertices = 0, triangles = 0;
-    if (shape == "mesh") ASSERT_TRUE(text >> vertices >> triangles);
+    if (shape == "mesh") {
+      ASSERT_TRUE(text >> vertices >> triangles);
+    }
     skip_numbers(shape == "mesh" ? 3 * (vertices + triangles) : 3);
     skip_numbers(7 + 4);  // the shape's pose, and its colour
     ASSERT_TRUE(text >> subframes);
