@@ -172,7 +172,10 @@ std::size_t OccupancyTree::clear_occupied(
       cleared.push_back(tree.coordToKey(middle.x(), middle.y(), middle.z()));
     }
   });
-  for (const octomap::OcTreeKey& key : cleared) tree.deleteNode(key);
+  // Not deleteNode: it aborts where a node loses all its children (OctoMap 1.9).
+  for (const octomap::OcTreeKey& key : cleared) {
+    tree.setNodeValue(key, tree.getClampingThresMinLog(), true);
+  }
   tree.updateInnerOccupancy();
   return cleared.size();
 }

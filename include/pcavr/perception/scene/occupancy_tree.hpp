@@ -38,7 +38,7 @@ class OccupancyTree {
   /// Each occupied leaf: its centre and edge [m].
   void for_each_occupied(
       const std::function<void(const Eigen::Vector3d& centre, double edge)>& use) const;
-  /// Makes the occupied cells unknown for which `is_cleared` is true; it is also called with larger
+  /// Makes the occupied cells free for which `is_cleared` is true; it is also called with larger
   /// cubes, and must be true where it is for a cell of the cube. Returns their number. Not while
   /// others query.
   std::size_t clear_occupied(
