@@ -43,6 +43,15 @@ std::map<std::size_t, fs::path> identified(const TaskGraph& graph,
   return files;
 }
 
+/// The scenes that the plan builds, by recording.
+std::map<std::size_t, fs::path> planned_scenes(const TaskGraph& graph) {
+  std::map<std::size_t, fs::path> scenes;
+  for (const Task& task : graph.tasks) {
+    if (task.stage == TaskStage::build) scenes[task.recordings.front()] = task.outputs.front();
+  }
+  return scenes;
+}
+
 Task pool_task(const TaskGraph& graph, const Pool& pool) {
   const std::string name = pool.support.empty() ? "all" : "support-" + pool.support;
   Task task{.name = std::string(kPooled) + '/' + name,
@@ -50,12 +59,18 @@ Task pool_task(const TaskGraph& graph, const Pool& pool) {
             .recordings = pool.recordings};
   task.outputs = {graph.results / (task.name + ".yaml"), graph.results / (task.name + ".report")};
   task.command = {"identify", "friction"};
+  const std::map<std::size_t, fs::path> scenes = planned_scenes(graph);
   std::size_t frames = 0;
   std::size_t samples = 0;
   for (const std::size_t one : pool.recordings) {
     task.command.push_back(graph.recordings[one].files.path.string());
     frames += graph.recordings[one].frames;
     samples += graph.recordings[one].samples;
+  }
+  // Each recording's own: where it has images, its objects' poses are in no other file.
+  for (const std::size_t one : pool.recordings) {
+    if (const auto scene = scenes.find(one); scene != scenes.end())
+      task.command.insert(task.command.end(), {"--scene", scene->second.string()});
   }
   task.command.insert(task.command.end(),
                       {"-o", task.outputs[0].string(), "--report", task.outputs[1].string()});
