@@ -160,8 +160,8 @@ std::string scene_of(const IdentifyArguments& arguments, std::size_t recording) 
 /// What one recording gives to identify from, and its start.
 Expected<IdentificationRun> read_run(const IdentifyArguments& arguments, std::size_t index,
                                      Configuration& configuration, const Observer& observer) {
-  const Expected<Recording> recording = read_with_warnings(
-      arguments.recordings[index], arguments.skip_bad, configuration, observer);
+  const Expected<Recording> recording =
+      read_with_warnings(arguments.recordings[index], arguments.skip_bad, configuration, observer);
   if (!recording) return recording.error();
   Expected<IdentificationInput> input =
       identification_input(*recording,
@@ -344,11 +344,10 @@ Expected<CommandResult> identify_recordings(IdentifyArguments arguments,
   for (const auto& [option, value] :
        {std::pair("--tracked", &arguments.tracked), std::pair("--plan", &arguments.plan)}) {
     if (value->empty()) continue;
-    return Error{
-        .message = fmt::format("is for one recording, not for {}", count),
-        .file = option,
-        .place = {},
-        .hint = "leave it out: each recording's own folder tracked is used"};
+    return Error{.message = fmt::format("is for one recording, not for {}", count),
+                 .file = option,
+                 .place = {},
+                 .hint = "leave it out: each recording's own folder tracked is used"};
   }
   return identify_many(arguments, configuration, observer);
 }

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,6 +61,9 @@ struct PooledObject {
   std::vector<std::size_t> left_out = {};  ///< that contradict the others
   std::vector<PooledParameter> parameters = {};
   std::vector<PooledGroup> groups = {};  ///< of the runs that are not left out
+  /// Stds of the limit surface's coefficients in its scales, which count as exact; empty without
+  /// one.
+  std::optional<std::array<double, 15>> surface_std = {};
 };
 
 struct PooledIdentification {

@@ -19,6 +19,7 @@
 #include "pcavr/physics/object_identification/run_scatter.hpp"
 
 #include "observed_contacts.hpp"
+#include "surface_std.hpp"
 
 namespace pcavr {
 namespace {
@@ -31,7 +32,7 @@ constexpr double kMinScatter = 0.02;
 /// Of the runs: more that disagree are no exceptions.
 constexpr double kMaxLeftOut = 1.0 / 3.0;
 constexpr double kSpeedUnit = 1e-3;  // [m/s] ranges of speed begin at powers of two of it
-constexpr double kRunGap = 10.0;  // [s] from the end of one run to the begin of the next
+constexpr double kRunGap = 10.0;     // [s] from the end of one run to the begin of the next
 constexpr const char* kCompared[] = {"limiting_static_friction", "sliding_friction_coefficient"};
 
 /// The runs, what is known of each alone, and how they follow each other.
@@ -213,8 +214,7 @@ std::vector<PooledParameter> parameters_of(const std::vector<Touching>& touching
   std::vector<PooledParameter> parameters;
   for (ParameterFinding& row : found.findings) {
     if (!row.is_excited) continue;
-    PooledParameter& parameter =
-        parameters.emplace_back(in_runs(row.name, touching, result.alone));
+    PooledParameter& parameter = parameters.emplace_back(in_runs(row.name, touching, result.alone));
     parameter.unit = row.unit;
     add_scatter(parameter, row, found);
     parameter.pooled = {row.value, row.std};
@@ -232,8 +232,7 @@ std::vector<std::size_t> runs_of(const std::vector<Touching>& touching) {
 /// as fast as the one before. The first number is the key to order them by.
 std::pair<int, std::string> speed_range(const ObjectIdentification& found) {
   std::vector<double> speeds;
-  for (const FrictionSample& sample : found.slide_samples)
-    speeds.push_back(std::abs(sample.speed));
+  for (const FrictionSample& sample : found.slide_samples) speeds.push_back(std::abs(sample.speed));
   const double speed = speeds.empty() ? 0.0 : median(std::move(speeds));
   if (!(speed > 0.0)) return {std::numeric_limits<int>::min(), "no slide"};
   const int octave = static_cast<int>(std::floor(std::log2(speed / kSpeedUnit)));
@@ -255,8 +254,7 @@ std::vector<PooledGroup> groups_of(const std::string& name, const std::vector<To
   std::vector<PooledGroup> groups;
   for (const auto& [key, of_group] : by_key) {
     ObjectIdentification found = identify_together(name, of_group, data, options, result);
-    groups.push_back(
-        {key.second, runs_of(of_group), parameters_of(of_group, result, found)});
+    groups.push_back({key.second, runs_of(of_group), parameters_of(of_group, result, found)});
   }
   return groups;
 }
@@ -271,6 +269,12 @@ PooledObject pool(const std::string& name, std::vector<Touching> touching, const
   for (const Touching& one : touching)
     add_recordings(result.alone[one.run].objects[one.object].recordings, pooled.found);
   pooled.parameters = parameters_of(touching, result, pooled.found);
+  const IdentifiableObject& object =
+      data.runs[touching.front().run].input.objects[touching.front().object];
+  pooled.surface_std = surface_std_of(
+      pooled.found, object.model,
+      object.tracked.empty() ? object.T_base_object : object.tracked.front().T_base_object,
+      options.limit_surface);
   pooled.groups = groups_of(name, touching, data, grouping, options, result);
   const ParameterTable& known = data.runs[touching.front().run].input.known;
   if (const auto before = known.find(name); before != known.end())

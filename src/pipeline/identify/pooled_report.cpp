@@ -81,9 +81,9 @@ ReportTable pooled_table(const PooledObject& object) {
 }
 
 ReportTable groups_table(const PooledObject& object, RunGrouping grouping) {
-  ReportTable table{.title = grouping == RunGrouping::support ? "By support" : "By speed",
-                    .columns = {"group", "runs", "parameter", "value", "unit",
-                                "scatter from run to run"}};
+  ReportTable table{
+      .title = grouping == RunGrouping::support ? "By support" : "By speed",
+      .columns = {"group", "runs", "parameter", "value", "unit", "scatter from run to run"}};
   for (const PooledGroup& group : object.groups) {
     for (const PooledParameter& parameter : group.parameters) {
       table.rows.push_back({group.name, std::to_string(group.runs.size()),
@@ -165,6 +165,13 @@ Json json_of(const PooledObject& object, const PooledIdentification& found) {
                                {"std", run.value.std.value_or(0.0)},
                                {"stds_from_others", run.stds_from_others}});
     }
+  }
+  if (object.found.surface.status == LimitSurfaceFitStatus::fitted) {
+    const LimitSurface& surface = object.found.surface.surface;
+    json["limit_surface"] = {{"force", surface.force},
+                             {"length", surface.length},
+                             {"coefficients", surface.coefficients}};
+    if (object.surface_std) json["limit_surface"]["coefficients_std"] = *object.surface_std;
   }
   for (const PooledGroup& group : object.groups) {
     Json& entry = json["groups"].emplace_back(Json{{"name", group.name}, {"runs", Json::array()}});

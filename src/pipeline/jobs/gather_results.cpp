@@ -27,6 +27,7 @@ struct Pool {
   std::string support;  ///< empty: all recordings
   std::vector<std::size_t> recordings = {};
   fs::path parameters = {};
+  fs::path report = {};                  ///< of several recordings
   std::optional<std::size_t> task = {};  ///< in the pools' graph; none for a single recording
   bool is_done = true;
 };
@@ -107,6 +108,7 @@ Expected<void> run_pools(const TaskGraph& graph, RunTasksOptions options, std::v
     pool.task = pooled.tasks.size();
     pooled.tasks.push_back(pool_task(graph, pool));
     pool.parameters = pooled.tasks.back().outputs.front();
+    pool.report = pooled.tasks.back().outputs.back();
   }
   options.only.reset();
   const Expected<TasksRun> run = run_tasks(pooled, options, observer);
@@ -149,8 +151,17 @@ Expected<void> write_parameters(const std::vector<Pool>& pools, const fs::path& 
       if (!written) return written;
     }
     if (pool.support.empty()) continue;
-    for (const auto& [name, values] : *parameters)
-      atlas += format_atlas_rows(name, pool.support, pool.recordings.size(), values);
+    std::map<std::string, SurfaceStd> surface_stds;
+    if (pool.task) {
+      Expected<std::map<std::string, SurfaceStd>> read =
+          read_surface_stds(pool.report / "report.json");
+      if (!read) return read.error();
+      surface_stds = *std::move(read);
+    }
+    for (const auto& [name, values] : *parameters) {
+      atlas +=
+          format_atlas_rows(name, pool.support, pool.recordings.size(), values, surface_stds[name]);
+    }
   }
   gathered.atlas_rows = static_cast<std::size_t>(std::ranges::count(atlas, '\n')) - 1;
   return write_file(folder / "friction_atlas.csv", atlas);
