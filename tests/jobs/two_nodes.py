@@ -29,9 +29,9 @@ TASK_TIMEOUT = 15.0
 KINDS = ["node", "task", "controller"]
 
 
-def plan(pcavr, folder, recordings):
+def plan(pcavr, folder, recordings, chain="build,identify,replay,evaluate"):
     file = folder / "plan.json"
-    made = lab.call(pcavr, "plan", recordings, "--chain", "build,identify,replay,evaluate", "-o", file)
+    made = lab.call(pcavr, "plan", recordings, "--chain", chain, "-o", file)
     return file, made["tasks"]
 
 
@@ -48,6 +48,7 @@ def kill(nodes, kind, rng):
     name = rng.choice(cluster.NODES)
     if kind == "node":
         nodes.kill(name)
+        nodes.declare_lost(name)
         return lambda: nodes.start_node(name)
     tasks = [pid for pid in cluster.descendants(nodes.processes[name].pid)
              if b"--task" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()]
