@@ -66,8 +66,13 @@ def run_with_kills(pcavr, nodes, file, kills, rng, timeout):
         time.sleep(rng.uniform(0.0, 1.5 * cluster.NODE_TIMEOUT))
         start_again()
     submissions = 1
+
+    def has_ended():
+        nodes.skip_requeue_delays()
+        return not nodes.queue()
+
     while True:
-        nodes.wait_for(lambda: not nodes.queue(), timeout, "end of the queue")
+        nodes.wait_for(has_ended, timeout, "end of the queue")
         status = lab.call(pcavr, "status", file)
         if status["done"] == len(status["tasks"]) or submissions > kills:
             return submissions
