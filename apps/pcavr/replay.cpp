@@ -12,16 +12,24 @@
 #include "pcavr/pipeline/augmented_frames.hpp"
 #include "pcavr/pipeline/logged_run.hpp"
 #include "pcavr/recordings/rosbag/bag_reader.hpp"
+#include "pcavr/serve/replay_content.hpp"
+#include "pcavr/serve/replay_page.hpp"
+#include "pcavr/serve/scene_content.hpp"
 
 #include "commands.hpp"
 #include "damping_option.hpp"
 #include "link_options.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
+#include "shared_files.hpp"
 #include "summary.hpp"
 
 namespace pcavr::app {
 namespace {
+
+constexpr double kMegabyte = 1e6;  // [bytes]
+constexpr InputRange kPageSize{"size of the page", 2.0, 500.0, "MB",
+                               "larger: browsers open it slowly, or not at all"};
 
 struct ReplayArguments {
   std::string recording;
@@ -32,6 +40,8 @@ struct ReplayArguments {
   std::string damping_law;  ///< empty: the file's damping
   std::string tracked;
   std::string video;
+  std::string html;
+  double html_size = static_cast<double>(ReplayPageOptions{}.max_bytes) / kMegabyte;  ///< [MB]
   bool without_corrections = false;
   bool keep_parameters = false;
   ReplayOptions options;
@@ -150,15 +160,64 @@ Expected<void> make_video(const ReplayArguments& arguments, const Recording& rec
   return {};
 }
 
-/// Creates the run's folder before any work; neither it nor the video may overlap an input.
+/// The built page of a replay in one file.
+Expected<std::filesystem::path> find_replay_page() {
+  const std::filesystem::path folder =
+      find_shared_folder("viewer", "apps/viewer/dist", kReplayPageFile);
+  if (!folder.empty()) return folder / kReplayPageFile;
+  return Error{.message = "the page of a replay is not built", .hint = "run scripts/build-page"};
+}
+
+/// Checks before the long work whether the page can be made.
+Expected<void> check_html(const ReplayArguments& arguments) {
+  if (arguments.html.empty()) return {};
+  const Expected<std::filesystem::path> page = find_replay_page();
+  if (!page) return page.error();
+  return check_replay_page(arguments.html, arguments.output.replace);
+}
+
+Expected<void> make_html(const ReplayArguments& arguments, const Recording& recording,
+                         const SceneManifest& scene, const Replay& run,
+                         const Configuration& configuration, const Observer& observer,
+                         CommandResult& result) {
+  const Expected<SceneContent> shown = SceneContent::create(
+      scene, arguments.options.parameters, observer, {arguments.threads}, configuration.content);
+  if (!shown) return shown.error();
+  const Expected<ReplayContent> replayed =
+      ReplayContent::create(recording, scene, run, observer, configuration.content);
+  if (!replayed) return replayed.error();
+  const Expected<std::filesystem::path> page = find_replay_page();
+  if (!page) return page.error();
+  const ReplayPageOptions options{
+      .max_bytes = static_cast<std::size_t>(arguments.html_size * kMegabyte),
+      .replace = arguments.output.replace};
+  const Expected<ReplayPage> html = write_replay_page(arguments.html, *page, *shown, *replayed,
+                                                      scene_name(scene), PCAVR_VERSION, options);
+  if (!html) return html.error();
+  result.summary += fmt::format("page       {}: {:.1f} MB, scan of {} triangles, {} of {} images\n",
+                                arguments.html, static_cast<double>(html->bytes) / kMegabyte,
+                                html->triangles, html->images, html->images_recorded);
+  if (html->levels_left_out > 0) {
+    result.summary += "           a finer scan has no room: allow more with --html-size\n";
+  }
+  result.json["html"] = {
+      {"file", arguments.html},       {"bytes", html->bytes},
+      {"triangles", html->triangles}, {"levels_left_out", html->levels_left_out},
+      {"images", html->images},       {"images_recorded", html->images_recorded}};
+  return {};
+}
+
+/// Creates the run's folder before any work; neither it nor another output may overlap an input.
 Expected<OutputFolder> create_outputs(const ReplayArguments& arguments) {
   const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
                                                   arguments.tracked, arguments.parameters,
                                                   arguments.sensor};
-  if (!arguments.video.empty()) {
-    const Expected<void> apart = check_outputs({arguments.output.folder, arguments.video}, inputs);
-    if (!apart) return apart.error();
+  std::vector<std::filesystem::path> outputs{arguments.output.folder};
+  for (const std::string* file : {&arguments.video, &arguments.html}) {
+    if (!file->empty()) outputs.emplace_back(*file);
   }
+  const Expected<void> apart = check_outputs(outputs, inputs);
+  if (!apart) return apart.error();
   return create_output(arguments.output, OutputKind::run, inputs);
 }
 
@@ -180,6 +239,8 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   if (!recording) return recording.error();
   const Expected<void> video_check = check_video(arguments, *recording);
   if (!video_check) return video_check.error();
+  const Expected<void> html_check = check_html(arguments);
+  if (!html_check) return html_check.error();
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
   if (arguments.without_corrections) options.teleop.with_corrections = false;
@@ -193,9 +254,9 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
     options.parameters = std::move(*parameters);
     options.parameters_file = arguments.parameters;
   }
-  options.run_folder = folder->path();
-  // The video needs the tool's motion.
-  const Expected<Replay> run = arguments.video.empty()
+  // The page needs all of the run, in memory, and the video the tool's motion.
+  if (arguments.html.empty()) options.run_folder = folder->path();
+  const Expected<Replay> run = arguments.video.empty() && arguments.html.empty()
                                    ? replay_and_release(*recording, *scene, options, observer)
                                    : replay_recording(*recording, *scene, options, observer);
   if (!run) return run.error();
@@ -209,9 +270,15 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   std::vector<SkippedRows> left_out = recording->left_out;
   left_out.insert(left_out.end(), run->left_out.begin(), run->left_out.end());
   describe_left_out(left_out, result);
-  if (arguments.video.empty()) return result;
-  const Expected<void> video = make_video(arguments, *recording, *scene, *run, observer, result);
-  if (!video) return video.error();
+  if (!arguments.video.empty()) {
+    const Expected<void> video = make_video(arguments, *recording, *scene, *run, observer, result);
+    if (!video) return video.error();
+  }
+  if (!arguments.html.empty()) {
+    const Expected<void> html =
+        make_html(arguments, *recording, *scene, *run, configuration, observer, result);
+    if (!html) return html.error();
+  }
   return result;
 }
 
@@ -225,7 +292,8 @@ bool is_log(const std::string& path) {
 Expected<CommandResult> replay_log(const ReplayArguments& arguments) {
   for (const auto& [option, value] :
        {std::pair{"--tracked", &arguments.tracked},
-        std::pair{"--parameters", &arguments.parameters}, std::pair{"--video", &arguments.video}}) {
+        std::pair{"--parameters", &arguments.parameters}, std::pair{"--video", &arguments.video},
+        std::pair{"--html", &arguments.html}}) {
     if (value->empty()) continue;
     return Error{.message = std::string(option) + " is for recordings, but this is a log",
                  .file = arguments.recording,
@@ -309,6 +377,13 @@ void add_replay(CLI::App& app, Configuration& configuration, Action& action) {
       "--video", arguments->video,
       "Write the predicted bodies, drawn over the recorded images, as an .mp4; --force "
       "replaces an existing .mp4");
+  command->add_option("--html", arguments->html,
+                      "Write the replay as one .html file that opens without a server, for others "
+                      "or beside a paper; --force replaces an existing one");
+  add_number(*command, "--html-size", arguments->html_size, kPageSize,
+             "Largest size of that file [MB]: the scan's level of detail and the number of images "
+             "follow from it")
+      ->capture_default_str();
   add_sensor_option(*command, arguments->sensor);
   command->add_flag("--trust-poses", arguments->options.trust_poses,
                     "Take the poses of groundtruth.txt as exact, not as measurements");
