@@ -9,7 +9,8 @@ import { nextScale } from '../src/vr/locomotion';
 import { Person } from '../src/vr/person';
 import { Pulses } from '../src/vr/pulses';
 import { signText } from '../src/vr/sign';
-import { floorHeight, startPose } from '../src/vr/start';
+import type { Vector } from '../src/protocol';
+import { floorHeight, floorLevel, startPose } from '../src/vr/start';
 import { ballisticPath, findLanding } from '../src/vr/teleport';
 
 const head = new Vector3(0.3, 1.6, -0.2);
@@ -175,6 +176,19 @@ test('the user starts at the side of the robot, or where the cameras were', () =
   const atCameras = startPose({ ...ground, cameras: [[0, 2, 1]] }, 1.6);
   assert.ok(Math.abs(Math.abs(atCameras.heading) - Math.PI / 2) < rounding);
   assert.ok(atCameras.foot.y > 0.8 + 0.45 - rounding);
+});
+
+test('a teleport stays within a few steps of the scene', () => {
+  const objects = [new Vector3(0.6, 0.2, 0)];
+  const ground = { supports: [], scanMinZ: -0.7, objects, cameras: [[-1, 0, 1] as Vector] };
+  const floor = floorLevel(ground);
+  assert.equal(floor.z, -0.7);
+  const landingAt = (x: number) =>
+    findLanding([new Vector3(x, 0, 1), new Vector3(x, 0, -1)], [floor])?.point;
+  near(landingAt(2.5)!, new Vector3(2.5, 0, -0.7));
+  near(landingAt(-2.9)!, new Vector3(-2.9, 0, -0.7));
+  assert.equal(landingAt(2.7), undefined);
+  assert.equal(landingAt(-3.1), undefined);
 });
 
 test('a sheet stays at the hand, and moves only where it would hide a body', () => {

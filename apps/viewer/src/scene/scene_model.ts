@@ -48,6 +48,11 @@ export interface SceneModel {
   cameras: { position: Vector; quaternion: Quaternion }[];
 }
 
+/// Whether the base frame is a robot's: the world frame of a scan without bodies, tags and arm is none.
+export function hasRobotBase({ objects, tags, robot }: SceneModel): boolean {
+  return objects.length > 0 || tags.length > 0 || robot !== null;
+}
+
 export interface SessionInfo {
   protocol: number;
   version: string;

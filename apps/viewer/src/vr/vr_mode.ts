@@ -19,7 +19,7 @@ import { Pulses } from './pulses';
 import { Sign } from './sign';
 import { StopButton } from './stop_button';
 import { attachCamera, makeFloorGrid } from './stage';
-import { floorHeight, type Ground, startPose } from './start';
+import { floorLevel, type Ground, startPose } from './start';
 
 const takenByOther = 'another page controls the tool';
 // Some twenty states; with the next frame the sign is there within 0.3 s.
@@ -191,7 +191,7 @@ export class VrMode {
 
   private levels() {
     const ground = this.ground();
-    return [...ground.supports, { z: floorHeight(ground), outline: null }];
+    return [...ground.supports, floorLevel(ground)];
   }
 
   /// Buttons: hold and resume, reset, swap the tool hand.
