@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
-import { laneColors } from './colors';
+import { kindColors } from './colors';
 import { draw } from './drawing';
 import type { Medium } from './medium';
 import { number } from './number';
@@ -76,7 +76,7 @@ export function drawLanes(
         x1: (one: Row) => Math.max(one.from, from),
         x2: (one: Row) => Math.min(one.to, to),
         y: 'row',
-        fill: (one: Row) => laneColors[one.kind],
+        fill: (one: Row) => kindColors[one.kind],
         insetRight: -0.6, // a phase of a single frame is visible
         title: (one: Row) =>
           `${one.name}: ${chart.kind_labels[one.kind]}\n${number(one.from)} to ${number(one.to)}`,
