@@ -75,7 +75,8 @@ void describe_teleop(const Replay& replay, CommandResult& result) {
   result.json["notes"] = run.notes;
 }
 
-CommandResult describe(const Replay& replay, const std::string& folder) {
+CommandResult describe(const Replay& replay, const std::filesystem::path& recording,
+                       const std::string& folder) {
   CommandResult result;
   if (replay.objects_are_logged) {
     result.summary = "a live site's log, as it was\n";
@@ -118,7 +119,11 @@ CommandResult describe(const Replay& replay, const std::string& folder) {
     result.json["notes"] = {kNothingPredicted};
   }
   result.summary += "time\n" + times_table(replay.times);
-  result.summary += "next: pcavr evaluate " + folder + " --truth RECORDING/truth -o REPORT\n";
+  const std::filesystem::path truth = recording / "truth";
+  std::error_code code;
+  const bool has_truth = std::filesystem::is_directory(truth, code);
+  result.summary += "next: pcavr evaluate " + folder +
+                    (has_truth ? " --truth " + truth.string() : std::string()) + " -o REPORT\n";
   result.json["times"] = times_json(replay.times);
   return result;
 }
@@ -264,7 +269,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   if (!written) return written.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
-  CommandResult result = describe(*run, arguments.output.folder);
+  CommandResult result = describe(*run, recording->folder, arguments.output.folder);
   for (const std::string& note : damping_notes) result.summary += "  " + note + '\n';
   if (!damping_notes.empty()) result.json["contact_damping"] = damping_notes;
   std::vector<SkippedRows> left_out = recording->left_out;
@@ -311,7 +316,7 @@ Expected<CommandResult> replay_log(const ReplayArguments& arguments) {
   if (!written) return written.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
-  return describe(*run, arguments.output.folder);
+  return describe(*run, log.folder, arguments.output.folder);
 }
 
 void add_link_options(CLI::App& command, TeleopOptions& teleop, ReplayArguments& arguments) {
