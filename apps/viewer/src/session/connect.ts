@@ -4,6 +4,7 @@ import { Session } from './session';
 
 /// A session with a server, whose socket runs in a worker.
 export function connect(url: string): Session {
-  const script = new URL('./socket_worker.ts', import.meta.url);
-  return new Session(new Worker(script, { type: 'module' }), url);
+  // In one expression: Vite finds workers by it.
+  const worker = new Worker(new URL('./socket_worker.ts', import.meta.url), { type: 'module' });
+  return new Session(worker, url);
 }

@@ -13,6 +13,7 @@ import { phaseLabel, setPhaseColor } from './objects_panel';
 const maxLabels = 24; // more would hide the scene
 const edgeGap = { x: 64, y: 24 }; // [CSS pixels] of the robot's label from the stage's edge
 const inFront = ['handle', 'height-handle', 'call-to-action', 'hud']; // of the labels, which move aside
+const belowRobot = -0.4; // [heights of its label] so that its axes are seen
 const minForceShown = 0.05; // [N]
 
 /// Projects a world point to the canvas [CSS pixels]; null outside of the near and far planes.
@@ -119,7 +120,7 @@ export class Labels {
     this.robot.classList.toggle('outside', !isInside);
     this.setLabel(this.robot, isInside ? 'robot' : 'robot is this way');
     if (isInside) {
-      this.putAside(this.robot, at.x, at.y, 0.5);
+      this.putAside(this.robot, at.x, at.y, belowRobot);
       return;
     }
     // The direction on the picture, also of a point behind the camera.
