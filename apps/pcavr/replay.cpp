@@ -9,27 +9,19 @@
 #include <fmt/core.h>
 
 #include "pcavr/base/core/output_paths.hpp"
-#include "pcavr/pipeline/augmented_frames.hpp"
 #include "pcavr/pipeline/logged_run.hpp"
 #include "pcavr/recordings/rosbag/bag_reader.hpp"
-#include "pcavr/serve/replay_content.hpp"
-#include "pcavr/serve/replay_page.hpp"
-#include "pcavr/serve/scene_content.hpp"
 
 #include "commands.hpp"
 #include "damping_option.hpp"
 #include "link_options.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
-#include "shared_files.hpp"
+#include "replay_files.hpp"
 #include "summary.hpp"
 
 namespace pcavr::app {
 namespace {
-
-constexpr double kMegabyte = 1e6;  // [bytes]
-constexpr InputRange kPageSize{"size of the page", 2.0, 500.0, "MB",
-                               "larger: browsers open it slowly, or not at all"};
 
 struct ReplayArguments {
   std::string recording;
@@ -39,9 +31,7 @@ struct ReplayArguments {
   std::string parameters;
   std::string damping_law;  ///< empty: the file's damping
   std::string tracked;
-  std::string video;
-  std::string html;
-  double html_size = static_cast<double>(ReplayPageOptions{}.max_bytes) / kMegabyte;  ///< [MB]
+  ReplayFiles files;
   bool without_corrections = false;
   bool keep_parameters = false;
   ReplayOptions options;
@@ -128,99 +118,13 @@ CommandResult describe(const Replay& replay, const std::filesystem::path& record
   return result;
 }
 
-/// Checks before the long work whether the video can be made.
-Expected<void> check_video(const ReplayArguments& arguments, const Recording& recording) {
-  if (arguments.video.empty()) return {};
-  if (!recording.manifest.camera || recording.frames.empty()) {
-    return Error{.message = "the recording has no images for the video",
-                 .file = arguments.recording,
-                 .hint = "omit --video"};
-  }
-  return check_video_target(arguments.video, arguments.output.replace);
-}
-
-Expected<void> make_video(const ReplayArguments& arguments, const Recording& recording,
-                          const SceneManifest& scene, const Replay& run, const Observer& observer,
-                          CommandResult& result) {
-  const Expected<AugmentedFrames> frames = AugmentedFrames::create(recording, scene, run);
-  if (!frames) return frames.error();
-  const AugmentedVideoOptions options{.replace = arguments.output.replace,
-                                      .skip_bad = arguments.options.skip_bad,
-                                      .parallelism = {arguments.threads}};
-  const Expected<AugmentedVideo> video =
-      write_augmented_video(*frames, arguments.video, options, observer);
-  if (!video) return video.error();
-  if (!video->is_h264) {
-    observer.on_warning(arguments.video +
-                        " is MPEG-4 part 2, which browsers don't play: this machine's FFmpeg has "
-                        "no H.264 encoder");
-  }
-  result.summary += fmt::format("video      {}: {} frames at {:.4g} Hz\n", arguments.video,
-                                video->pictures, video->rate);
-  result.json["video"] = {{"file", arguments.video},
-                          {"pictures", video->pictures},
-                          {"left_out", video->left_out},
-                          {"rate", video->rate},
-                          {"h264", video->is_h264}};
-  return {};
-}
-
-/// The built page of a replay in one file.
-Expected<std::filesystem::path> find_replay_page() {
-  const std::filesystem::path folder =
-      find_shared_folder("viewer", "apps/viewer/dist", kReplayPageFile);
-  if (!folder.empty()) return folder / kReplayPageFile;
-  return Error{.message = "the page of a replay is not built", .hint = "run scripts/build-page"};
-}
-
-/// Checks before the long work whether the page can be made.
-Expected<void> check_html(const ReplayArguments& arguments) {
-  if (arguments.html.empty()) return {};
-  const Expected<std::filesystem::path> page = find_replay_page();
-  if (!page) return page.error();
-  return check_replay_page(arguments.html, arguments.output.replace);
-}
-
-Expected<void> make_html(const ReplayArguments& arguments, const Recording& recording,
-                         const SceneManifest& scene, const Replay& run,
-                         const Configuration& configuration, const Observer& observer,
-                         CommandResult& result) {
-  const Expected<SceneContent> shown = SceneContent::create(
-      scene, arguments.options.parameters, observer, {arguments.threads}, configuration.content);
-  if (!shown) return shown.error();
-  const Expected<ReplayContent> replayed =
-      ReplayContent::create(recording, scene, run, observer, configuration.content);
-  if (!replayed) return replayed.error();
-  const Expected<std::filesystem::path> page = find_replay_page();
-  if (!page) return page.error();
-  const ReplayPageOptions options{
-      .max_bytes = static_cast<std::size_t>(arguments.html_size * kMegabyte),
-      .replace = arguments.output.replace};
-  const Expected<ReplayPage> html = write_replay_page(arguments.html, *page, *shown, *replayed,
-                                                      scene_name(scene), PCAVR_VERSION, options);
-  if (!html) return html.error();
-  result.summary += fmt::format("page       {}: {:.1f} MB, scan of {} triangles, {} of {} images\n",
-                                arguments.html, static_cast<double>(html->bytes) / kMegabyte,
-                                html->triangles, html->images, html->images_recorded);
-  if (html->levels_left_out > 0) {
-    result.summary += "           a finer scan has no room: allow more with --html-size\n";
-  }
-  result.json["html"] = {
-      {"file", arguments.html},       {"bytes", html->bytes},
-      {"triangles", html->triangles}, {"levels_left_out", html->levels_left_out},
-      {"images", html->images},       {"images_recorded", html->images_recorded}};
-  return {};
-}
-
 /// Creates the run's folder before any work; neither it nor another output may overlap an input.
 Expected<OutputFolder> create_outputs(const ReplayArguments& arguments) {
   const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
                                                   arguments.tracked, arguments.parameters,
                                                   arguments.sensor};
   std::vector<std::filesystem::path> outputs{arguments.output.folder};
-  for (const std::string* file : {&arguments.video, &arguments.html}) {
-    if (!file->empty()) outputs.emplace_back(*file);
-  }
+  for (const std::string& name : arguments.files.names()) outputs.emplace_back(name);
   const Expected<void> apart = check_outputs(outputs, inputs);
   if (!apart) return apart.error();
   return create_output(arguments.output, OutputKind::run, inputs);
@@ -230,6 +134,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
                                const Observer& observer) {
   ReplayOptions& options = arguments.options;
   options.parallelism = {arguments.threads};
+  arguments.files.replace = arguments.output.replace;
   Expected<OutputFolder> folder = create_outputs(arguments);
   if (!folder) return folder.error();
   options.perception = configuration.perception();
@@ -242,10 +147,8 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   Expected<Recording> recording =
       read_with_warnings(arguments.recording, options.skip_bad, configuration, observer);
   if (!recording) return recording.error();
-  const Expected<void> video_check = check_video(arguments, *recording);
-  if (!video_check) return video_check.error();
-  const Expected<void> html_check = check_html(arguments);
-  if (!html_check) return html_check.error();
+  const Expected<void> possible = check_replay_files(arguments.files, *recording);
+  if (!possible) return possible.error();
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
   if (arguments.without_corrections) options.teleop.with_corrections = false;
@@ -259,11 +162,10 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
     options.parameters = std::move(*parameters);
     options.parameters_file = arguments.parameters;
   }
-  // The page needs all of the run, in memory, and the video the tool's motion.
-  if (arguments.html.empty()) options.run_folder = folder->path();
-  const Expected<Replay> run = arguments.video.empty() && arguments.html.empty()
-                                   ? replay_and_release(*recording, *scene, options, observer)
-                                   : replay_recording(*recording, *scene, options, observer);
+  if (!arguments.files.need_run()) options.run_folder = folder->path();
+  const Expected<Replay> run = arguments.files.need_recording()
+                                   ? replay_recording(*recording, *scene, options, observer)
+                                   : replay_and_release(*recording, *scene, options, observer);
   if (!run) return run.error();
   const Expected<void> written = write_run(*run, *recording, *scene, folder->path());
   if (!written) return written.error();
@@ -275,15 +177,9 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   std::vector<SkippedRows> left_out = recording->left_out;
   left_out.insert(left_out.end(), run->left_out.begin(), run->left_out.end());
   describe_left_out(left_out, result);
-  if (!arguments.video.empty()) {
-    const Expected<void> video = make_video(arguments, *recording, *scene, *run, observer, result);
-    if (!video) return video.error();
-  }
-  if (!arguments.html.empty()) {
-    const Expected<void> html =
-        make_html(arguments, *recording, *scene, *run, configuration, observer, result);
-    if (!html) return html.error();
-  }
+  const ReplayInput input{*recording, *scene, options, configuration};
+  const Expected<void> made = write_replay_files(arguments.files, input, *run, observer, result);
+  if (!made) return made.error();
   return result;
 }
 
@@ -297,8 +193,9 @@ bool is_log(const std::string& path) {
 Expected<CommandResult> replay_log(const ReplayArguments& arguments) {
   for (const auto& [option, value] :
        {std::pair{"--tracked", &arguments.tracked},
-        std::pair{"--parameters", &arguments.parameters}, std::pair{"--video", &arguments.video},
-        std::pair{"--html", &arguments.html}}) {
+        std::pair{"--parameters", &arguments.parameters},
+        std::pair{"--video", &arguments.files.video}, std::pair{"--html", &arguments.files.html},
+        std::pair{"--mcap", &arguments.files.mcap}}) {
     if (value->empty()) continue;
     return Error{.message = std::string(option) + " is for recordings, but this is a log",
                  .file = arguments.recording,
@@ -378,17 +275,7 @@ void add_replay(CLI::App& app, Configuration& configuration, Action& action) {
       ->required();
   command->add_option("--scene", arguments->scene, "Scene from pcavr build")->required();
   add_output_option(*command, arguments->output, "Folder for the run");
-  command->add_option(
-      "--video", arguments->video,
-      "Write the predicted bodies, drawn over the recorded images, as an .mp4; --force "
-      "replaces an existing .mp4");
-  command->add_option("--html", arguments->html,
-                      "Write the replay as one .html file that opens without a server, for others "
-                      "or beside a paper; --force replaces an existing one");
-  add_number(*command, "--html-size", arguments->html_size, kPageSize,
-             "Largest size of that file [MB]: the scan's level of detail and the number of images "
-             "follow from it")
-      ->capture_default_str();
+  add_replay_files(*command, arguments->files);
   add_sensor_option(*command, arguments->sensor);
   command->add_flag("--trust-poses", arguments->options.trust_poses,
                     "Take the poses of groundtruth.txt as exact, not as measurements");
