@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
 import { bandOpacity, kindColors, pinColor, seriesColors, softInk } from './colors';
+import { hatchClass, makeHatch } from '../hatch';
 import { draw } from './drawing';
 import { labelHeight, placeLabels, type PlacedLabel } from './mark_labels';
 import type { Medium } from './medium';
 import { number } from './number';
-import type { PlotData, Series } from './report_data';
+import type { Interval, PlotData, Series } from './report_data';
 import { pointsOf, type ValueRow, valuesByX } from './values';
 import type { View } from './view';
 
@@ -52,6 +53,7 @@ export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot
         insetRight: -1, // a band of a single frame is visible
         clip: true,
       }),
+      ...drawHatch(plot, view),
       ...drawAxes(plot, view, medium),
       ...plot.series.map(drawSeries),
       Plot.ruleX(marks, { x: 'x', stroke: softInk, strokeDasharray: '2 3' }),
@@ -146,6 +148,16 @@ function drawSeries({ x, y, color, dashed, points }: Series): Plot.Markish {
   if (points) return Plot.dot(x, { x, y, stroke, symbol: 'times', r: 3, clip: true });
   const strokeDasharray = dashed ? '6 5' : undefined;
   return Plot.line(x, { x, y, stroke, strokeDasharray, strokeWidth: 1.6, clip: true });
+}
+
+/// Over the bands of one kind.
+function drawHatch(plot: PlotData, view: View): Plot.Markish[] {
+  const bands = plot.bands.filter(({ kind }) => hatchClass(kindColors[kind]) !== '');
+  if (bands.length === 0) return [];
+  const { definition, fill } = makeHatch();
+  const to = (band: Interval) => Math.min(band.to, view.x[1]);
+  const hatched = { x1: 'from', x2: to, fill, fillOpacity: bandOpacity, clip: true };
+  return [() => definition, Plot.rect(bands, hatched)];
 }
 
 /// Above the frame and the pins at its edge, the first row highest.

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Plot from '@observablehq/plot';
+import { hatchClass } from '../hatch';
 import { create } from '../ui/dom';
 import { saveText, svgText } from '../ui/plot_files';
 import { aspectOf, drawChart, drawStrip } from './chart';
@@ -133,7 +134,8 @@ function seriesKey({ label, color, dashed, points }: Series): HTMLElement {
 
 function areaKey(color: string, label: string, opacity = 1): HTMLElement {
   const key = create('i', { className: 'area' });
-  key.style.background = color;
+  key.style.setProperty('--area', color);
+  key.classList.toggle('critical', hatchClass(color) !== '');
   key.style.opacity = String(opacity);
   return create('span', {}, key, label);
 }
