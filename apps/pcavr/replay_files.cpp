@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMegabyte = 1e6;  // [bytes]
-constexpr InputRange kPageSize{"size of the page", 2.0, 500.0, "MB",
+constexpr InputRange kHtmlSize{"size of the page", 2.0, 500.0, "MB",
                                "larger: browsers open it slowly, or not at all"};
 
 Expected<void> check_video(const ReplayFiles& files, const Recording& recording) {
@@ -97,12 +97,10 @@ Expected<void> make_html(const ReplayFiles& files, const ReplayInput& input, con
   if (html->levels_left_out > 0) {
     result.summary += "           a finer scan has no room: allow more with --html-size\n";
   }
-  result.json["html"] = {{"file", files.html},
-                         {"bytes", html->bytes},
-                         {"triangles", html->triangles},
-                         {"levels_left_out", html->levels_left_out},
-                         {"images", html->images},
-                         {"images_recorded", html->images_recorded}};
+  result.json["html"] = {
+      {"file", files.html},           {"bytes", html->bytes},
+      {"triangles", html->triangles}, {"levels_left_out", html->levels_left_out},
+      {"images", html->images},       {"images_recorded", html->images_recorded}};
   return {};
 }
 
@@ -144,13 +142,14 @@ void add_replay_files(CLI::App& command, ReplayFiles& files) {
   command.add_option("--html", files.html,
                      "Write the replay as one .html file that opens without a server, for others "
                      "or beside a paper; --force replaces an existing one");
-  add_number(command, "--html-size", files.html_size, kPageSize,
+  add_number(command, "--html-size", files.html_size, kHtmlSize,
              "Largest size of that file [MB]: the scan's level of detail and the number of images "
              "follow from it")
       ->capture_default_str();
-  command.add_option("--mcap", files.mcap,
-                     "Write geometry, images, poses, forces, phases, corrections and parameters "
-                     "as an .mcap for Foxglove, Rerun and others; --force replaces an existing one");
+  command.add_option(
+      "--mcap", files.mcap,
+      "Write geometry, images, poses, forces, phases, corrections and parameters "
+      "as an .mcap for Foxglove, Rerun and others; --force replaces an existing one");
 }
 
 Expected<void> check_replay_files(const ReplayFiles& files, const Recording& recording) {

@@ -33,18 +33,19 @@ namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
 constexpr char kCameraFrame[] = "camera";
-constexpr std::array<float, 4> kBodyColor{0.55F, 0.65F, 0.8F, 1.0F};
+constexpr double kRounding = 1e-6;  ///< [s] of times since 1970 as double
+constexpr std::array<float, 4> kReplayedBodyColor{0.55F, 0.65F, 0.8F, 1.0F};
 
-bool is_mcap(const fs::path& file) {
-  std::array<char, kMagic.size()> start{};
+bool is_mcap_file(const fs::path& file) {
+  std::array<char, kMcapMagic.size()> start{};
   std::ifstream(file, std::ios::binary).read(start.data(), start.size());
-  return std::string_view(start.data(), start.size()) == kMagic;
+  return std::string_view(start.data(), start.size()) == kMcapMagic;
 }
 
 OutputFileOptions log_options(bool replace) {
-  return {.replace = replace, .kind = "MCAP file", .is_replaceable = is_mcap};
+  return {.replace = replace, .kind = "MCAP file", .is_replaceable = is_mcap_file};
 }
 
 Bytes json_bytes(const Json& json) {
@@ -122,8 +123,9 @@ class ReplayMessages {
   }
 
   void add_transform(Stamp stamp, const std::string& frame, const Pose& pose) {
-    messages_.push_back(
-        {stamp, transforms_, [=] { return cdr::tf_message(stamp, {{frame, pose}}); }});
+    messages_.push_back({stamp, transforms_, [=] {
+                           return cdr::tf_message(stamp, {{frame, pose}});
+                         }});
   }
 
   /// What does not change: geometry, the arm, parameters as they are known at the end.
@@ -136,7 +138,7 @@ class ReplayMessages {
       markers.push_back({.name = names_[i],
                          .frame = frames_[i] + kPredictedFrame,
                          .mesh = &scene_.bodies_object[i],
-                         .color = kBodyColor});
+                         .color = kReplayedBodyColor});
     }
     const auto put = [&](const char* topic, std::string_view type, const std::string& schema,
                          const Bytes& bytes) {
@@ -184,10 +186,9 @@ class ReplayMessages {
       const std::uint16_t wrench =
           cdr_channel("/wrench", cdr::kWrenchStampedType, cdr::wrench_stamped_definition());
       for (const WrenchSample& sample : recording_.wrench) {
-        messages_.push_back({sample.stamp, wrench, [&sample] {
-                               return cdr::wrench_stamped(sample.stamp, sample.force,
-                                                          sample.torque);
-                             }});
+        messages_.push_back(
+            {sample.stamp, wrench,
+             [&sample] { return cdr::wrench_stamped(sample.stamp, sample.force, sample.torque); }});
       }
     }
     if (recording_.manifest.camera && !recording_.frames.empty()) {
@@ -196,9 +197,8 @@ class ReplayMessages {
   }
 
   void add_images(const CameraModel& camera) {
-    const std::uint16_t images =
-        cdr_channel("/camera/image/compressed", cdr::kCompressedImageType,
-                    cdr::compressed_image_definition());
+    const std::uint16_t images = cdr_channel("/camera/image/compressed", cdr::kCompressedImageType,
+                                             cdr::compressed_image_definition());
     const std::uint16_t info =
         cdr_channel("/camera/camera_info", cdr::kCameraInfoType, cdr::camera_info_definition());
     for (const FrameFiles& frame : recording_.frames) {
@@ -239,7 +239,7 @@ class ReplayMessages {
       double next = -1.0;
       for (const ShownPose& shown : run.shown[i]) {
         if (shown.t < next) continue;
-        next = shown.t + interval_;
+        next = shown.t + interval_ - kRounding;
         add_pose(Stamp::from_seconds(shown.t), channel, frames_[i] + kPredictedFrame,
                  shown.T_base_object);
       }
@@ -260,7 +260,7 @@ class ReplayMessages {
     std::vector<double> next(channels.size(), -1.0);
     for (const ForceRow& row : run.forces) {
       if (row.object >= channels.size() || row.t < next[row.object]) continue;
-      next[row.object] = row.t + interval_;
+      next[row.object] = row.t + interval_ - kRounding;
       add(row.t, channels[row.object], [&row] {
         return json_bytes({{"measured", row.measured}, {"predicted", row.predicted}});
       });

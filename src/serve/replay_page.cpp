@@ -35,7 +35,7 @@ constexpr std::string_view kFilesPlace = "CARRIED_FILES";
 constexpr std::string_view kOwner = "SPDX-FileCopyrightText: The pcavr authors";
 constexpr char kScenePath[] = "/api/scene.json";
 constexpr char kReplayPath[] = "/api/replay.json";
-constexpr char kTexturePath[] = "/scene/texture.jpg";
+constexpr char kScanTexture[] = "/scene/texture.jpg";
 constexpr std::size_t kMaxJson = std::size_t{1} << 28;  ///< [bytes]
 constexpr std::size_t kSampledImages = 8;               ///< whose size says how many have room
 constexpr double kMaxScanShare = 0.5;                   ///< of the bytes, so that images have room
@@ -77,14 +77,14 @@ class CarriedFiles {
 /// [bytes] of a content in the page, nearly.
 std::size_t carried_size(const Content& content) { return content.body.size() / 3 * 4 + 100; }
 
-Expected<SharedContent> required(const ContentSource& source, const std::string& path) {
+Expected<SharedContent> required_content(const ContentSource& source, const std::string& path) {
   Expected<SharedContent> found = source.find(path);
   if (found && !*found) return Error{.message = "is not there", .file = path};
   return found;
 }
 
 Expected<Json> read_json(const ContentSource& source, const std::string& path) {
-  const Expected<SharedContent> content = required(source, path);
+  const Expected<SharedContent> content = required_content(source, path);
   if (!content) return content.error();
   std::optional<std::string> text = (*content)->body;
   if ((*content)->is_gzipped) text = gunzip((*content)->body, kMaxJson);
@@ -121,7 +121,7 @@ class PageFill {
 
  private:
   Expected<void> add_file(const ContentSource& source, const std::string& path) {
-    const Expected<SharedContent> content = required(source, path);
+    const Expected<SharedContent> content = required_content(source, path);
     if (!content) return content.error();
     files_.add(path, **content);
     return {};
@@ -153,13 +153,13 @@ class PageFill {
   Expected<void> add_scan(Json& scene, ReplayPage& page) {
     Json& levels = scene["mesh"];
     if (levels.empty()) return {};
-    const Expected<SharedContent> texture = scene_->find(kTexturePath);
+    const Expected<SharedContent> texture = scene_->find(kScanTexture);
     if (!texture) return texture.error();
     const std::size_t texture_size = *texture ? carried_size(**texture) : 0;
     const auto share = static_cast<std::size_t>(kMaxScanShare * static_cast<double>(max_bytes_));
     std::size_t level = 0;
     for (; level + 1 < levels.size(); ++level) {
-      const Expected<SharedContent> mesh = required(*scene_, levels[level]["path"]);
+      const Expected<SharedContent> mesh = required_content(*scene_, levels[level]["path"]);
       if (!mesh) return mesh.error();
       if (texture_size + carried_size(**mesh) <= share) break;
     }
@@ -167,7 +167,7 @@ class PageFill {
     page.triangles = kept["triangles"];
     page.levels_left_out = level;
     levels = Json::array({kept});
-    if (*texture) files_.add(kTexturePath, **texture);
+    if (*texture) files_.add(kScanTexture, **texture);
     return add_file(*scene_, kept["path"]);
   }
 
@@ -185,7 +185,7 @@ class PageFill {
     std::vector<std::size_t> chosen;
     std::size_t total = 0;
     for (const std::size_t i : evenly(times.size(), room / *size)) {
-      const Expected<SharedContent> image = required(*replay_, image_path(i));
+      const Expected<SharedContent> image = required_content(*replay_, image_path(i));
       if (!image) return image.error();
       total += carried_size(**image);
       if (total > room) break;  // later images are larger than the sampled ones
@@ -204,7 +204,7 @@ class PageFill {
   Expected<std::size_t> largest_image(std::size_t count) {
     std::size_t largest = 1;
     for (const std::size_t i : evenly(count, kSampledImages)) {
-      const Expected<SharedContent> image = required(*replay_, image_path(i));
+      const Expected<SharedContent> image = required_content(*replay_, image_path(i));
       if (!image) return image.error();
       largest = std::max(largest, carried_size(**image));
     }

@@ -81,8 +81,8 @@ TEST_F(ReplayPageTest, CarriesWhatThePageRequests) {
   EXPECT_GT(page->triangles, 0U);
   const nlohmann::json files = carried();
   ASSERT_TRUE(files.is_object());
-  for (const char* path : {"/api/session", "/api/scene.json", "/api/replay.json",
-                           "/api/replay.bin", "/scene/objects/box.glb", "/api/frames/4.jpg"}) {
+  for (const char* path : {"/api/session", "/api/scene.json", "/api/replay.json", "/api/replay.bin",
+                           "/scene/objects/box.glb", "/api/frames/4.jpg"}) {
     EXPECT_TRUE(files.contains(path)) << path;
   }
   const nlohmann::json replay = unpacked(files, *replay_, "/api/replay.json");

@@ -15,8 +15,8 @@ namespace pcavr::cdr {
 inline constexpr std::string_view kCameraInfoType = "sensor_msgs/msg/CameraInfo";
 [[nodiscard]] std::string camera_info_definition();
 
-/// A camera's image as it is taken, not rectified: the projection matrix is that of the lens without
-/// its distortion. See cdr_messages.hpp.
+/// A camera's image as it is taken, not rectified: the projection matrix is that of the lens
+/// without its distortion. See cdr_messages.hpp.
 [[nodiscard]] std::vector<std::uint8_t> camera_info(Stamp stamp, std::string_view frame,
                                                     const CameraModel& camera);
 
