@@ -35,7 +35,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
 constexpr char kCameraFrame[] = "camera";
-constexpr double kRounding = 1e-6;  ///< [s] of times since 1970 as double
+constexpr double kStampRounding = 1e-6;  ///< [s] of times since 1970 as double
 constexpr std::array<float, 4> kReplayedBodyColor{0.55F, 0.65F, 0.8F, 1.0F};
 
 bool is_mcap_file(const fs::path& file) {
@@ -239,7 +239,7 @@ class ReplayMessages {
       double next = -1.0;
       for (const ShownPose& shown : run.shown[i]) {
         if (shown.t < next) continue;
-        next = shown.t + interval_ - kRounding;
+        next = shown.t + interval_ - kStampRounding;
         add_pose(Stamp::from_seconds(shown.t), channel, frames_[i] + kPredictedFrame,
                  shown.T_base_object);
       }
@@ -260,7 +260,7 @@ class ReplayMessages {
     std::vector<double> next(channels.size(), -1.0);
     for (const ForceRow& row : run.forces) {
       if (row.object >= channels.size() || row.t < next[row.object]) continue;
-      next[row.object] = row.t + interval_ - kRounding;
+      next[row.object] = row.t + interval_ - kStampRounding;
       add(row.t, channels[row.object], [&row] {
         return json_bytes({{"measured", row.measured}, {"predicted", row.predicted}});
       });
