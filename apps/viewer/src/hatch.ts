@@ -3,7 +3,7 @@
 import { phaseColors } from './palette';
 import { shape } from './ui/svg';
 
-// "critical" is as bright as "static": in black and white its hatch tells them apart.
+// "critical" is as bright as "static": in black and white they differ by its hatch.
 
 const pitch = 4; // [CSS pixels]
 const ink = '#10151b';
