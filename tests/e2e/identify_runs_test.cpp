@@ -82,6 +82,34 @@ TEST_F(IdentifyRunsCommand, CombineWithWhatOtherRunsShowedAndWithNoRunTwice) {
   EXPECT_NEAR(std_of(again) / std_of(alone), 1.0, 0.1);
 }
 
+TEST_F(IdentifyRunsCommand, AreIdentifiedByGroupToo) {
+  identified({path_of("lab/a"), path_of("lab/b"), "--group-by", "support"}, "support");
+  const auto report =
+      nlohmann::json::parse(read_file(path_of("support.report/report.json")).value());
+  const auto& object = report["objects"][0];
+  ASSERT_EQ(object["groups"].size(), 1U);
+  EXPECT_EQ(object["groups"][0]["name"], "lab");
+  EXPECT_EQ(object["groups"][0]["runs"], object["runs"]);
+  for (const auto& [name, parameter] : object["groups"][0]["parameters"].items())
+    EXPECT_EQ(parameter["value"], object["parameters"][name]["value"]) << name;
+  EXPECT_TRUE(std::filesystem::exists(path_of("support.report/groups.csv")));
+}
+
+TEST_F(IdentifyRunsCommand, MayHaveASceneEach) {
+  for (const std::string name : {"a", "b"})
+    run_json({"build", path_of("lab/" + name), "-o", path_of("scene-" + name)});
+  const std::string found = identified({path_of("lab/b"), path_of("lab/a"), "--scene",
+                                        path_of("scene-b"), "--scene", path_of("scene-a")},
+                                       "scenes");
+  EXPECT_EQ(identified({path_of("lab/a"), path_of("lab/b"), "--scene", path_of("scene-a"),
+                        "--scene", path_of("scene-b")},
+                       "scenes-again"),
+            found);
+  expect_refused({path_of("lab"), path_of("other"), "--scene", path_of("scene-a"), "--scene",
+                  path_of("scene-b")},
+                 "--scene: is given 2 times for 3 recordings");
+}
+
 TEST_F(IdentifyRunsCommand, RefuseWhatIsNotOneKind) {
   expect_refused({path_of("lab/a"), path_of("other")}, "box_1 has another CAD body than in");
   expect_refused({path_of("lab/a"), path_of("lab/a")}, "is the same recording as");
