@@ -36,7 +36,7 @@ export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot
   const labelRows = Math.max(0, ...labels.map(({ row }) => row + 1));
   return draw({
     width: medium.width,
-    height: heightOf(plot, medium) + labelRows * labelHeight,
+    height: heightOf(plot, medium),
     ...margins,
     marginTop: margins.marginTop + labelRows * labelHeight,
     marginLeft: medium.left,
@@ -54,7 +54,7 @@ export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot
         clip: true,
       }),
       ...drawHatch(plot, view),
-      ...drawAxes(plot, view, medium),
+      ...drawAxes(plot, view, medium, innerHeight(plot, medium) - labelRows * labelHeight),
       ...plot.series.map(drawSeries),
       Plot.ruleX(marks, { x: 'x', stroke: softInk, strokeDasharray: '2 3' }),
       ...drawLabels(labels, labelRows),
@@ -93,7 +93,7 @@ export function drawStrip(
   });
 }
 
-function drawAxes(plot: PlotData, view: View, medium: Medium): Plot.Markish[] {
+function drawAxes(plot: PlotData, view: View, medium: Medium, height: number): Plot.Markish[] {
   const { left } = medium;
   const axis = {
     tickSize: 0,
@@ -113,7 +113,7 @@ function drawAxes(plot: PlotData, view: View, medium: Medium): Plot.Markish[] {
       ticks: [],
       label: plot.y_label,
       labelOffset: left - 6,
-      fontSize: fittingSize(plot.y_label, innerHeight(plot, medium)),
+      fontSize: fittingSize(plot.y_label, height),
     }),
   ];
 }
