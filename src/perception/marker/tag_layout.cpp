@@ -21,7 +21,7 @@ namespace pcavr {
 namespace {
 
 /// Frames that are used: those of a walk at 30 Hz resemble each other, and more only cost time.
-constexpr std::size_t kMaxLayoutFrames = 200;
+constexpr std::size_t kMaxLayoutFrames = 400;
 /// Frames of each tag that are kept for all that.
 constexpr std::size_t kMinTagFrames = 30;
 constexpr int kRounds = 2;  ///< cameras are placed anew by the tags of the first
