@@ -165,7 +165,7 @@ std::string hint_of(const Manifest& manifest, const TagPairCheck& pair) {
   if (fits(read_wxyz(first), read_wxyz(second))) {
     return "both poses fit with their quaternions read as w x y z" + wxyz;
   }
-  return "measure the poses and sizes of the tags again";
+  return "measure the poses and sizes of the tags again, or find them by pcavr calibrate tags";
 }
 
 ConsistencyFinding finding_of(const Manifest& manifest, const std::vector<TagPairCheck>& pairs,

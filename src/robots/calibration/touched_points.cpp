@@ -86,10 +86,14 @@ std::optional<Error> degenerate(const Centred& sums, std::size_t count) {
       .hint = "touch one more point beside the line, as far as the line is long"};
 }
 
-void set_scale(const Centred& sums, const Eigen::Matrix3d& R, double std, TouchResult& result) {
+/// The scale is compared with what remains of the residuals when it is taken out of them.
+void set_scale(const Centred& sums, const Eigen::Matrix3d& R, double squares, double freedoms,
+               TouchResult& result) {
   const double square = sums.scatter.trace();
   result.scale = (R.transpose() * sums.mixed).trace() / square;
-  result.scale_std = std / std::sqrt(square);
+  const double explained = std::pow(result.scale - 1.0, 2) * square;
+  const double variance = std::max(0.0, squares - explained) / (freedoms - 1.0);
+  result.scale_std = student_factor(freedoms - 1.0) * std::sqrt(variance / square);
   const double error = std::abs(result.scale - 1.0);
   if (error < kMinScaleError || error < kMaxScaleStds * result.scale_std) return;
   result.notes.push_back(fmt::format(
@@ -134,7 +138,7 @@ Expected<TouchResult> calibrate_touch(const std::vector<TouchedPoint>& points) {
   for (const TouchedPoint& point : points) {
     result.residuals.push_back({point.name, point.p_base - result.T_base_world * point.p_world});
   }
-  set_scale(sums, R, std, result);
+  set_scale(sums, R, squares, freedoms, result);
   if (points.size() == kMinPoints) {
     result.notes.push_back("three points: which one is wrong, if one is, needs a fourth");
   }
