@@ -101,7 +101,9 @@ Expected<void> write_robot_mjcf(const ExportedRobot& robot, const std::filesyste
       "<option timestep=\"0.001\" gravity=\"{}\" integrator=\"implicitfast\"/>\n"
       "<default><geom contype=\"1\" conaffinity=\"0\"/></default>\n<worldbody>\n",
       xml_text(robot.model.name), vector_text(robot.model.gravity_base));
-  const std::string base = xml_text(robot.model.links.front().name);
+  // MuJoCo reserves "world", a usual name of the root link.
+  const std::string& root = robot.model.links.front().name;
+  const std::string base = root == "world" ? "world_" : xml_text(root);
   text += fmt::format("<body name=\"{}\">\n", base) + links_text(robot.model, std::nullopt);
   for (std::size_t j = 0; j < robot.model.joints.size(); ++j) {
     if (!robot.model.joints[j].parent) text += joint_body_text(robot, j);
