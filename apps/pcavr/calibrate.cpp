@@ -254,6 +254,9 @@ void add_calibrate(CLI::App& app, Action& action) {
   add_hand_eye(*command, action);
   add_clocks(*command, action);
   add_calibrate_camera(*command, action);
+  add_calibrate_tags(*command, action);
+  add_calibrate_force(*command, action);
+  add_calibrate_touch(*command, action);
 }
 
 }  // namespace pcavr::app

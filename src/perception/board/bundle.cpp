@@ -15,13 +15,13 @@ using Vector = Eigen::VectorXd;
 
 constexpr double kHuberStds = 2.5;        ///< beyond, a point counts linearly
 constexpr double kLensStep = 1e-6;        ///< of a coefficient, for its derivative
-constexpr double kMinPixel = 1e-4;        ///< [px] of perfect pictures
+constexpr double kMinPixel = 1e-3;  ///< [px] no picture is more exact
 constexpr double kMinArmPosition = 1e-7;  // [m]
 constexpr double kMinArmRotation = 1e-7;  // [rad]
-constexpr int kMaxSteps = 60;             ///< of Levenberg-Marquardt, at one noise
+constexpr int kMaxSteps = 30;             ///< of Levenberg-Marquardt, at one noise
 constexpr int kMaxNoiseRounds = 25;
 constexpr double kMinNoiseChange = 1e-3;
-constexpr double kMinCostChange = 1e-9;
+constexpr double kMinCostChange = 1e-7;
 constexpr double kMinEigenvalue = 1e-13;  ///< of a scaled matrix: less is not observable
 constexpr double kBehind = 1e-3;          ///< [m] before the camera, and behind it
 

@@ -8,7 +8,7 @@
 #include "pcavr/base/core/decimal.hpp"
 #include "pcavr/pipeline/calibrate.hpp"
 
-#include "pipeline/calibrate/yaml_text.hpp"
+#include "yaml_text.hpp"
 
 namespace pcavr {
 namespace {
@@ -32,11 +32,7 @@ std::string pose_text(const std::string& key, const CalibratedPose& pose) {
   text +=
       "  rotation_std: " + number_list(pose.rotation_std) + "  # rad, about the parent's axes\n";
   text += "  covariance:  # of the twist [v (m); w (rad)] in the child's axes: T exp([v; w])\n";
-  for (int row = 0; row < 6; ++row) {
-    const Vector6d values = pose.covariance.row(row);
-    text += "    - " + number_list(values) + '\n';
-  }
-  return text;
+  return text + row_lists(pose.covariance, "    ");
 }
 
 }  // namespace

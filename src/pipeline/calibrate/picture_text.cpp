@@ -6,12 +6,25 @@
 #include <fmt/format.h>
 
 #include "pcavr/base/core/decimal.hpp"
+#include "pcavr/base/core/decimal.hpp"
 #include "pcavr/pipeline/calibrate_pictures.hpp"
 
 #include "pipeline/calibrate/yaml_text.hpp"
 
 namespace pcavr {
 namespace {
+
+template <typename Values>
+std::string decimals(const Values& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + shortest_decimal(value);
+  return text;
+}
+
+template <typename Values>
+std::string bracketed(const Values& values) {
+  return '[' + decimals(values) + ']';
+}
 
 /// The name in camera files.
 const char* lens_name(LensModel lens) {
@@ -36,9 +49,9 @@ std::string camera_block(const CameraModel& camera, std::span<const double> stds
                         stds[i]);
   }
   text += fmt::format("  model: {}\n  distortion: {}  # {}\n", lens_name(camera.distortion.model()),
-                      number_list(camera.distortion.coefficients()),
+                      bracketed(camera.distortion.coefficients()),
                       coefficient_names(camera.distortion.model()));
-  text += "camera_std: " + number_list(stds) +
+  text += "camera_std: " + bracketed(stds) +
           "  # fx, fy, cx, cy (px), distortion; 0: not estimated\n";
   return text;
 }
@@ -51,7 +64,7 @@ std::string pcavr_camera(const CameraCalibration& found, const std::string& pict
   text += "covariance:  # of the same parameters\n";
   for (Eigen::Index row = 0; row < found.covariance.rows(); ++row) {
     const Eigen::VectorXd values = found.covariance.row(row);
-    text += "  - " + number_list(values) + '\n';
+    text += "  - " + bracketed(values) + '\n';
   }
   text += "pixel_rms: " + shortest_decimal(found.pixel_rms) + "  # px, of distances\n";
   if (found.held_out_rms) {

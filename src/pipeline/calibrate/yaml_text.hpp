@@ -4,32 +4,19 @@
 
 #include <string>
 
-#include "pcavr/base/core/decimal.hpp"
+#include <Eigen/Core>
 
 namespace pcavr {
 
+// Values of the calibration files.
+
 /// A text in YAML's double quotes.
-inline std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + '"';
-}
+[[nodiscard]] std::string quoted(const std::string& text);
 
-/// "1, 2.5, 3"
-template <typename Values>
-std::string decimals(const Values& values) {
-  std::string text;
-  for (const double value : values) text += (text.empty() ? "" : ", ") + shortest_decimal(value);
-  return text;
-}
+/// "[1, 2.5]"
+[[nodiscard]] std::string number_list(const Eigen::VectorXd& values);
 
-/// "[1, 2.5, 3]"
-template <typename Values>
-std::string number_list(const Values& values) {
-  return '[' + decimals(values) + ']';
-}
+/// The rows of a matrix as a list each, indented by `indent` and "- ".
+[[nodiscard]] std::string row_lists(const Eigen::MatrixXd& matrix, const std::string& indent);
 
 }  // namespace pcavr
