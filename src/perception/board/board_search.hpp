@@ -28,18 +28,18 @@ struct FoundTags {
 [[nodiscard]] FoundTags find_tags(const GrayImage& image, const Board& board);
 
 /// Where the tags are on a board, by the program that made it.
-struct TagLayout {
+struct BoardLayout {
   bool is_from_top = true;      ///< ids run row by row from the top, else from the bottom [Kalibr]
   bool is_first_white = false;  ///< ChArUco: the square at the upper left has a marker
   int quarters = 0;             ///< of a turn of each tag on the board
 };
 
 /// The layout that most tags of all images fit.
-[[nodiscard]] TagLayout choose_layout(const std::vector<FoundTags>& images, const Board& board);
+[[nodiscard]] BoardLayout choose_layout(const std::vector<FoundTags>& images, const Board& board);
 
 /// Corners of a tag grid, or the inner corners of a ChArUco board between two markers that fit.
 [[nodiscard]] FoundPoints points_of_tags(const GrayImage& image, const FoundTags& found,
-                                         const Board& board, const TagLayout& layout);
+                                         const Board& board, const BoardLayout& layout);
 
 /// Inner corners of a chessboard, or a grid's dots.
 struct FoundGrid {

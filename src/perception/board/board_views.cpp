@@ -57,7 +57,7 @@ void place_tags(const std::vector<NumberedPicture>& files, const Board& board,
                 Parallelism parallelism, std::vector<SearchedPicture>& pictures) {
   std::vector<FoundTags> tags;
   for (const SearchedPicture& picture : pictures) tags.push_back(picture.tags);
-  const TagLayout layout = choose_layout(tags, board);
+  const BoardLayout layout = choose_layout(tags, board);
   parallel_for(parallelism, files.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (tags[i].tags.empty()) continue;

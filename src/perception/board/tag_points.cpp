@@ -26,7 +26,7 @@ using Corners = std::array<Eigen::Vector2d, 4>;
 
 /// Column and row, from the lower left, of the tag's square or place.
 std::optional<std::array<int, 2>> place_of_tag(int id, const Board& board,
-                                               const TagLayout& layout) {
+                                               const BoardLayout& layout) {
   if (board.kind == BoardKind::tags) {
     if (id >= board.columns * board.rows) return std::nullopt;
     const int row = id / board.columns;
@@ -43,7 +43,7 @@ std::optional<std::array<int, 2>> place_of_tag(int id, const Board& board,
 }
 
 /// The tag's corners on the board [m], in the order of TagDetection::corners.
-std::optional<Corners> corners_on_board(int id, const Board& board, const TagLayout& layout) {
+std::optional<Corners> corners_on_board(int id, const Board& board, const BoardLayout& layout) {
   const auto place = place_of_tag(id, board, layout);
   if (!place) return std::nullopt;
   const double inset =
@@ -81,7 +81,7 @@ cv::Mat homography_of(const std::vector<PlacedTag>& tags) {
 
 /// The tags whose corners fit one homography.
 std::vector<PlacedTag> fitting_tags(const FoundTags& found, const Board& board,
-                                    const TagLayout& layout) {
+                                    const BoardLayout& layout) {
   std::vector<PlacedTag> placed;
   std::vector<cv::Point2d> on_board, image;
   for (const TagDetection& tag : found.tags) {
@@ -108,9 +108,9 @@ std::vector<PlacedTag> fitting_tags(const FoundTags& found, const Board& board,
   return kept;
 }
 
-std::vector<TagLayout> layouts_of(const Board& board) {
+std::vector<BoardLayout> layouts_of(const Board& board) {
   if (board.kind == BoardKind::charuco) return {{true, false, 0}, {true, true, 0}};
-  std::vector<TagLayout> layouts;
+  std::vector<BoardLayout> layouts;
   for (const bool is_from_top : {true, false}) {
     for (int quarters = 0; quarters < 4; ++quarters) {
       layouts.push_back({is_from_top, false, quarters});
@@ -194,10 +194,10 @@ FoundTags find_tags(const GrayImage& image, const Board& board) {
   return found;
 }
 
-TagLayout choose_layout(const std::vector<FoundTags>& images, const Board& board) {
-  TagLayout best;
+BoardLayout choose_layout(const std::vector<FoundTags>& images, const Board& board) {
+  BoardLayout best;
   std::size_t most = 0;
-  for (const TagLayout& layout : layouts_of(board)) {
+  for (const BoardLayout& layout : layouts_of(board)) {
     std::size_t fitting = 0;
     for (const FoundTags& found : images) fitting += fitting_tags(found, board, layout).size();
     if (fitting <= most) continue;
@@ -208,7 +208,7 @@ TagLayout choose_layout(const std::vector<FoundTags>& images, const Board& board
 }
 
 FoundPoints points_of_tags(const GrayImage& image, const FoundTags& found, const Board& board,
-                           const TagLayout& layout) {
+                           const BoardLayout& layout) {
   const std::vector<PlacedTag> tags = fitting_tags(found, board, layout);
   if (board.kind == BoardKind::charuco) return square_corners(image, tags, board);
   FoundPoints points;
