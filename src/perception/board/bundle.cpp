@@ -15,7 +15,7 @@ using Vector = Eigen::VectorXd;
 
 constexpr double kHuberStds = 2.5;        ///< beyond, a point counts linearly
 constexpr double kLensStep = 1e-6;        ///< of a coefficient, for its derivative
-constexpr double kMinPixel = 1e-3;  ///< [px] no picture is more exact
+constexpr double kMinPixel = 1e-3;        ///< [px] no picture is more exact
 constexpr double kMinArmPosition = 1e-7;  // [m]
 constexpr double kMinArmRotation = 1e-7;  // [rad]
 constexpr int kMaxSteps = 30;             ///< of Levenberg-Marquardt, at one noise
@@ -57,6 +57,8 @@ class Bundle {
     BundleFit fit{.model = start};
     for (int round = 0; round < kMaxNoiseRounds; ++round) {
       descend(fit.model);
+      fit.noise = noise_;
+      if (!options_.with_noise) break;
       const BundleNoise before = noise_;
       update_noise(fit);
       const auto change = [](double a, double b) { return std::abs(std::log(a / b)); };

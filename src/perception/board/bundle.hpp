@@ -44,6 +44,7 @@ struct BundleOptions {
   bool with_scale = false;
   bool with_camera = false;
   std::vector<int> lens = {};  ///< indices of the coefficients that are estimated
+  bool with_noise = true;      ///< estimates the noise, else keeps the given one
 };
 
 /// Standard deviations.

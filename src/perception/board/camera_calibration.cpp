@@ -55,16 +55,18 @@ std::optional<double> held_out_rms(const CameraBundle& all, const std::vector<st
                                    const BundleFit& fit, const BundleOptions& options) {
   if (used.size() < 2 * kFolds) return std::nullopt;
   double sum = 0.0, points = 0.0;
+  BundleOptions at_noise = options;
+  at_noise.with_noise = false;
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     std::vector<std::size_t> train, judged;
     for (std::size_t i = 0; i < used.size(); ++i) {
       (i % kFolds == fold ? judged : train).push_back(used[i]);
     }
     const CameraBundle of_train = all.of(train, fit.model.camera);
-    const BundleFit found = fit_bundle(of_train.views, of_train.start, fit.noise, options);
+    const BundleFit found = fit_bundle(of_train.views, of_train.start, fit.noise, at_noise);
     const CameraBundle of_judged = all.of(judged, found.model.camera);
-    const BundleFit poses =
-        fit_bundle(of_judged.views, of_judged.start, fit.noise, {.with_rig = false});
+    const BundleFit poses = fit_bundle(of_judged.views, of_judged.start, fit.noise,
+                                       {.with_rig = false, .with_noise = false});
     for (std::size_t i = 0; i < judged.size(); ++i) {
       const auto count = static_cast<double>(of_judged.views[i].pixels.size());
       sum += poses.view_rms[i] * poses.view_rms[i] * count;
@@ -165,7 +167,8 @@ Expected<CameraCalibration> calibrate_camera(const BoardViews& views, const Boar
   result.noise = fit.noise.pixel;
   result.held_out_rms = held_out_rms(all, used, fit, freed);
   const CameraBundle judged = all.of(all.indices(), result.camera);
-  const BundleFit poses = fit_bundle(judged.views, judged.start, fit.noise, {.with_rig = false});
+  const BundleFit poses =
+      fit_bundle(judged.views, judged.start, fit.noise, {.with_rig = false, .with_noise = false});
   for (std::size_t i = 0; i < judged.views.size(); ++i) {
     const Pose T_camera_board = poses.model.T_base_flange[i].inverse();
     result.views.push_back({.name = views.views[all.given[i]].name,

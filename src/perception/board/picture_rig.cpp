@@ -68,6 +68,7 @@ struct RigBundle {
 RigBundle without_view(const RigBundle& bundle, const BundleFit& fit, std::size_t left_out) {
   RigBundle part{.start = fit.model, .noise = fit.noise, .options = bundle.options};
   part.start.T_base_flange.clear();
+  part.options.with_noise = false;
   for (std::size_t i = 0; i < bundle.views.size(); ++i) {
     if (i == left_out) continue;
     part.views.push_back(bundle.views[i]);

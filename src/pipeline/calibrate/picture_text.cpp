@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "pcavr/base/core/decimal.hpp"
-#include "pcavr/base/core/decimal.hpp"
 #include "pcavr/pipeline/calibrate_pictures.hpp"
 
 #include "pipeline/calibrate/yaml_text.hpp"
@@ -51,8 +50,8 @@ std::string camera_block(const CameraModel& camera, std::span<const double> stds
   text += fmt::format("  model: {}\n  distortion: {}  # {}\n", lens_name(camera.distortion.model()),
                       bracketed(camera.distortion.coefficients()),
                       coefficient_names(camera.distortion.model()));
-  text += "camera_std: " + bracketed(stds) +
-          "  # fx, fy, cx, cy (px), distortion; 0: not estimated\n";
+  text +=
+      "camera_std: " + bracketed(stds) + "  # fx, fy, cx, cy (px), distortion; 0: not estimated\n";
   return text;
 }
 

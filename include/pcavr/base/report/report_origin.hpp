@@ -13,9 +13,9 @@ struct ReportOrigin {
   std::string date = {};     ///< empty: not shown
 };
 
-/// That of a command line: its words, quoted where a shell needs it, and the time now, in UTC to the
-/// minute, or that of SOURCE_DATE_EPOCH [reproducible-builds.org], for reports that are the same at
-/// each run.
+/// That of a command line: its words, quoted where a shell needs it, and the time now, in UTC to
+/// the minute, or that of SOURCE_DATE_EPOCH [reproducible-builds.org], for reports that are the
+/// same at each run.
 [[nodiscard]] ReportOrigin origin_of_command(std::span<char* const> words);
 
 /// Of all reports that are written from now on; without it, they have none. Call it before the
