@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -16,20 +15,22 @@
 #include "pcavr/base/report/number_text.hpp"
 
 #include "calibrate_commands.hpp"
+#include "calibrate_pictures.hpp"
 #include "calibration_outputs.hpp"
 #include "commands.hpp"
+#include "hand_eye_output.hpp"
 #include "number_option.hpp"
 
 namespace pcavr::app {
 namespace {
 
-constexpr double kToDegrees = 180.0 / std::numbers::pi;
 constexpr int kMaxSplits = 1000;  ///< more change the third digit only
 
 struct CalibrateArguments {
   std::string first, second;  ///< ROBOT and CAMERA, or A and B
   CalibrationOutputOption output;
   std::string camera_on = "arm";
+  std::string board, camera_file;  ///< of pictures in CAMERA
   std::vector<std::string> inverted, w_first;
   std::string left_handed, unit;
   bool skip_bad = false;
@@ -52,42 +53,6 @@ PoseInput input_of(const CalibrateArguments& arguments, bool is_first, const cha
     input.mirrored_axis = arguments.left_handed[0] - 'x';
   }
   return input;
-}
-
-std::string pose_lines(const std::string& name, const CalibratedPose& pose) {
-  std::string text = name + ":";
-  for (int axis = 0; axis < 3; ++axis) {
-    text += std::string(" ") + "xyz"[axis] + ' ';
-    if (pose.position_std[axis]) {
-      const UncertainText value =
-          uncertain(1e3 * pose.T_a_b.translation()[axis], 1e3 * *pose.position_std[axis]);
-      text += value.value + " +- " + value.std + " mm,";
-    } else {
-      text += "not observable,";
-    }
-  }
-  const Eigen::Vector3d vector = kToDegrees * pose.T_a_b.log().tail<3>();
-  text += " rotation vector";
-  for (int axis = 0; axis < 3; ++axis) {
-    const UncertainText value = uncertain(vector[axis], kToDegrees * pose.rotation_std[axis]);
-    text += (axis > 0 ? ", " : " ") + value.value + " +- " + value.std;
-  }
-  return text + " deg\n";
-}
-
-nlohmann::ordered_json pose_json(const CalibratedPose& pose) {
-  nlohmann::ordered_json json;
-  for (int axis = 0; axis < 3; ++axis) {
-    const bool is_known = pose.position_std[axis].has_value();
-    json["position"].push_back(is_known ? nlohmann::ordered_json(pose.T_a_b.translation()[axis])
-                                        : nlohmann::ordered_json());
-    json["position_std"].push_back(is_known ? nlohmann::ordered_json(*pose.position_std[axis])
-                                            : nlohmann::ordered_json());
-    json["rotation_std"].push_back(pose.rotation_std[axis]);
-  }
-  const Eigen::Vector4d q = pose.T_a_b.rotation().coeffs();
-  json["rotation"] = {q[0], q[1], q[2], q[3]};
-  return json;
 }
 
 nlohmann::ordered_json clock_json(const ClockOffset& clock) {
@@ -118,60 +83,6 @@ std::string clock_line(const ClockOffset& clock) {
                             100.0 * clock.explained);
 }
 
-nlohmann::ordered_json hand_eye_json(const HandEyeResult& found) {
-  const bool is_on_arm = found.mount == CameraMount::arm;
-  nlohmann::ordered_json json{
-      {"camera_on", is_on_arm ? "arm" : "base"}, {"camera", pose_json(found.camera)},
-      {"board", pose_json(found.board)},         {"position_rms", found.position_rms},
-      {"rotation_rms", found.rotation_rms},      {"leave_one_out_rms", found.leave_one_out_rms}};
-  const Eigen::Vector3d& point = found.best_point_board;
-  json["best_point_board"] = {point.x(), point.y(), point.z()};
-  if (found.held_out_rms) json["held_out_rms"] = *found.held_out_rms;
-  json["board_scale"] = found.board_scale;
-  json["board_scale_std"] = found.board_scale_std;
-  json["board_scale_is_used"] = found.is_board_scale_used;
-  if (found.unobservable) {
-    const Eigen::Vector3d& axis = *found.unobservable;
-    json["not_observable"] = {axis.x(), axis.y(), axis.z()};
-  }
-  json["cause"] = {{"is_separable", found.cause.is_separable}, {"camera", found.cause.camera},
-                   {"camera_std", found.cause.camera_std},     {"arm", found.cause.arm},
-                   {"arm_std", found.cause.arm_std},           {"text", describe_cause(found)}};
-  json["outliers"] = nlohmann::ordered_json::array();
-  for (const HandEyeResidual& residual : found.residuals) {
-    if (!residual.is_outlier) continue;
-    nlohmann::ordered_json outlier{{"view", residual.view}, {"position", residual.position.norm()}};
-    if (residual.partner) outlier["partner"] = *residual.partner;
-    json["outliers"].push_back(outlier);
-  }
-  if (found.next) json["next_pose"] = found.next->text;
-  return json;
-}
-
-std::string hand_eye_summary(const HandEyeResult& found) {
-  const bool is_on_arm = found.mount == CameraMount::arm;
-  std::string text = pose_lines(is_on_arm ? "camera in flange" : "camera in base", found.camera) +
-                     pose_lines(is_on_arm ? "board in base" : "board in flange", found.board);
-  text += fmt::format(
-      "board's position, at ({:.0f}, {:.0f}, {:.0f}) mm of it: rms {:.2f} mm fitted, {:.2f} mm "
-      "each by the others",
-      1e3 * found.best_point_board.x(), 1e3 * found.best_point_board.y(),
-      1e3 * found.best_point_board.z(), 1e3 * found.position_rms, 1e3 * found.leave_one_out_rms);
-  if (found.held_out_rms) {
-    text += fmt::format(", {:.2f} mm on unseen views", 1e3 * *found.held_out_rms);
-  }
-  text += fmt::format("; rotation rms {:.2f} deg\n", kToDegrees * found.rotation_rms);
-  if (found.next) {
-    text += "next pose: " + found.next->text +
-            (found.next->std_now
-                 ? fmt::format(": the camera's largest std falls from {:.2g} to {:.2g} mm\n",
-                               1e3 * *found.next->std_now, 1e3 * found.next->std_expected)
-                 : fmt::format(": the camera's position then shows to {:.2g} mm\n",
-                               1e3 * found.next->std_expected));
-  }
-  return text;
-}
-
 /// Names the file of the input that the error is about.
 Error with_file(Error error, const CalibrateArguments& arguments) {
   if (!error.file.empty()) return error;
@@ -181,6 +92,16 @@ Error with_file(Error error, const CalibrateArguments& arguments) {
 }
 
 Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observer& observer) {
+  arguments.hand_eye.mount = arguments.camera_on == "base" ? CameraMount::base : CameraMount::arm;
+  if (!arguments.board.empty()) {
+    return run_picture_rig({.robot = input_of(arguments, true, "robot"),
+                            .pictures = arguments.second,
+                            .board = arguments.board,
+                            .camera_file = arguments.camera_file,
+                            .output = arguments.output,
+                            .hand_eye = arguments.hand_eye},
+                           observer);
+  }
   Expected<CalibrationOutputs> outputs =
       CalibrationOutputs::create(arguments.output, {arguments.first, arguments.second});
   if (!outputs) return outputs.error();
@@ -189,7 +110,6 @@ Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observe
   const Expected<PairedPoses> paired = read_paired_poses(robot, camera);
   if (!paired) return paired.error();
   for (const std::string& note : paired->notes) observer.on_note(note);
-  arguments.hand_eye.mount = arguments.camera_on == "base" ? CameraMount::base : CameraMount::arm;
   const Expected<HandEyeResult> found = calibrate_hand_eye(paired->views, arguments.hand_eye);
   if (!found) return with_file(found.error(), arguments);
   for (const std::string& note : found->notes) observer.on_warning(note);
@@ -284,8 +204,16 @@ void add_hand_eye(CLI::App& app, Action& action) {
       ->add_option("robot", arguments->first,
                    "Poses of the flange in the arm's base: a table, or a folder with a file a view")
       ->required();
-  command->add_option("camera", arguments->second, "Poses of the board in the camera")->required();
+  command
+      ->add_option("camera", arguments->second,
+                   "Poses of the board in the camera; with --board a folder of pictures")
+      ->required();
   add_common(*command, *arguments, {"robot", "camera"});
+  CLI::Option* board = add_board_option(*command, arguments->board);
+  command
+      ->add_option("--camera", arguments->camera_file,
+                   "The camera of the pictures; without it, its intrinsics are estimated, too")
+      ->needs(board);
   command
       ->add_option(
           "--camera-on", arguments->camera_on,
@@ -325,6 +253,7 @@ void add_calibrate(CLI::App& app, Action& action) {
   command->require_subcommand(1);
   add_hand_eye(*command, action);
   add_clocks(*command, action);
+  add_calibrate_camera(*command, action);
   add_calibrate_tags(*command, action);
   add_calibrate_force(*command, action);
   add_calibrate_touch(*command, action);

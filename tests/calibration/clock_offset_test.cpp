@@ -74,6 +74,7 @@ TEST(ClockOffset, StatesAStdThatIsNotTooSmallNorTwiceTheError) {
               largest);
   EXPECT_GE(observable, kRuns - 3);
   EXPECT_GE(100.0 * within / observable, 60.0);
+  EXPECT_LE(100.0 * within / observable, 78.0);
   EXPECT_LT(largest, 4.0);
   EXPECT_LT(variances, 4.0 * errors);
 }

@@ -13,6 +13,8 @@
 #include "pcavr/base/report/report_page.hpp"
 #include "pcavr/pipeline/calibrate.hpp"
 
+#include "pipeline/calibrate/calibration_tables.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -119,14 +121,10 @@ Expected<void> write_page(const ReportPage& page, const std::string& json,
 
 }  // namespace
 
-Expected<void> write_hand_eye_report(const HandEyeResult& found, const PairedPoses& input,
-                                     const std::string& report_json,
-                                     const std::filesystem::path& folder) {
+ReportPage hand_eye_page(const HandEyeResult& found) {
   const bool is_on_arm = found.mount == CameraMount::arm;
   ReportPage page{.title = "Hand-eye calibration", .heading = "Hand-eye calibration"};
-  page.inputs = {{{"robot: "}, {input.formats[0], true}}, {{"camera: "}, {input.formats[1], true}}};
-  page.notes = input.notes;
-  page.notes.insert(page.notes.end(), found.notes.begin(), found.notes.end());
+  page.notes = found.notes;
   page.verdict = describe_cause(found) + '.';
   page.headline = headline(found);
   PageSection section{.title = "Result"};
@@ -138,6 +136,15 @@ Expected<void> write_hand_eye_report(const HandEyeResult& found, const PairedPos
                 {residual_plot(found, false), residual_plot(found, true), distance_plot(found)}});
   section.blocks.emplace_back(std::vector<ReportTable>{view_table(found)});
   page.sections.push_back(std::move(section));
+  return page;
+}
+
+Expected<void> write_hand_eye_report(const HandEyeResult& found, const PairedPoses& input,
+                                     const std::string& report_json,
+                                     const std::filesystem::path& folder) {
+  ReportPage page = hand_eye_page(found);
+  page.inputs = {{{"robot: "}, {input.formats[0], true}}, {{"camera: "}, {input.formats[1], true}}};
+  page.notes.insert(page.notes.begin(), input.notes.begin(), input.notes.end());
   page.footer = version_footer("Std: standard deviation, by the noise that the residuals show.");
   return write_page(page, report_json, folder);
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -29,8 +30,11 @@ constexpr double kSampleStep = 0.618034;
 constexpr std::size_t kMinSamples = 40;
 constexpr std::size_t kPeaks = 4;  ///< of the search, each of which is refined
 constexpr int kMaxClockSteps = 25;
-constexpr double kBlocks = 25.0;  ///< for the std; in each the residuals may be correlated
-constexpr double kMinBlocks = 8.0;
+/// Windows for the std, of this part of the record: longer ones are few, shorter ones mix the
+/// frequencies of the motion with those of the noise.
+constexpr double kParts = 12.0;
+constexpr double kMinPartSteps = 5.0;   ///< of a window's length, in steps of the slopes
+constexpr double kMinParts = 8.0;       ///< windows side by side
 constexpr double kMinExplained = 0.5;   ///< less is no common motion
 constexpr double kMaxStd = 0.1;         ///< [s] more says nothing
 constexpr double kMinDriftSpan = 30.0;  ///< [s]
@@ -236,40 +240,51 @@ class ClockFit {
     }
   }
 
-  /// Std by the scatter of blocks of the record, which holds for correlated residuals [Liang &
-  /// Zeger 1986].
+  /// Std by the long-run variance of the score: the scatter of overlapping parts of the record
+  /// under Hann's window [Welch 1967]. Velocities are differences of poses, whose noise is strong
+  /// at high frequencies and weak at those of the motion: parts with sharp ends would mix the two,
+  /// and give 1.5 times the std.
   void state_std() {
     const double span = at_.back() - at_.front();
-    const double length = std::max(span / kBlocks, 5.0 * derivative_step_);
+    const double length = std::max(span / kParts, kMinPartSteps * derivative_step_);
     const Eigen::Index columns = normal_.rows();
-    Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(columns, columns);
-    Eigen::VectorXd block = Eigen::VectorXd::Zero(columns);
-    double blocks = 1.0, end = at_.front() + length, motion = 0.0, rest = 0.0;
+    double motion = 0.0, rest = 0.0;
     for (std::size_t i = 0; i < at_.size(); ++i) {
-      if (at_[i] > end) {
-        scatter += block * block.transpose();
-        block.setZero();
-        blocks += 1.0;
-        while (at_[i] > end) end += length;
-      }
-      block += weights_[i] * rows_[i].transpose() * residuals_[i];
       motion += weights_[i] * a_values_[i].squaredNorm();
       rest += weights_[i] * residuals_[i].squaredNorm();
       clock_.residual.push_back(residuals_[i].norm());
     }
-    scatter += block * block.transpose();
     clock_.residual_t = at_;
     clock_.samples = at_.size();
     clock_.overlap = span;
     clock_.explained = motion > 0.0 ? 1.0 - rest / motion : 0.0;
-    const double freedom = std::max(blocks - static_cast<double>(columns), 1.0);
     const Eigen::MatrixXd inverse =
         normal_.ldlt().solve(Eigen::MatrixXd::Identity(columns, columns));
-    const Eigen::MatrixXd covariance = inverse * scatter * inverse * (blocks / freedom);
+    const Eigen::MatrixXd covariance = inverse * score_variance(length) * inverse;
     clock_.std = std::sqrt(std::max(covariance(0, 0), 0.0));
     if (with_drift_) clock_.drift_std = std::sqrt(std::max(covariance(1, 1), 0.0));
     clock_.is_observable = clock_.explained > kMinExplained && clock_.std > 0.0 &&
-                           clock_.std < kMaxStd && blocks >= kMinBlocks;
+                           clock_.std < kMaxStd && span >= kMinParts * length;
+  }
+
+  /// Variance of the sum of all samples' scores, from windows of this length [s].
+  [[nodiscard]] Eigen::MatrixXd score_variance(double length) const {
+    const Eigen::Index columns = normal_.rows();
+    Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(columns, columns);
+    double squares = 0.0;  // of the windows' weights
+    std::size_t first = 0;
+    for (double begin = at_.front(); begin + 0.99 * length <= at_.back(); begin += 0.5 * length) {
+      while (at_[first] < begin) ++first;
+      Eigen::VectorXd part = Eigen::VectorXd::Zero(columns);
+      for (std::size_t i = first; i < at_.size() && at_[i] < begin + length; ++i) {
+        const double sine = std::sin(std::numbers::pi * (at_[i] - begin) / length);
+        const double window = sine * sine;
+        part += window * weights_[i] * rows_[i].transpose() * residuals_[i];
+        squares += window * window;
+      }
+      scatter += part * part.transpose();
+    }
+    return scatter * (static_cast<double>(at_.size()) / squares);
   }
 
   const VelocitySignal& a_;

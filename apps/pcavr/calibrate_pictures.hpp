@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "pcavr/perception/board/picture_rig.hpp"
+#include "pcavr/pipeline/calibrate.hpp"
+
+#include "calibration_outputs.hpp"
+#include "console.hpp"
+
+namespace pcavr::app {
+
+/// `calibrate hand-eye` from pictures of a board.
+struct PictureRigArguments {
+  PoseInput robot = {};
+  std::string pictures, board, camera_file;
+  CalibrationOutputOption output = {};
+  HandEyeOptions hand_eye = {};
+};
+[[nodiscard]] Expected<CommandResult> run_picture_rig(const PictureRigArguments& arguments,
+                                                      const Observer& observer);
+
+/// Adds --board.
+CLI::Option* add_board_option(CLI::App& command, std::string& board);
+
+/// A camera's parameters with stds, by name.
+[[nodiscard]] nlohmann::ordered_json camera_json(const CameraModel& camera,
+                                                 const std::vector<double>& stds);
+[[nodiscard]] std::string camera_lines(const CameraModel& camera, const std::vector<double>& stds);
+
+}  // namespace pcavr::app
