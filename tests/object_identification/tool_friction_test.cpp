@@ -69,8 +69,8 @@ std::optional<ParameterValue> found_from(const std::vector<Push>& pushes, double
     }
   }
   ObjectIdentification result;
-  identify_tool_friction_of(contacts, 0, {model, tracked}, PathView(t_tool, p_base_tip), kRadius,
-                            result);
+  identify_tool_friction_of(contacts, 0, {model, tracked}, BodySurface(model),
+                            PathView(t_tool, p_base_tip), kRadius, result);
   return result.parameters.tool_friction_coefficient;
 }
 

@@ -15,6 +15,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/random.hpp"
 #include "pcavr/recordings/rosbag/cdr_messages.hpp"
 #include "pcavr/teleoperation/sites/site_clock.hpp"
@@ -40,6 +41,7 @@ struct FakeNetwork {
   std::mutex mutex;
   std::deque<std::pair<std::size_t, Bytes>> to_robot;
   std::vector<Bytes> from_robot;
+  std::atomic<bool> fails = false;
 
   void send(std::size_t topic, Bytes message) {
     const std::lock_guard lock(mutex);
@@ -65,6 +67,7 @@ class FakeTransport final : public Ros2Transport {
   explicit FakeTransport(FakeNetwork& network) : network_(network) {}
   void wait(std::chrono::milliseconds, const Receiver& receive) override {
     std::this_thread::sleep_for(1ms);
+    PCAVR_REQUIRE(!network_.fails, "made to fail");
     std::deque<std::pair<std::size_t, Bytes>> messages;
     {
       const std::lock_guard lock(network_.mutex);
@@ -73,6 +76,7 @@ class FakeTransport final : public Ros2Transport {
     for (const auto& [topic, message] : messages) receive(topic, message);
   }
   bool publish(std::size_t, std::span<const std::uint8_t> message) override {
+    PCAVR_REQUIRE(!network_.fails, "made to fail");
     const std::lock_guard lock(network_.mutex);
     network_.from_robot.emplace_back(message.begin(), message.end());
     return true;
@@ -306,6 +310,21 @@ TEST_F(Ros2RobotTest, NeedsThePoseOfTheTool) {
   setup_.objects[0].name = "cup";
   EXPECT_NE(connect().error().to_string().find("cup is not an object of the scene"),
             std::string::npos);
+}
+
+TEST_F(Ros2RobotTest, GoesOnWhenTheTransportWorksAgain) {
+  network_.send(kTool, tool_at(kStart, local_now()));
+  auto robot = connect();
+  ASSERT_TRUE(robot) << robot.error().to_string();
+  const Eigen::Vector3d near = kStart.translation() + Eigen::Vector3d(0.02, 0, 0);
+  const auto has_published = [&] { return network_.count() > 0; };
+  ASSERT_TRUE(run_until(**robot, near, has_published));
+  network_.fails = true;
+  ASSERT_TRUE(run_until(**robot, near, has_notice("messages of the robot: ")));
+  ASSERT_TRUE(run_until(**robot, near, has_notice("made to fail")));
+  network_.fails = false;
+  const std::size_t before = network_.count();
+  EXPECT_TRUE(run_until(**robot, near, [&] { return network_.count() > before; }));
 }
 
 TEST_F(Ros2RobotTest, MeasuresAndPublishesSetpointsNearTheTool) {

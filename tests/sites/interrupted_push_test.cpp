@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/random.hpp"
 #include "pcavr/pipeline/plant_robot.hpp"
 #include "pcavr/teleoperation/sites/link_sites.hpp"
@@ -57,7 +58,7 @@ class RestlessPerson final : public OperatorInterface {
   int cycles_ = 0;
 };
 
-/// The plant; its wrench is no number from a time on, for a while.
+/// The plant; its wrench is no number from a time on, for a while, or it fails.
 class CheckedRobot final : public RobotInterface {
  public:
   explicit CheckedRobot(std::unique_ptr<RobotInterface> plant) : plant_(std::move(plant)) {}
@@ -69,6 +70,8 @@ class CheckedRobot final : public RobotInterface {
     plant_->set_command(p_base_tip, q);
   }
   void advance(double t, RobotSamples& samples) override {
+    const bool is_faulty = t > faulty_from && t < faulty_from + 0.02;
+    PCAVR_REQUIRE(!(is_faulty && throws), t);
     plant_->advance(t, samples);
     faults += samples.has_fault ? 1U : 0U;
     for (const RobotSamples::Tool& tool : samples.tool) {
@@ -76,13 +79,12 @@ class CheckedRobot final : public RobotInterface {
     }
     for (RobotSamples::Wrench& wrench : samples.wrench) {
       max_force = std::max(max_force, wrench.force_base.norm());
-      if (t > faulty_from && t < faulty_from + 0.02) {
-        wrench.force_base.x() = std::numeric_limits<double>::quiet_NaN();
-      }
+      if (is_faulty) wrench.force_base.x() = std::numeric_limits<double>::quiet_NaN();
     }
   }
 
   double faulty_from = std::numeric_limits<double>::infinity();  ///< [s]
+  bool throws = false;                                           ///< meanwhile
   Eigen::Vector3d setpoint = Eigen::Vector3d::Zero();
   std::size_t faults = 0;
   double max_force = 0.0;  ///< [N]
@@ -176,16 +178,22 @@ TEST(InterruptedPush, LeavesThePlantFiniteAfterTwoHundredInterruptions) {
   EXPECT_GT(session.robot_site.steps->finish().value().sessions, 50U);
 }
 
-TEST(InterruptedPush, ARobotThatReportsNoNumbersHoldsInItsSession) {
-  RestlessSession session;
-  session.run_until(3.0);
-  session.robot.faulty_from = 3.0;
-  session.run_until(3.5);
-  EXPECT_EQ(session.warnings("reports values that are not valid"), 1U);
-  const Eigen::Vector3d held = session.robot.setpoint;
-  session.run_until(4.5);
-  EXPECT_EQ(session.robot.setpoint, held);
-  EXPECT_EQ(session.robot_site.steps->finish().value().sessions, 1U);
+TEST(InterruptedPush, ARobotThatFailsHoldsInItsSession) {
+  for (const bool throws : {false, true}) {
+    RestlessSession session;
+    session.run_until(3.0);
+    session.robot.faulty_from = 3.0;
+    session.robot.throws = throws;
+    session.run_until(3.5);
+    EXPECT_EQ(session.warnings(throws ? "the robot can't be read: " : "values that are not valid"),
+              1U);
+    const Eigen::Vector3d held = session.robot.setpoint;
+    session.run_until(4.5);
+    EXPECT_EQ(session.robot.setpoint, held);
+    const RobotSiteReport report = session.robot_site.steps->finish().value();
+    EXPECT_EQ(report.sessions, 1U);
+    EXPECT_GT(report.cycles, 4400U);  // at 1 kHz
+  }
 }
 
 }  // namespace

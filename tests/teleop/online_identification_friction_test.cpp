@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the robot's site learns contact by contact is what `identify` finds in the recording.
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -22,23 +23,30 @@ constexpr double kBefore = 0.3;  // [s] recorded with a contact, as by the robot
 constexpr double kAfter = 0.3;   // [s]
 
 template <typename T>
-std::span<const T> part(const std::vector<double>& t, const std::vector<T>& values, double from,
-                        double to) {
+std::vector<T> part(const std::vector<double>& t, const std::vector<T>& values, double from,
+                    double to) {
   const auto first = std::lower_bound(t.begin(), t.end(), from) - t.begin();
   const auto last = std::upper_bound(t.begin(), t.end(), to) - t.begin();
-  return std::span(values).subspan(static_cast<std::size_t>(first),
-                                   static_cast<std::size_t>(last - first));
+  return {values.begin() + first, values.begin() + last};
+}
+
+/// An object as the robot's site identifies it: its mass is given as a parameter.
+std::shared_ptr<const IdentifiableObject> identifiable(const IdentifiableObject& object) {
+  return std::make_shared<const IdentifiableObject>(
+      IdentifiableObject{.name = object.name,
+                         .model = object.model,
+                         .T_base_object = object.T_base_object,
+                         .is_movable = object.is_movable});
 }
 
 /// Learns an object from the contacts that `identify` uses, one after the other.
 ObjectParameters learned(const IdentificationInput& input, const Identification& found,
                          std::size_t index, LearningOptions options = {}) {
   const IdentifiableObject& object = input.objects[index];
-  const BodySurface surface(object.model);
   ObjectParameters given;
   if (object.mass) given.mass = ParameterValue{*object.mass};
   options.max_fitted_contacts = 20;
-  OnlineIdentification knowledge(given, options);
+  OnlineIdentification knowledge(identifiable(object), given, input.tool_radius, options);
   for (const IdentifiedContact& contact : found.contacts) {
     if (contact.object != index || !contact.left_out.empty()) continue;
     const double from = contact.episode.begin - kBefore;
@@ -48,15 +56,11 @@ ObjectParameters learned(const IdentificationInput& input, const Identification&
                          part(input.t_tool, input.t_tool, from, to),
                          part(input.t_tool, input.p_base_tip, from, to),
                          {}};
-    std::vector<TrackedPose> tracked;
     for (const TrackedPose& pose : object.tracked) {
-      if (pose.t >= from && pose.t <= to) tracked.push_back(pose);
-    }
-    if (!tracked.empty()) {
-      record.seen.emplace(ObjectMotion{{object.model, tracked}, surface, input.tool_radius});
+      if (pose.t >= from && pose.t <= to) record.tracked.push_back(pose);
     }
     learn_with_friction(knowledge, record, contact.episode.begin,
-                        {.has_slid = !contact.episode.slides.empty(), .is_over = true});
+                        {.has_slid = !contact.episode.slides.empty()});
   }
   return knowledge.known();
 }
@@ -97,7 +101,7 @@ TEST(OnlineIdentificationFriction, UsesALawOfPressesThatIsTooUncertainToBeFelt) 
   const auto found = identify(made.input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
   LearningOptions options;
-  options.max_penetration_std = 0.0;
+  options.max_fit_error = 0.0;
   for (std::size_t i = 0; i < made.input.objects.size(); ++i) {
     const ObjectParameters online = learned(made.input, *found, i, options);
     EXPECT_FALSE(online.contact_stiffness);

@@ -24,9 +24,8 @@ constexpr double kFriction = 5.0;       // [N] of the object on its support
 constexpr double kRadius = 0.025;       // [m] of that friction: feet near the centre of mass
 constexpr double kEvenRadius = 0.0383;  // [m] of a square of 0.1 m under even pressure
 constexpr double kToolFriction = 0.2;
-constexpr double kStep = 0.002;    // [s]
-constexpr double kSpeed = 0.03;    // [m/s]
-constexpr double kGravity = 9.81;  // [m/s^2]
+constexpr double kStep = 0.002;  // [s]
+constexpr double kSpeed = 0.03;  // [m/s]
 
 CadModel block() {
   return make_cad_model(test::box_mesh({0.1F, 0.1F, 0.05F}), "block", "test").value();
@@ -80,22 +79,12 @@ struct OffCentrePush {
 
 LimitSurface on_feet() { return ellipsoid_surface(kFriction, kFriction * kRadius); }
 
-/// Parameters that are known after pushes at these places beside the centre [m].
-ObjectParameters learnt_from(const std::vector<double>& places, double lateral, bool is_tracked,
-                             const LimitSurface& surface_of_friction = on_feet(),
-                             const std::optional<ParameterValue>& viscous = {}) {
-  const CadModel model = block();
-  const BodySurface surface(model);
+/// What is known after pushes at these places beside the centre [m].
+OnlineIdentification learnt_from(const std::vector<double>& places, double lateral, bool is_tracked,
+                                 const LimitSurface& surface_of_friction = on_feet()) {
   ObjectParameters given;
   given.mass = ParameterValue{1.5};
-  given.viscous_friction = viscous;
-  // The coefficient gives the force of these slides at their speed, so that they contradict neither
-  // value.
-  if (viscous) {
-    given.sliding_friction_coefficient =
-        ParameterValue{(kFriction - viscous->value * kSpeed) / (1.5 * kGravity)};
-  }
-  OnlineIdentification knowledge(given);
+  OnlineIdentification knowledge = knowledge_of_box(given);
   double start = 0.0;
   std::uint64_t seed = 1;
   for (const double beside : places) {
@@ -103,16 +92,15 @@ ObjectParameters learnt_from(const std::vector<double>& places, double lateral, 
     for (double& t : push.t) t += start;
     for (TrackedPose& pose : push.tracked) pose.t += start;
     ContactRecord record{push.t, push.force, push.t, push.tip};
-    if (is_tracked) record.seen.emplace(ObjectMotion{{model, push.tracked}, surface, kTip});
-    learn_with_friction(knowledge, record, start,
-                        {.has_slid = true, .has_moved = true, .is_over = true});
+    if (is_tracked) record.tracked = push.tracked;
+    learn_with_friction(knowledge, record, start, {.has_slid = true, .has_moved = true});
     start += 10.0;
   }
-  return knowledge.known();
+  return knowledge;
 }
 
 TEST(OnlineIdentificationTurning, LearnsTheFrictionRadiusOfAnObjectOnFeet) {
-  const ObjectParameters known = learnt_from({0.02, -0.025, 0.03, -0.015}, 0.0, true);
+  const ObjectParameters known = learnt_from({0.02, -0.025, 0.03, -0.015}, 0.0, true).known();
   ASSERT_TRUE(known.friction_radius);
   // Uniform pressure on its face: 38 mm.
   EXPECT_NEAR(known.friction_radius->value, kRadius, 0.1 * kRadius);
@@ -120,38 +108,42 @@ TEST(OnlineIdentificationTurning, LearnsTheFrictionRadiusOfAnObjectOnFeet) {
 }
 
 TEST(OnlineIdentificationTurning, KeepsTheSupportsRadiusAfterFewPushes) {
-  EXPECT_FALSE(learnt_from({0.02, -0.025}, 0.0, true).friction_radius);
+  EXPECT_FALSE(learnt_from({0.02, -0.025}, 0.0, true).known().friction_radius);
 }
 
 TEST(OnlineIdentificationTurning, KeepsTheSupportsRadiusWhereThePushesDoNotContradictIt) {
   LimitSurface even = surface_of_support(block(), Pose(), kEvenRadius);
   even.force = kFriction;
-  EXPECT_FALSE(learnt_from({0.02, -0.025, 0.03}, 0.0, true, even).friction_radius);
-}
-
-TEST(OnlineIdentificationTurning, IsLessSureOfARadiusBesideAnUnknownViscousFriction) {
-  const std::vector<double> places{0.02, -0.025, 0.03, -0.015};
-  const auto radius_beside = [&](const std::optional<ParameterValue>& viscous) {
-    return learnt_from(places, 0.0, true, on_feet(), viscous).friction_radius;
-  };
-  const auto unknown = radius_beside({});
-  const auto none = radius_beside(ParameterValue{0.0, 0.1});
-  const auto large = radius_beside(ParameterValue{60.0, 0.1});  // [N s/m]
-  ASSERT_TRUE(unknown && none && large);
-  EXPECT_GT(std::abs(large->value - none->value), 0.05 * none->value);
-  EXPECT_GT(*unknown->std, *none->std);
+  EXPECT_FALSE(learnt_from({0.02, -0.025, 0.03}, 0.0, true, even).known().friction_radius);
 }
 
 TEST(OnlineIdentificationTurning, NeedsTracking) {
-  const ObjectParameters known = learnt_from({0.02, -0.025, 0.03, -0.015}, 0.8, false);
+  const ObjectParameters known = learnt_from({0.02, -0.025, 0.03, -0.015}, 0.8, false).known();
   EXPECT_FALSE(known.friction_radius);
   EXPECT_FALSE(known.tool_friction_coefficient);
 }
 
 TEST(OnlineIdentificationTurning, LearnsTheTipsFrictionWhereItSlips) {
-  const ObjectParameters known = learnt_from({0.0, 0.005}, 0.8, true);
+  const ObjectParameters known = learnt_from({0.0, 0.005}, 0.8, true).known();
   ASSERT_TRUE(known.tool_friction_coefficient);
   EXPECT_NEAR(known.tool_friction_coefficient->value, kToolFriction, 0.1 * kToolFriction);
+}
+
+TEST(OnlineIdentificationTurning, WithdrawsTheTipsFrictionWhereTheForceMayBeTurned) {
+  OnlineIdentification knowledge = learnt_from({0.0, 0.005}, 0.8, true);
+  ASSERT_TRUE(knowledge.known().tool_friction_coefficient);
+  EXPECT_FALSE(knowledge.next_search());  // it would find the same
+  constexpr double kTurn = 0.5;           // [rad]
+  knowledge.set_suspected_turn(kTurn);
+  const auto search = knowledge.next_search();
+  ASSERT_TRUE(search);
+  const ObjectIdentifier::Result found = search->result();
+  knowledge.accept(found);
+  EXPECT_FALSE(knowledge.known().tool_friction_coefficient);
+  // The friction that stays is as uncertain as a turn leaves it.
+  const auto& coefficient = knowledge.known().sliding_friction_coefficient;
+  ASSERT_TRUE(coefficient && coefficient->std);
+  EXPECT_GT(*coefficient->std, (1.0 / std::cos(kTurn) - 1.0) * coefficient->value);
 }
 
 TEST(SentParameters, ContainALimitSurfaceThatHasChanged) {

@@ -33,8 +33,8 @@ void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::si
 /// Identifies the offset of the surface that the presses met from the CAD body's at its first pose:
 /// the law is rendered from there. For presses on one flat face.
 void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size_t index,
-                             const IdentifiableObject& object, double tool_radius,
-                             const PathView& tip, ObjectIdentification& result);
+                             const IdentifiableObject& object, const BodySurface& surface,
+                             double tool_radius, const PathView& tip, ObjectIdentification& result);
 /// `found` is the identification from these presses.
 [[nodiscard]] std::vector<EstimatorTrace> compare_estimators(std::span<const ForceMotion> presses,
                                                              const ContactIdentification& found,

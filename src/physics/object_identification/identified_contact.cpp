@@ -43,6 +43,14 @@ std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& cont
   return chosen;
 }
 
+const FaceContact* face_of_law(const ObjectIdentification& found) {
+  const FaceContact* most = nullptr;
+  for (const FaceContact& face : found.faces) {
+    if (face.is_usable && (most == nullptr || face.pushes > most->pushes)) most = &face;
+  }
+  return most;
+}
+
 void add_recordings(const std::vector<std::string>& recordings, ObjectIdentification& result) {
   std::vector<std::string>& all = result.parameters.sources.recordings;
   for (std::vector<std::string>* list : {&result.recordings, &all}) {

@@ -275,17 +275,11 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   int count = result.press_count;
   if (result.presses.best().is_valid) {
     best = &result.presses.best();
-    result.comparison = compare_estimators(series, result.presses, options.estimator);
-  } else {
-    // The face with the most pushes.
-    int max_pushes = 0;
-    for (const FaceContact& face : result.faces) {
-      const ContactFit& fit = face.contact.best();
-      if (face.is_usable && face.pushes > max_pushes) {
-        count = max_pushes = face.pushes;
-        best = &fit;
-      }
-    }
+    if (options.compares_estimators)
+      result.comparison = compare_estimators(series, result.presses, options.estimator);
+  } else if (const FaceContact* face = face_of_law(result)) {
+    count = face->pushes;
+    best = &face->contact.best();
   }
   if (best == nullptr || result.presses.best().is_valid) result.is_contact_off_centre = false;
   if (best != nullptr) {

@@ -183,7 +183,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   };
   // The object's turning depends on its viscous friction, which hardly depends on the turning.
   SlidesPosterior sliding = infer_sliding();
-  if (!body.tracked.empty() && !result.is_turning_known) {
+  if (!body.tracked.empty()) {
     const FrictionPosterior& first = sliding.joint;
     const ParameterValue viscous = first.is_valid ? as_value(first.viscous) : ParameterValue{};
     identify_turning_of(contacts, object, body, tip, tool_radius, viscous, options, result);

@@ -17,7 +17,6 @@
 #include "pcavr/physics/identification/breakaway_motion.hpp"
 
 #include "physics/object_identification/breakaway_lever.hpp"
-#include "physics/object_identification/known_before.hpp"
 
 namespace pcavr {
 namespace {
@@ -109,18 +108,8 @@ bool is_fast(const Breakaway& breakaway, double mass, const OnsetOptions& option
   return inertial_overshoot(breakaway, mass) > options.max_acceleration_share * breakaway.force;
 }
 
-/// The limit by the push's equation of motion about the breakaway.
-LimitOfMotion limit_in_motion(IdentifiedContact& push, const Breakaway& breakaway,
-                              const PushedObject& object, const BreakawayPriors& priors) {
-  std::optional<PushEvidence::Limit> shown = push.shown ? push.shown->limit : std::nullopt;
-  if (!shown || !is_unchanged(shown->object, object))
-    shown = {object, limit_by_motion(push.episode.series(), breakaway, object, priors)};
-  if (push.shown) push.shown->limit = shown;
-  return shown->found;
-}
-
 /// The limit of one push: the force less inertia, which needs the mass; else the force at the peak.
-LimitOfMotion limit_of(IdentifiedContact& push, std::optional<PushedObject> object,
+LimitOfMotion limit_of(const IdentifiedContact& push, std::optional<PushedObject> object,
                        const std::optional<HuntCrossley>& contact_law,
                        const std::optional<ParameterValue>& mass,
                        const IdentificationOptions& options) {
@@ -130,7 +119,8 @@ LimitOfMotion limit_of(IdentifiedContact& push, std::optional<PushedObject> obje
   // Only fast pushes use the motion: in a slow push it could show no more than the small error of
   // the peak.
   if (object && is_fast(breakaway, object->mass, options.onset)) {
-    const LimitOfMotion found = limit_in_motion(push, breakaway, *object, options.breakaway_priors);
+    const LimitOfMotion found =
+        limit_by_motion(episode.series(), breakaway, *object, options.breakaway_priors);
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};

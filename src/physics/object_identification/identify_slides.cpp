@@ -14,7 +14,6 @@
 #include "pcavr/physics/prediction/body_physics.hpp"
 #include "pcavr/physics/turning/support.hpp"
 
-#include "physics/object_identification/known_before.hpp"
 #include "physics/object_identification/tracked_motion.hpp"
 
 namespace pcavr {
@@ -409,15 +408,10 @@ std::vector<FrictionSample> friction_samples(const std::vector<IdentifiedContact
   std::vector<FrictionSample> samples;
   const Slides slides(body, tip, tool_radius, known);
   for (std::size_t i = 0; i < pushes.size(); ++i) {
-    std::optional<PushEvidence::Slide> shown;
-    if (pushes[i]->shown) shown = pushes[i]->shown->slide;
-    if (!shown || !is_unchanged(*shown, compliance, known))
-      shown = PushEvidence::Slide{compliance, known, slides.of(*pushes[i], compliance)};
-    for (const FrictionSample& sample : shown->samples) {
+    for (FrictionSample& sample : slides.of(*pushes[i], compliance)) {
       samples.push_back(sample);
       samples.back().push = i;
     }
-    if (pushes[i]->shown) pushes[i]->shown->slide = std::move(shown);
   }
   return samples;
 }

@@ -21,8 +21,9 @@ constexpr double kMaxOffset = 0.001;   // [m] more is a wrong pose
 }  // namespace
 
 void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size_t index,
-                             const IdentifiableObject& object, double tool_radius,
-                             const PathView& tip, ObjectIdentification& result) {
+                             const IdentifiableObject& object, const BodySurface& surface,
+                             double tool_radius, const PathView& tip,
+                             ObjectIdentification& result) {
   result.parameters.contact_surface_offset.reset();
   const ContactFit& fit = result.presses.best();
   if (!fit.is_valid || result.is_exponent_given || result.impact_findings.gives_stiffness) return;
@@ -31,7 +32,6 @@ void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size
     const auto pushes = contacts_of(contacts, index, false);
     presses.insert(presses.end(), pushes.begin(), pushes.end());
   }
-  const BodySurface surface(object.model);
   Eigen::Vector3d normal_object = Eigen::Vector3d::Zero();
   double sum = 0.0, count = 0.0;
   for (std::size_t k = 0; k < result.presses.touched.size(); ++k) {

@@ -40,9 +40,9 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
 }
 
 void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
-                               const BodyMotion& body, const PathView& tip, double tool_radius,
+                               const BodyMotion& body, const BodySurface& surface,
+                               const PathView& tip, double tool_radius,
                                ObjectIdentification& result) {
-  const BodySurface surface(body.model);
   std::vector<std::vector<double>> samples;
   for (const IdentifiedContact& contact : contacts) {
     if (contact.object != object || !contact.left_out.empty() || contact.episode.impact) continue;

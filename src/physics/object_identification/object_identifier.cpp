@@ -54,6 +54,11 @@ struct JoinedContacts {
   }
 };
 
+ObjectParameters with_weighed_mass(ObjectParameters known, const IdentifiableObject& object) {
+  if (!known.mass && object.mass) known.mass = ParameterValue{*object.mass, {}};
+  return known;
+}
+
 }  // namespace
 
 ObservedContact delayed(ObservedContact contact, double delay) {
@@ -74,11 +79,17 @@ ObjectIdentifier::ObjectIdentifier(const IdentifiableObject& object, ObjectParam
                                    double tool_radius, IdentificationGoal goal,
                                    const IdentificationOptions& options)
     : object_(&object),
-      known_(std::move(known)),
+      surface_(std::make_shared<const BodySurface>(object.model)),
+      known_(with_weighed_mass(std::move(known), object)),
       tool_radius_(tool_radius),
       goal_(goal),
-      options_(options) {
-  if (!known_.mass && object.mass) known_.mass = ParameterValue{*object.mass, {}};
+      options_(options) {}
+
+ObjectIdentifier ObjectIdentifier::with(ObjectParameters known, IdentificationGoal goal) const {
+  ObjectIdentifier other = *this;
+  other.known_ = with_weighed_mass(std::move(known), *object_);
+  other.goal_ = goal;
+  return other;
 }
 
 void ObjectIdentifier::add(std::shared_ptr<const ObservedContact> contact) {
@@ -99,13 +110,13 @@ ObjectIdentifier::Result ObjectIdentifier::result() const {
 
   ObjectIdentification found{
       .name = object_->name, .is_movable = object_->is_movable, .parameters = known_};
-  identify_tool_friction_of(contacts, index, motion, tip, tool_radius_, found);
+  identify_tool_friction_of(contacts, index, motion, *surface_, tip, tool_radius_, found);
   if (object_->is_movable) leave_out_moved_presses(contacts, joined.tracked, tip);
   if (is_contact_assumed(found.parameters)) forget_contact(found.parameters);
   const bool has_contact_law = found.parameters.contact_stiffness.has_value();
   if (goal_ == IdentificationGoal::contact || !has_contact_law) {
     identify_contact_of(contacts, index, tip, options_, found);
-    identify_surface_offset(contacts, index, *object_, tool_radius_, tip, found);
+    identify_surface_offset(contacts, index, *object_, *surface_, tool_radius_, tip, found);
   }
   if (goal_ == IdentificationGoal::friction && object_->is_movable) {
     identify_friction_of(contacts, index, object_->mass, motion, tip, tool_radius_, options_,

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "pcavr/base/core/caught.hpp"
 #include "pcavr/base/core/thread_priority.hpp"
 #include "pcavr/recordings/rosbag/cdr_messages.hpp"
 #include "pcavr/teleoperation/sites/site_clock.hpp"
@@ -195,7 +196,8 @@ class Ros2Robot final : public RobotInterface, private PictureSource {
 
   void read() {
     while (!is_stopped_) {
-      receive();
+      const bool has_received = succeeds("messages of the robot", [this] { receive(); });
+      if (!has_received) std::this_thread::sleep_for(kWait);
       const double silence = boot_clock() - intake_.tool()->arrival;
       if (silence > setup_.silence_timeout) {
         notes_.add(setup_.tool.name + ": no message any more; nothing is commanded meanwhile",
@@ -203,6 +205,19 @@ class Ros2Robot final : public RobotInterface, private PictureSource {
       }
       note_measured();
     }
+  }
+
+  /// Whether `work` of a thread ended without an exception, which must not end the site and is
+  /// noted. `what` it is about.
+  template <typename Work>
+  bool succeeds(std::string_view what, const Work& work) {
+    const auto done = caught([&] {
+      work();
+      return true;
+    });
+    if (!done)
+      notes_.add(std::string(what) + ": " + done.error().message + ": ignored", boot_clock());
+    return done.has_value();
   }
 
   /// The threads that the loop, which calls this, depends on: else a loaded machine delays samples
@@ -237,7 +252,7 @@ class Ros2Robot final : public RobotInterface, private PictureSource {
         measured = measured_;
       }
       if (newest && is_allowed(*newest, measured)) {
-        publish(*newest, measured);
+        succeeds(setup_.command->name, [&] { publish(*newest, measured); });
       } else if (boot_clock() - last_published_ > kMaxSetpointAge) {
         q_base_command_.reset();  // the next one begins at the measured tool
       }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "pcavr/base/core/caught.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -45,7 +47,12 @@ void RobotMeasurement::leave_out_faulty() {
 void RobotMeasurement::advance(double now, double start, RobotInterface& robot, LiveRobotSite& site,
                                SiteLog& log) {
   samples_.clear();
-  robot.advance(now - start, samples_);
+  const auto measured = caught([&] {
+    robot.advance(now - start, samples_);
+    return true;
+  });
+  failure_.reset();
+  if (!measured) failure_ = measured.error();
   leave_out_faulty();
   site.set_arrival(now - start);
   for (const RobotSamples::Tool& tool : samples_.tool) {

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/base/core/expected.hpp"
 #include "pcavr/base/geometry/tracked_pose.hpp"
 #include "pcavr/teleoperation/link/link_message.hpp"
 #include "pcavr/teleoperation/sites/robot_interface.hpp"
@@ -35,8 +36,10 @@ class RobotMeasurement {
   /// Takes what the robot has measured up to `now`; `start` [s]: time zero of the scene.
   void advance(double now, double start, RobotInterface& robot, LiveRobotSite& site, SiteLog& log);
   [[nodiscard]] const Eigen::Vector3d& force_base() const { return force_base_; }
-  /// Whether the last advance() left out a sample because it is not finite.
-  [[nodiscard]] bool has_fault() const { return samples_.has_fault; }
+  /// Whether the last advance() left out a sample because it is not finite, or the robot failed.
+  [[nodiscard]] bool has_fault() const { return samples_.has_fault || failure_; }
+  /// Why the robot failed in the last advance(), if it did.
+  [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
 
   /// Response of the robot's arm, once it is known.
   [[nodiscard]] const std::optional<TipResponse>& tool_response() const {
@@ -55,6 +58,7 @@ class RobotMeasurement {
   void sense(double t);
 
   RobotSamples samples_;
+  std::optional<Error> failure_;
   RobotSamples::Tool tool_;
   Eigen::Vector3d force_base_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque_base_ = Eigen::Vector3d::Zero();

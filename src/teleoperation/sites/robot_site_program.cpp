@@ -301,7 +301,10 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     measurement_.advance(now, *start_, robot_, site_, log_);
     if (measurement_.has_fault()) {
       safety_.hold();
-      warn("the robot reports values that are not valid: the tool holds until it is resumed", now);
+      const std::string fault = measurement_.failure()
+                                    ? "the robot can't be read: " + measurement_.failure()->message
+                                    : "the robot reports values that are not valid";
+      warn(fault + ": the tool holds until it is resumed", now);
     }
     if (!session()) site_.idle(now - *start_);
   }

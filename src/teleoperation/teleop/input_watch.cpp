@@ -144,6 +144,8 @@ bool InputWatch::apply_findings(const InputFindings& found, double t) {
   fault_ = found.fault;
   bool has_changed = had_fault != fault_.has_value();
   if (fault_) return has_changed;
+  has_changed |= suspected_turn_ != found.suspected_turn;
+  suspected_turn_ = found.suspected_turn;
   has_changed |=
       apply(found.tool_to_force, found.is_force_offset_applied, prior_.force_offset, t, force_);
   has_changed |=

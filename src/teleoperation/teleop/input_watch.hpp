@@ -61,6 +61,8 @@ class InputWatch {
   /// A fault of the force; as of the last examination. (One of the tool or its clock is stated by
   /// findings() only, at the end: of little data it may be wrong.)
   [[nodiscard]] const std::optional<InputFault>& fault() const { return fault_; }
+  /// See InputFindings::suspected_turn [rad]; as of the last examination, too.
+  [[nodiscard]] double suspected_turn() const { return suspected_turn_; }
   [[nodiscard]] const AppliedOffset& force() const { return force_; }
   [[nodiscard]] const AppliedOffset& camera() const { return camera_; }
   /// Findings by all samples so far; expensive. An Error: the examination failed.
@@ -101,6 +103,7 @@ class InputWatch {
   double first_ = std::numeric_limits<double>::infinity();  ///< [s]
   std::optional<double> examined_ = {};                     ///< [s]
   std::optional<InputFault> fault_ = {};
+  double suspected_turn_ = 0.0;  ///< [rad]
   std::optional<Error> failure_ = {};
   AppliedOffset force_, camera_;
   /// Begins once the last examination is done. All tasks after one that throws throw the same.

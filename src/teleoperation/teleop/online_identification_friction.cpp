@@ -3,11 +3,7 @@
 // Online identification of mass and friction from the pushes so far.
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <limits>
-#include <memory>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,7 +11,6 @@
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/physics/identification/inertial_peak.hpp"
-#include "pcavr/physics/inputs/align_with_face.hpp"
 
 #include "teleoperation/teleop/online_identification.hpp"
 
@@ -83,87 +78,7 @@ ParameterValue sliding_force(const ObjectParameters& known, double weight, doubl
   return {force, std};
 }
 
-/// The contact law of presses as `pcavr identify` has it: also one that is too uncertain to be
-/// felt, since the linear law which is felt meanwhile is far off beyond the presses' forces.
-void take_law(const ContactIdentification& presses, FrictionSearch& search) {
-  const ContactFit& law = presses.best();
-  search.known.contact_stiffness = as_value(law.stiffness);
-  search.known.contact_exponent = as_value(law.exponent);
-  search.known.contact_damping = damping_of(law);
-  const double peak = search.press_peaks.empty() ? 0.0 : std::ranges::max(search.press_peaks);
-  search.penetration_std = std::hypot(law.penetration_std, curvature_std(presses, law, peak));
-}
-
 }  // namespace
-
-void OnlineIdentification::check_limits(IdentifiedContact& push) {
-  const IdentifiedParameter sliding = friction_in(push.episode, options_.friction_priors);
-  const auto contradict = [&](double limit, double std) {
-    if (limit_above_sliding({limit, std, true}, sliding).is_excited) return false;
-    contradiction_ = fmt::format(
-        "a breakaway at {:.2f} N is below the sliding friction, {:.2f} N: it is not used to "
-        "identify",
-        limit, sliding.value);
-    return true;
-  };
-  if (!sliding.is_excited) return;
-  const std::optional<ParameterValue>& learned = known_.limiting_static_friction;
-  if (learned && contradict(learned->value, learned->std.value_or(0.0))) discard_learned_limit();
-  // The load of a tip that slipped, or left and came again, before the object slides at all.
-  Breakaway& breakaway = push.episode.breakaway;
-  if (breakaway.is_found && contradict(breakaway.force, breakaway.std)) breakaway.is_found = false;
-}
-
-IdentifiedContact OnlineIdentification::attributed(const ContactRecord& record,
-                                                   const Segmentation& found) const {
-  IdentifiedContact contact;
-  contact.episode = contacts_.back();
-  contact.object = 0;
-  const ContactEpisode& episode = contact.episode;
-  const auto first =
-      std::lower_bound(record.t_force.begin(), record.t_force.end(), episode.t.front());
-  const auto begin = found.force_base.begin() + (first - record.t_force.begin());
-  contact.force_base.assign(begin, begin + std::ssize(episode.t));
-  if (!record.seen) return contact;
-  const PathView tip(record.t_tool, record.p_base_tip);
-  const Pose T_base_object = pose_at(record.seen->body.tracked, episode.begin);
-  contact.normal_object =
-      record.seen->surface.touch(T_base_object, tip.at(episode.begin), record.seen->tool_radius)
-          .normal_object;
-  std::vector<Eigen::Vector3d> directions_base;
-  for (const FrictionSearch::Push& push : pushes_)
-    directions_base.push_back(push.stored->contact.episode.direction_base);
-  align_with_face(T_base_object, record.seen->body.model.centre_of_mass_object, tip,
-                  directions_base, contact);
-  return contact;
-}
-
-void OnlineIdentification::store_push(const ContactRecord& record, IdentifiedContact contact) {
-  const double begin = contact.episode.begin;
-  if (!pushes_.empty() &&
-      std::abs(pushes_.back().stored->contact.episode.begin - begin) < kSameContact)
-    pushes_.pop_back();
-  if (std::ssize(pushes_) >= options_.max_fitted_contacts) pushes_.pop_front();
-  auto push = std::make_shared<StoredPush>();
-  push->contact = std::move(contact);
-  // The tip's path begins at the end of the push before.
-  const double from = pushes_.empty() ? -std::numeric_limits<double>::infinity()
-                                      : pushes_.back().stored->t_tool.back();
-  const auto first = std::upper_bound(record.t_tool.begin(), record.t_tool.end(), from);
-  const auto skipped = first - record.t_tool.begin();
-  push->t_tool.assign(first, record.t_tool.end());
-  push->p_base_tip.assign(record.p_base_tip.begin() + skipped, record.p_base_tip.end());
-  if (record.seen) {
-    model_ = &record.seen->body.model;
-    tool_radius_ = record.seen->tool_radius;
-    const std::span<const TrackedPose> tracked = record.seen->body.tracked;
-    std::copy_if(tracked.begin(), tracked.end(), std::back_inserter(push->tracked),
-                 [from](const TrackedPose& pose) { return pose.t > from; });
-  }
-  if (push->t_tool.empty()) return;
-  pushes_.push_back({std::move(push), nullptr});
-  has_new_push_ = true;
-}
 
 void OnlineIdentification::assume_friction(const ContactEpisode& push) {
   const bool has_friction = known_.sliding_friction_coefficient && !is_friction_assumed_;
@@ -186,77 +101,57 @@ void OnlineIdentification::assume_limit(double coulomb) {
   is_limit_assumed_ = has_changed_ = true;
 }
 
-std::optional<FrictionSearch> OnlineIdentification::next_search() {
-  if (!has_new_push_) return std::nullopt;
-  has_new_push_ = false;
-  FrictionSearch search{.pushes = {pushes_.begin(), pushes_.end()},
-                        .known = known_,
-                        .presses = presses_,
-                        .penetration_std = given_.contact_stiffness ? 0.0 : penetration_std_,
-                        .model = model_,
-                        .tool_radius = tool_radius_};
-  for (const ContactEpisode& contact : contacts_) {
-    if (is_press(contact)) search.press_peaks.push_back(contact.peak_force);
-  }
-  // A mass that was learned is identified again, with what the newest pushes add.
-  search.known.mass = given_.mass;
-  const bool is_by_presses = !given_.contact_stiffness && presses_.best().is_valid;
-  if (is_by_presses) take_law(presses_, search);
-  const bool is_by_pushes = !given_.contact_stiffness && !is_by_presses;
-  if (is_by_pushes && search.known.contact_exponent) {
-    // The law that predicts these pushes best, but creep biases its exponent and its damping.
-    search.known.contact_exponent->std = kExponentStdOfPushes;
-    search.known.contact_damping.reset();
-  }
-  search.options.onset = options_.onset;
-  search.options.limiting_friction = options_.limiting_friction;
-  search.options.sliding = options_.sliding;
-  search.options.friction_priors = options_.friction_priors;
-  search.options.breakaway_priors = options_.breakaway_priors;
-  search.options.inputs.segmentation = options_.segmentation;
-  return search;
+std::optional<ObjectIdentifier> OnlineIdentification::next_search() {
+  if (!std::exchange(is_search_due_, false)) return std::nullopt;
+  return identifier(given_, IdentificationGoal::friction);
 }
 
-bool OnlineIdentification::accept(const FrictionSearch::Findings& findings) {
+bool OnlineIdentification::accept(const ObjectIdentifier::Result& result) {
   has_changed_ = false;
-  for (const FrictionSearch::Push& searched : findings.pushes) {
-    for (FrictionSearch::Push& push : pushes_) {
-      if (push.stored == searched.stored) push.shown = searched.shown;
-    }
-  }
-  const ObjectIdentification& found = findings.object;
-  const std::optional<ParameterValue> mass_before = known_.mass;
-  if (!found.is_mass_given && found.sliding.mass.is_excited) {
-    accept(&ObjectParameters::mass, {found.sliding.mass.value, found.sliding.mass.std});
-  }
+  const ObjectIdentification& found = result.object;
+  const auto newest =
+      std::find_if(result.contacts.rbegin(), result.contacts.rend(), [this](const auto& contact) {
+        return !is_press(contact.episode) && !contact.episode.slides.empty();
+      });
   // The inertia of a fast push is still in its peak without the sliding friction.
-  const ContactEpisode& newest = findings.pushes.back().stored->contact.episode;
-  const bool is_inertial =
-      !found.friction.is_valid &&
-      is_inertial_peak(newest.breakaway, friction_in(newest, options_.friction_priors));
+  const bool is_inertial = !found.friction.is_valid && newest != result.contacts.rend() &&
+                           is_inertial_peak(newest->episode.breakaway,
+                                            friction_in(newest->episode, options_.friction_priors));
   if (!is_inertial) accept_limit(found);
-  if (!accept_sliding(found)) keep_friction_force(mass_before);
+  accept_sliding(found);
+  accept_radius(found);
+  accept_tool_friction(found);
   return has_changed_;
 }
 
-void OnlineIdentification::keep_friction_force(const std::optional<ParameterValue>& mass_before) {
-  std::optional<ParameterValue>& coefficient = known_.sliding_friction_coefficient;
-  if (!mass_before || !known_.mass || !coefficient) return;
-  if (given_.sliding_friction_coefficient || known_.mass->value == mass_before->value) return;
-  const double ratio = mass_before->value / known_.mass->value;
-  coefficient->value *= ratio;
-  if (coefficient->std) *coefficient->std *= ratio;
+void OnlineIdentification::note_contradiction(double limit, double sliding) {
+  contradiction_ = fmt::format(
+      "a breakaway at {:.2f} N is below the sliding friction, {:.2f} N: it is not used to identify",
+      limit, sliding);
+}
+
+void OnlineIdentification::check_breakaway(ContactEpisode& push) {
+  const IdentifiedParameter sliding = friction_in(push, options_.friction_priors);
+  const auto contradicts = [&](double limit, double std) {
+    if (limit_above_sliding({limit, std, true}, sliding).is_excited) return false;
+    note_contradiction(limit, sliding.value);
+    return true;
+  };
+  const std::optional<ParameterValue>& learned = known_.limiting_static_friction;
+  if (learned && contradicts(learned->value, learned->std.value_or(0.0))) discard_learned_limit();
+  Breakaway& breakaway = push.breakaway;
+  if (breakaway.is_found && contradicts(breakaway.force, breakaway.std)) breakaway.is_found = false;
 }
 
 void OnlineIdentification::accept_limit(const ObjectIdentification& found) {
   const IdentifiedParameter& limit = found.limit_of_pushes.limit;
   if (!limit.is_excited) return;
   if (found.limit.pushes == 0) {
-    contradiction_ = found.notes.back();
+    note_contradiction(limit.value, found.friction.coulomb.value);
     return discard_learned_limit();
   }
   std::optional<ParameterValue>& known = known_.limiting_static_friction;
-  const ParameterValue value{limit.value, limit.std};
+  const ParameterValue value = *found.parameters.limiting_static_friction;
   // An earlier value was found in these pushes, too, or is assumed: the scatter that later pushes
   // show may widen the std.
   const bool is_learned = known && !given_.limiting_static_friction;
@@ -286,20 +181,24 @@ bool OnlineIdentification::is_sliding_contradicted(const std::vector<FrictionSam
   return is_contradicted(old, {newest.force, newest.std});
 }
 
-bool OnlineIdentification::accept_sliding(const ObjectIdentification& found) {
+void OnlineIdentification::accept_sliding(const ObjectIdentification& found) {
   const std::vector<SlidingForce>& forces = found.friction.sliding_force;
-  if (!found.friction.coefficient.is_excited || forces.empty()) return false;
+  if (!found.friction.coefficient.is_excited || forces.empty()) return;
   const ObjectParameters& next = found.parameters;
-  if (!next.mass || !next.sliding_friction_coefficient || !next.viscous_friction) return false;
+  if (!next.mass || !next.sliding_friction_coefficient || !next.viscous_friction) return;
   const SlidingForce& middle = forces[forces.size() / 2];
   const double relative_std = middle.std / middle.force;
   if (known_.sliding_friction_coefficient && !is_friction_assumed_) {
     const bool was_given = given_.sliding_friction_coefficient.has_value();
     const bool is_more_certain = !was_given && relative_std <= kMaxStdRatio * sliding_force_std_;
-    if (!is_more_certain && !is_sliding_contradicted(found.slide_samples, next.mass->value)) {
-      return false;
+    const bool is_mass_contradicted =
+        !found.is_mass_given && is_contradicted(known_.mass, *next.mass);
+    if (!is_more_certain && !is_mass_contradicted &&
+        !is_sliding_contradicted(found.slide_samples, next.mass->value)) {
+      return;
     }
   }
+  known_.mass = next.mass;
   known_.sliding_friction_coefficient = next.sliding_friction_coefficient;
   known_.viscous_friction = next.viscous_friction;
   given_.sliding_friction_coefficient.reset();
@@ -309,7 +208,6 @@ bool OnlineIdentification::accept_sliding(const ObjectIdentification& found) {
   has_changed_ = true;
   assume_limit(next.sliding_friction_coefficient->value * next.mass->value *
                options_.sliding.gravity);
-  return true;
 }
 
 }  // namespace pcavr

@@ -177,7 +177,6 @@ constexpr auto kLearningFields = std::to_array<OptionField<Learning>>({
     {"static_limit_factor", &Learning::static_limit_factor, 1.5, 1.0, 100.0, "",
      "limiting friction until breakaway, over the largest static friction",
      "lower: the limit is raised several times in a push; higher: the prediction breaks away late"},
-    // The maximum is the number that is stored: kMaxStoredContacts.
     {"max_fitted_contacts", &Learning::max_fitted_contacts, 6, 1, 20, "contacts",
      "newest contacts that are fitted together",
      "lower: noise of a single contact; higher: computing time, and changes are followed slowly"},

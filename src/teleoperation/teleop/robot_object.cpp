@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "pcavr/base/core/median.hpp"
@@ -41,7 +42,13 @@ RobotObject::RobotObject(const TeleopObject& object, const BodyPhysics& assumed,
                          const TeleopOptions& options, const SensorProperties& sensors,
                          double tool_radius, double start)
     : monitor(start, sensors, options.phases, object.is_movable),
-      knowledge(object.parameters, options.learning, object.is_movable),
+      unlearned(std::make_shared<const IdentifiableObject>(
+                    IdentifiableObject{.name = object.name,
+                                       .model = object.model,
+                                       .T_base_object = object.T_base_object,
+                                       .is_movable = object.is_movable}),
+                object.parameters, tool_radius, options.learning),
+      knowledge(unlearned),
       correction_switch(options.correction_switch, sensors.enter_force, options.round_trip()),
       acknowledged(sent_parameters(assumed, options.gravity())),
       source_(&object),
@@ -67,7 +74,7 @@ void RobotObject::forget_learned() {
   identification.reset();
   // Its thread takes longer than a cycle may wait.
   if (search) search->is_obsolete = true;
-  knowledge = OnlineIdentification(source_->parameters, learning_, source_->is_movable);
+  knowledge = unlearned;
   learned.clear();
   tracked_contacts_.clear();
 }
@@ -156,12 +163,11 @@ void RobotObject::remember(const TrackedPose& seen) {
   history_.push_back(seen);
 }
 
-std::optional<ObjectMotion> RobotObject::seen_motion(double begin, double end) const {
+std::vector<TrackedPose> RobotObject::tracked_between(double begin, double end) const {
   const auto by_time = [](const TrackedPose& pose, double t) { return pose.t < t; };
   const auto from = std::lower_bound(history_.begin(), history_.end(), begin, by_time);
   const auto to = std::lower_bound(from, history_.end(), end, by_time);
-  if (from == to) return std::nullopt;
-  return ObjectMotion{{source_->model, {from, to}}, surface_, tool_radius_};
+  return {from, to};
 }
 
 void RobotObject::detect_slow_slide(const TrackedPose& seen) {

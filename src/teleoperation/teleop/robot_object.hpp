@@ -90,9 +90,8 @@ class RobotObject {
   [[nodiscard]] const std::deque<TrackedContact>& tracked_contacts() const {
     return tracked_contacts_;
   }
-  /// The object's tracked motion in [begin, end] [s]; empty where no pose is known. Valid until the
-  /// next pose is processed.
-  [[nodiscard]] std::optional<ObjectMotion> seen_motion(double begin, double end) const;
+  /// The object's tracked poses in [begin, end] [s].
+  [[nodiscard]] std::vector<TrackedPose> tracked_between(double begin, double end) const;
   /// The physics that the operator's site has with these parameters.
   [[nodiscard]] BodyPhysics physics_with(const ObjectParameters& parameters) const;
 
@@ -102,6 +101,7 @@ class RobotObject {
   [[nodiscard]] ObjectParameters parameters() const;
 
   PhaseMonitor monitor;
+  OnlineIdentification unlearned;  ///< what is known at the start
   OnlineIdentification knowledge;
   CorrectionSwitch correction_switch;
   ObjectParameters acknowledged;  ///< parameters that the operator's site has confirmed
@@ -221,7 +221,7 @@ class RobotObject {
 
  public:
   /// Identification in progress, for `knowledge`. It and `search` are last: their threads use
-  /// surface and model.
+  /// what it refers to.
   std::optional<PendingIdentification> identification = {};
   /// A search for `knowledge`; its pushes are by a clock that was wrong if it `is_obsolete`.
   struct Search {

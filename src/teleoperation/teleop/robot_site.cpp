@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/core.h>
@@ -254,6 +255,9 @@ void RobotSite::examine_inputs_at(double t) {
     for (RobotObject& object : objects_) object.forget_learned();
     return;
   }
+  for (RobotObject& object : objects_) {
+    object.knowledge.set_suspected_turn(watch_.suspected_turn());
+  }
   const double change = watch_.force().offset - offset;
   force_.set_offset(watch_.force().offset);
   if (change != 0.0) learn_again(change);
@@ -360,6 +364,12 @@ std::vector<std::string> RobotSite::notes() const {
     notes.push_back(fmt::format("the force is not used from {} on: {}; {}",
                                 at_time(*force_fault_since_), watch_.fault()->error.message,
                                 watch_.fault()->error.hint));
+  }
+  if (const double turn = watch_.suspected_turn(); turn > 0.0) {
+    notes.push_back(
+        fmt::format("the force may be turned by up to {:.0f} degrees: friction at the tip is not "
+                    "identified; check how the force sensor is mounted",
+                    turn * 180.0 / std::numbers::pi));
   }
   const auto note_offset = [&notes](const char* what, const AppliedOffset& applied) {
     if (!applied.since) return;

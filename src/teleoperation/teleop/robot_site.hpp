@@ -104,7 +104,7 @@ class RobotSite {
   void search_friction(RobotObject& object, double t);
   void apply_search(RobotObject& object);
   void accept(RobotObject& object,
-              const Expected<std::shared_ptr<const FrictionSearch::Findings>>& findings);
+              const Expected<std::shared_ptr<const ObjectIdentifier::Result>>& findings);
   void note_contradiction(RobotObject& object, double begin);
   [[nodiscard]] const UnusableInterval* unusable_in(double begin, double end) const;
   void process_time(const TouchSample& sample, const PredictionLog& log);

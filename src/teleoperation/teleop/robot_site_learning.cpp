@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/base/core/caught.hpp"
 #include "pcavr/physics/contact/hunt_crossley.hpp"
 
 #include "teleoperation/teleop/robot_site.hpp"
@@ -108,16 +109,19 @@ void RobotSite::apply_search(RobotObject& object) {
 }
 
 void RobotSite::accept(RobotObject& object,
-                       const Expected<std::shared_ptr<const FrictionSearch::Findings>>& findings) {
+                       const Expected<std::shared_ptr<const ObjectIdentifier::Result>>& findings) {
   if (!findings) return note_failure(PendingSearch::kTask, findings.error());
-  object.knowledge.accept(**findings);
+  OnlineIdentification next = object.knowledge;
+  const auto accepted = caught([&] { return next.accept(**findings); });
+  if (!accepted) return note_failure(PendingSearch::kTask, accepted.error());
+  object.knowledge = std::move(next);
   note_contradiction(object, object.monitor.contact_begin());
 }
 
 void RobotSite::search_friction(RobotObject& object, double t) {
   if (object.search && object.search->pending.is_due(t)) apply_search(object);
   if (object.search) return;
-  if (std::optional<FrictionSearch> search = object.knowledge.next_search())
+  if (std::optional<ObjectIdentifier> search = object.knowledge.next_search())
     object.search.emplace(RobotObject::Search{PendingSearch(background_, t, std::move(*search))});
 }
 
@@ -148,10 +152,7 @@ void RobotSite::identify(RobotObject& object, double t) {
   }
   if (object.learned.empty() || object.learned.back().begin != begin) object.learned.push_back({});
   if (object.learned.size() > kMaxLearned) object.learned.pop_front();
-  object.learned.back() = {
-      begin,
-      t,
-      {object.monitor.has_slid(), object.has_moved_in_contact(), !object.monitor.is_touched()}};
+  object.learned.back() = {begin, t, {object.monitor.has_slid(), object.has_moved_in_contact()}};
   const RobotObject::IdentifiedOnline& contact = object.learned.back();
   std::vector<PendingIdentification::Contact> contacts;
   contacts.push_back(copy_of(object, contact));
@@ -168,14 +169,19 @@ const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
 ContactRecord RobotSite::record_of(RobotObject& object,
                                    const RobotObject::IdentifiedOnline& contact) {
   object.knowledge.set_force_ceiling(force_.ceiling());
+  object.knowledge.set_suspected_turn(watch_.suspected_turn());
   const ForceStream::Record force = force_.between(contact.begin - kBefore, contact.until);
   const std::span<const double> t = tip_.t();
   const auto from = std::lower_bound(t.begin(), t.end(), contact.begin - kBefore);
   const auto to = std::upper_bound(from, t.end(), contact.until);
   const auto first = static_cast<std::size_t>(from - t.begin());
   const auto count = static_cast<std::size_t>(to - from);
-  return {force.t, force.clean_base, t.subspan(first, count), tip_.p_base().subspan(first, count),
-          object.seen_motion(contact.begin - kBefore, contact.until)};
+  const std::span<const Eigen::Vector3d> p_base = tip_.p_base().subspan(first, count);
+  return {{force.t.begin(), force.t.end()},
+          {force.clean_base.begin(), force.clean_base.end()},
+          {from, to},
+          {p_base.begin(), p_base.end()},
+          object.tracked_between(contact.begin - kBefore, contact.until)};
 }
 
 void RobotSite::note_contradiction(RobotObject& object, double begin) {
@@ -187,7 +193,7 @@ void RobotSite::note_contradiction(RobotObject& object, double begin) {
 
 PendingIdentification::Contact RobotSite::copy_of(RobotObject& object,
                                                   const RobotObject::IdentifiedOnline& contact) {
-  return {RecordedSamples(record_of(object, contact)), contact.begin, contact.facts};
+  return {record_of(object, contact), contact.begin, contact.facts};
 }
 
 void RobotSite::learn_again(double offset_change) {

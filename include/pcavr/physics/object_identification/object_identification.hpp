@@ -26,6 +26,7 @@
 #include "pcavr/physics/identification/sliding.hpp"
 #include "pcavr/physics/inputs/input_options.hpp"
 #include "pcavr/physics/inputs/input_series.hpp"
+#include "pcavr/physics/inputs/touch.hpp"
 #include "pcavr/physics/object/object_parameters.hpp"
 #include "pcavr/physics/turning/body_motion.hpp"
 
@@ -47,6 +48,7 @@ struct IdentificationOptions {
   /// Damping from impacts; empty: the published law that paper B's criterion chooses (eq. 12). The
   /// exact relation has no error, the published ones up to hundreds of per cent.
   std::optional<DampingLaw> damping_law = DampingLaw::exact;
+  bool compares_estimators = true;  ///< for a report; no parameter depends on it
 };
 
 /// The compliance by which a contact is compressed: with it the object's motion follows from the
@@ -63,22 +65,6 @@ struct KnownSupport {
   std::optional<double> weight = {};           ///< [N]
 };
 
-/// The results of a push, with the knowledge of the object under which they were found. They hold
-/// as long as that knowledge changes by little against its stds.
-struct PushEvidence {
-  struct Slide {
-    ContactCompliance compliance;
-    KnownSupport support;
-    std::vector<FrictionSample> samples;
-  };
-  struct Limit {
-    PushedObject object;
-    LimitOfMotion found;
-  };
-  std::optional<Slide> slide = {};
-  std::optional<Limit> limit = {};
-};
-
 /// One contact of an object, and what was identified from it.
 struct IdentifiedContact : AttributedContact {
   IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
@@ -89,9 +75,6 @@ struct IdentifiedContact : AttributedContact {
   std::vector<double> tip_std = {};
   /// The line of a push, where a press gave the object's contact law; its ratio may be not excited.
   std::optional<PressLine> press_line = {};
-  /// Where not empty, the contact's results are kept here and used again. The motion may not change
-  /// then.
-  std::optional<PushEvidence> shown = {};
 };
 
 /// One estimator run online over an object's recorded presses [paper C, figures 8 and 9].
@@ -199,8 +182,6 @@ struct ObjectIdentification {
   FrictionPosterior friction = {};
   std::vector<FrictionSample> slide_samples = {};  ///< that `friction` is inferred from
   bool is_mass_given = false;  ///< the parameters' mass is the weighed or known one
-  /// Given: the parameters' friction radius and limit surface are not identified again.
-  bool is_turning_known = false;
   LimitSurfaceFit surface = {};
   std::vector<PushSample> turning = {};
   std::optional<ParameterValue> friction_radius = {};
@@ -214,6 +195,10 @@ struct ObjectIdentification {
 /// to 1.4 where 1.5 was true, five to ten of their stds off.
 inline constexpr double kExponentOfPushes = 1.5;
 inline constexpr double kExponentStdOfPushes = 0.289;  // 1 / sqrt(12)
+
+/// The face that gives the contact law where no press does: the one with the most pushes of those
+/// that are usable. nullptr: none is.
+[[nodiscard]] const FaceContact* face_of_law(const ObjectIdentification& found);
 
 /// The usable contacts of one kind (presses or pushes) with an object.
 [[nodiscard]] std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& contacts,
@@ -233,7 +218,8 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
 
 /// Friction between tip and object, where the tip slid along a face.
 void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
-                               const BodyMotion& body, const PathView& tip, double tool_radius,
+                               const BodyMotion& body, const BodySurface& surface,
+                               const PathView& tip, double tool_radius,
                                ObjectIdentification& result);
 
 /// Sliding, turning and breakaway of an object, from all its pushes, into `result`, of which the

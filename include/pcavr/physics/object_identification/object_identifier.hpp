@@ -59,7 +59,12 @@ class ObjectIdentifier {
   ObjectIdentifier(const IdentifiableObject& object, ObjectParameters known, double tool_radius,
                    IdentificationGoal goal, const IdentificationOptions& options);
 
+  /// The same contacts with the same object, where something else is known or asked for.
+  [[nodiscard]] ObjectIdentifier with(ObjectParameters known, IdentificationGoal goal) const;
+
   void add(std::shared_ptr<const ObservedContact> contact);
+  [[nodiscard]] std::size_t size() const { return contacts_.size(); }
+  [[nodiscard]] const BodySurface& surface() const { return *surface_; }
 
   /// See InputFindings::suspected_turn [rad].
   void set_suspected_turn(double angle) { suspected_turn_ = angle; }
@@ -72,6 +77,7 @@ class ObjectIdentifier {
 
  private:
   const IdentifiableObject* object_;
+  std::shared_ptr<const BodySurface> surface_;
   ObjectParameters known_;
   double tool_radius_;  ///< [m]
   IdentificationGoal goal_;
