@@ -3,7 +3,14 @@ include_guard(GLOBAL)
 include(CMakePackageConfigHelpers)
 
 set(pcavr_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pcavr)
-install(DIRECTORY include/pcavr DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+# The public headers alone: what others include may change without notice.
+execute_process(COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/scripts/public-headers OUTPUT_VARIABLE public_headers
+                OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+string(REPLACE "\n" ";" public_headers "${public_headers}")
+foreach(header IN LISTS public_headers)
+  cmake_path(GET header PARENT_PATH folder)
+  install(FILES include/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT development)
+endforeach()
 install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libpcavr-dev/examples
         COMPONENT development PATTERN CMakeLists.txt EXCLUDE)
 install(DIRECTORY calib/ DESTINATION ${CMAKE_INSTALL_DATADIR}/pcavr/calib COMPONENT runtime)

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/perception/scene/scene_bundle.hpp"
+#include "pcavr/perception/tracking/stated_poses.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 
 #include "commands.hpp"
@@ -11,11 +12,15 @@
 namespace pcavr::app {
 namespace {
 
+constexpr InputRange kPoseStd{"std of a pose", 1e-6, 1.0, "m, rad",
+                              "from exact to nothing: a room's width"};
+
 struct BuildArguments {
   std::string recording;
   OutputOption output;
   std::string sensor;
   bool trust_poses = false;
+  double pose_std = 0.0;  ///< [m, rad]; 0: the configuration's
   bool skip_bad = false;
   int threads = 1;
 };
@@ -24,6 +29,7 @@ Expected<CommandResult> build(const BuildArguments& arguments, Configuration& co
                               const Observer& observer) {
   BuildOptions options = configuration.build;
   options.trust_poses = arguments.trust_poses;
+  if (arguments.pose_std > 0.0) state_pose_std(arguments.pose_std, options.perception.camera);
   options.skip_bad = arguments.skip_bad;
   options.parallelism = {arguments.threads};
   // First, so that an output that can't be written fails before the long work.
@@ -68,8 +74,13 @@ void add_build(CLI::App& app, Configuration& configuration, Action& action) {
              ranges::kOccupancyCell, "Edge of an occupancy cell [m]")
       ->capture_default_str();
   add_sensor_option(*command, arguments->sensor);
-  command->add_flag("--trust-poses", arguments->trust_poses,
-                    "Take the poses of groundtruth.txt as exact, not as measurements");
+  CLI::Option* trust =
+      command->add_flag("--trust-poses", arguments->trust_poses,
+                        "Take the poses of groundtruth.txt as exact, not as measurements");
+  add_number(*command, "--pose-std", arguments->pose_std, kPoseStd,
+             "Std of the positions in groundtruth.txt [m], and of the rotations [rad]: holds for "
+             "all of them, and it is an error where tags or images contradict one by more than 5")
+      ->excludes(trust);
   command->add_flag("--skip-bad", arguments->skip_bad, "Skip bad rows and frames, and count them");
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &configuration, &action] {

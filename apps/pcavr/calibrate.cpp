@@ -13,12 +13,10 @@
 #include <fmt/format.h>
 
 #include "pcavr/base/core/json_text.hpp"
-#include "pcavr/base/core/output.hpp"
-#include "pcavr/base/core/output_file.hpp"
-#include "pcavr/base/core/output_paths.hpp"
 #include "pcavr/base/report/number_text.hpp"
-#include "pcavr/base/report/report_page.hpp"
 
+#include "calibrate_commands.hpp"
+#include "calibration_outputs.hpp"
 #include "commands.hpp"
 #include "number_option.hpp"
 
@@ -30,11 +28,11 @@ constexpr int kMaxSplits = 1000;  ///< more change the third digit only
 
 struct CalibrateArguments {
   std::string first, second;  ///< ROBOT and CAMERA, or A and B
-  std::string output, report;
+  CalibrationOutputOption output;
   std::string camera_on = "arm";
   std::vector<std::string> inverted, w_first;
   std::string left_handed, unit;
-  bool skip_bad = false, replace = false;
+  bool skip_bad = false;
   HandEyeOptions hand_eye;
 };
 
@@ -54,40 +52,6 @@ PoseInput input_of(const CalibrateArguments& arguments, bool is_first, const cha
     input.mirrored_axis = arguments.left_handed[0] - 'x';
   }
   return input;
-}
-
-/// The calibration and the report's folder, if one is wanted, before any work.
-struct CalibrationOutputs {
-  OutputFile file;
-  std::optional<OutputFolder> report = {};
-};
-
-Expected<CalibrationOutputs> create_outputs(const CalibrateArguments& arguments) {
-  std::vector<std::filesystem::path> outputs{arguments.output};
-  if (!arguments.report.empty()) outputs.emplace_back(arguments.report);
-  const Expected<void> apart = check_outputs(outputs, {arguments.first, arguments.second});
-  if (!apart) return apart.error();
-  Expected<OutputFile> file = OutputFile::create(
-      arguments.output,
-      {.replace = arguments.replace, .kind = "calibration", .is_replaceable = is_calibration_file});
-  if (!file) return file.error();
-  CalibrationOutputs created{.file = *std::move(file)};
-  if (arguments.report.empty()) return created;
-  Expected<OutputFolder> folder = OutputFolder::create(
-      arguments.report, {.kind = OutputKind::report, .replace = arguments.replace});
-  if (!folder) return folder.error();
-  created.report.emplace(*std::move(folder));
-  return created;
-}
-
-/// Commits both or none.
-Expected<void> commit(const std::string& text, CalibrationOutputs& outputs) {
-  Expected<void> done = outputs.file.write(text);
-  if (done) done = outputs.file.commit();
-  if (!done || !outputs.report) return done;
-  done = outputs.report->commit();
-  if (!done) outputs.file.undo();
-  return done;
 }
 
 std::string pose_lines(const std::string& name, const CalibratedPose& pose) {
@@ -216,14 +180,9 @@ Error with_file(Error error, const CalibrateArguments& arguments) {
   return error;
 }
 
-std::string written_lines(const CalibrateArguments& arguments) {
-  std::string text = "wrote " + arguments.output + '\n';
-  if (!arguments.report.empty()) text += how_to_open(arguments.report) + '\n';
-  return text;
-}
-
 Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observer& observer) {
-  Expected<CalibrationOutputs> outputs = create_outputs(arguments);
+  Expected<CalibrationOutputs> outputs =
+      CalibrationOutputs::create(arguments.output, {arguments.first, arguments.second});
   if (!outputs) return outputs.error();
   const PoseInput robot = input_of(arguments, true, "robot");
   const PoseInput camera = input_of(arguments, false, "camera");
@@ -235,7 +194,7 @@ Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observe
   if (!found) return with_file(found.error(), arguments);
   for (const std::string& note : found->notes) observer.on_warning(note);
   CommandResult result;
-  result.json = {{"calibration", arguments.output}, {"views", paired->views.size()}};
+  result.json = {{"calibration", arguments.output.file}, {"views", paired->views.size()}};
   result.json["formats"] = paired->formats;
   result.summary = fmt::format("robot: {}\ncamera: {}\n{} views are paired\n", paired->formats[0],
                                paired->formats[1], paired->views.size());
@@ -245,20 +204,21 @@ Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observe
   }
   result.json.update(hand_eye_json(*found));
   result.json["notes"] = found->notes;
-  result.summary += hand_eye_summary(*found) + written_lines(arguments);
+  result.summary += hand_eye_summary(*found) + arguments.output.written_lines();
   result.summary += describe_cause(*found) + '\n';
   if (outputs->report) {
     const Expected<void> written =
         write_hand_eye_report(*found, *paired, json_text(result.json, 2), outputs->report->path());
     if (!written) return written.error();
   }
-  const Expected<void> done = commit(format_hand_eye(*found, robot, camera), *outputs);
+  const Expected<void> done = outputs->commit(format_hand_eye(*found, robot, camera));
   if (!done) return done.error();
   return result;
 }
 
 Expected<CommandResult> run_clocks(const CalibrateArguments& arguments, const Observer& observer) {
-  Expected<CalibrationOutputs> outputs = create_outputs(arguments);
+  Expected<CalibrationOutputs> outputs =
+      CalibrationOutputs::create(arguments.output, {arguments.first, arguments.second});
   if (!outputs) return outputs.error();
   const Expected<ComparedClocks> found =
       compare_pose_clocks(input_of(arguments, true, "a"), input_of(arguments, false, "b"), {});
@@ -271,7 +231,7 @@ Expected<CommandResult> run_clocks(const CalibrateArguments& arguments, const Ob
         .hint = "record both while the body turns to and fro, about several axes"};
   }
   CommandResult result;
-  result.json = {{"calibration", arguments.output}};
+  result.json = {{"calibration", arguments.output.file}};
   result.json["formats"] = found->formats;
   result.json.update(clock_json(found->clock));
   for (const PoseStream* stream : {&found->a, &found->b}) {
@@ -283,24 +243,20 @@ Expected<CommandResult> run_clocks(const CalibrateArguments& arguments, const Ob
   result.json["notes"] = found->notes;
   result.summary = fmt::format("a: {}\nb: {}\nto add to b's stamps: {}", found->formats[0],
                                found->formats[1], clock_line(found->clock));
-  result.summary += written_lines(arguments);
+  result.summary += arguments.output.written_lines();
   if (outputs->report) {
     const Expected<void> written =
         write_clock_report(*found, json_text(result.json, 2), outputs->report->path());
     if (!written) return written.error();
   }
-  const Expected<void> done = commit(format_clock(*found), *outputs);
+  const Expected<void> done = outputs->commit(format_clock(*found));
   if (!done) return done.error();
   return result;
 }
 
 void add_common(CLI::App& command, CalibrateArguments& arguments,
                 const std::vector<std::string>& inputs) {
-  command.add_option("-o,--output", arguments.output, "Calibration file to write (YAML)")
-      ->required();
-  command.add_option("--report", arguments.report, "Folder for a report with pictures");
-  command.add_flag("--force", arguments.replace,
-                   "Replace an existing calibration and report; other files are never replaced");
+  add_calibration_output(command, arguments.output);
   command
       .add_option("--invert", arguments.inverted,
                   "Input whose poses are inverted, such as those of a camera in the board's frame")
@@ -364,10 +320,14 @@ void add_clocks(CLI::App& app, Action& action) {
 
 void add_calibrate(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "calibrate", "Find where a camera is on an arm, or by how much two clocks differ");
+      "calibrate",
+      "Find where camera and tags are, how a force sensor is turned, whose clock is late");
   command->require_subcommand(1);
   add_hand_eye(*command, action);
   add_clocks(*command, action);
+  add_calibrate_tags(*command, action);
+  add_calibrate_force(*command, action);
+  add_calibrate_touch(*command, action);
 }
 
 }  // namespace pcavr::app

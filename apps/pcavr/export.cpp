@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -16,8 +18,12 @@
 #include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/physics/object/sample_parameters.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
+#include "pcavr/results/export/export_robot.hpp"
 #include "pcavr/results/export/export_world.hpp"
+#include "pcavr/results/export/plain_scene.hpp"
 #include "pcavr/results/export/write_export.hpp"
+#include "pcavr/robots/arm/identified_arm.hpp"
+#include "pcavr/robots/robot/urdf.hpp"
 
 #include "commands.hpp"
 #include "number_option.hpp"
@@ -33,6 +39,8 @@ struct ExportArguments {
   std::string parameters;
   std::string motion;
   std::string format;
+  std::string robot;
+  std::string identified;
   std::string output;
   std::optional<double> speed;
   std::optional<double> tool_radius;
@@ -46,7 +54,68 @@ struct Writer {
   Expected<void> (*write)(ExportedWorld& world, const std::filesystem::path& folder);
 };
 constexpr std::array kWriters{Writer{"mjcf", &write_mjcf}, Writer{"urdf", &write_urdf},
-                              Writer{"sdf", &write_sdf}, Writer{"usd", &write_usd}};
+                              Writer{"sdf", &write_sdf}, Writer{"usd", &write_usd},
+                              Writer{"moveit", &write_moveit}};
+
+/// Formats of geometry alone.
+struct PlainName {
+  const char* format;
+  PlainFormat value;
+};
+constexpr std::array kPlainNames{
+    PlainName{"gltf", PlainFormat::gltf}, PlainName{"ply", PlainFormat::ply},
+    PlainName{"obj", PlainFormat::obj}, PlainName{"stl", PlainFormat::stl},
+    PlainName{"pcd", PlainFormat::pcd}};
+
+std::optional<PlainFormat> plain_format_of(const std::string& name) {
+  for (const PlainName& plain : kPlainNames) {
+    if (name == plain.format) return plain.value;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const Writer& writer : kWriters) names.emplace_back(writer.format);
+  for (const PlainName& plain : kPlainNames) names.emplace_back(plain.format);
+  return names;
+}
+
+/// An identified arm, and the description that it is written into.
+struct RobotInput {
+  ExportedRobot robot;
+  std::string urdf;  ///< text
+};
+
+Expected<std::optional<RobotInput>> read_robot(const ExportArguments& arguments,
+                                               const Observer& observer) {
+  if (arguments.robot.empty()) return std::optional<RobotInput>();
+  Expected<std::string> urdf = read_file(arguments.robot);
+  if (!urdf) return urdf.error();
+  const Expected<RobotModel> described = parse_urdf(*urdf, arguments.robot);
+  if (!described) return described.error();
+  const Expected<IdentifiedArm> identified = read_identified_arm(arguments.identified, *described);
+  if (!identified) return identified.error();
+  Expected<ExportedRobot> robot = make_exported_robot(*described, *identified);
+  if (!robot) {
+    Error error = robot.error();
+    error.file = arguments.identified;
+    return error;
+  }
+  for (const std::string& warning : robot->warnings) observer.on_warning(warning);
+  return std::optional(RobotInput{.robot = *std::move(robot), .urdf = *std::move(urdf)});
+}
+
+/// Writes the arm's files, and adds its numbers and residuals to the world's.
+Expected<void> write_robot(const RobotInput& input, const std::filesystem::path& folder,
+                           ExportedWorld& world) {
+  const auto& [robot, urdf] = input;
+  if (auto written = write_robot_urdf(robot, urdf, folder); !written) return written;
+  if (auto written = write_robot_mjcf(robot, folder); !written) return written;
+  world.numbers.insert(world.numbers.end(), robot.numbers.begin(), robot.numbers.end());
+  world.residuals.insert(world.residuals.end(), robot.residuals.begin(), robot.residuals.end());
+  return {};
+}
 
 /// Reads the motion to be exported, and sets where the tool starts and the radius of its tip.
 Expected<Trajectory> use_motion(const ExportArguments& arguments,
@@ -66,10 +135,10 @@ Expected<Trajectory> use_motion(const ExportArguments& arguments,
   return recording->tool;
 }
 
-/// Writes the world, its numbers, and the tool's motion into a folder that exists.
+/// Writes the world, its numbers, the arm and the tool's motion into a folder that exists.
 Expected<void> write_world(const ExportArguments& arguments, const ParameterTable& parameters,
-                           const Trajectory& motion, const std::filesystem::path& folder,
-                           ExportedWorld& world) {
+                           const Trajectory& motion, const std::optional<RobotInput>& robot,
+                           const std::filesystem::path& folder, ExportedWorld& world) {
   const auto writer = std::find_if(kWriters.begin(), kWriters.end(), [&](const Writer& one) {
     return arguments.format == one.format;
   });
@@ -79,6 +148,9 @@ Expected<void> write_world(const ExportArguments& arguments, const ParameterTabl
     if (arguments.format == "mjcf") {
       if (auto written = write_mujoco_runners(folder); !written) return written;
     }
+  }
+  if (robot) {
+    if (auto written = write_robot(*robot, folder, world); !written) return written;
   }
   return write_export_manifest(world, parameters, arguments.format, folder);
 }
@@ -111,7 +183,8 @@ Expected<void> write_samples(const ExportArguments& arguments, const SceneManife
     std::error_code code;
     std::filesystem::create_directories(place, code);
     if (code) return Error{.message = code.message(), .file = place.string()};
-    if (auto written = write_world(arguments, drawn, motion, place, *world); !written) {
+    if (auto written = write_world(arguments, drawn, motion, std::nullopt, place, *world);
+        !written) {
       return written;
     }
     observer.on_progress("samples", number, arguments.samples);
@@ -145,25 +218,47 @@ CommandResult describe(const ExportedWorld& world, const ExportArguments& argume
         fmt::format("{} worlds drawn from the parameters' distribution\n", arguments.samples);
     result.json["samples"] = arguments.samples;
   }
-  result.summary += fmt::format("friction holds at {:.4g} m/s\nwrote {}\n", world.reference_speed,
-                                arguments.output);
+  if (!world.bodies.empty()) {
+    result.summary += fmt::format("friction holds at {:.4g} m/s\n", world.reference_speed);
+  }
+  result.summary += fmt::format("wrote {}\n", arguments.output);
   return result;
 }
 
-Expected<CommandResult> export_scene(const ExportArguments& arguments,
-                                     const Configuration& configuration, const Observer& observer) {
-  const Expected<void> apart =
-      check_outputs({arguments.output}, {arguments.scene, arguments.parameters, arguments.motion});
-  if (!apart) return apart.error();
-  Expected<OutputFolder> folder = OutputFolder::create(arguments.output);
-  if (!folder) {
-    Error error = folder.error();
-    error.hint = "choose a new or an empty folder that you may write to";
-    return error;
+/// The arm alone, without a scene.
+Expected<CommandResult> export_robot(const ExportArguments& arguments, const RobotInput& robot,
+                                     OutputFolder& folder) {
+  ExportedWorld nothing;
+  if (auto written = write_robot(robot, folder.path(), nothing); !written) return written.error();
+  if (auto written = write_export_manifest(nothing, {}, arguments.format, folder.path());
+      !written) {
+    return written.error();
   }
-  const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
-  if (!scene) return scene.error();
-  const Expected<ParameterTable> parameters = table_of(arguments, *scene);
+  if (auto committed = folder.commit(); !committed) return committed.error();
+  return describe(nothing, arguments);
+}
+
+Expected<CommandResult> export_plain(const ExportArguments& arguments, PlainFormat format,
+                                     const SceneManifest& scene, OutputFolder& folder) {
+  const Expected<PlainScene> written = write_plain_scene(scene, format, folder.path());
+  if (!written) return written.error();
+  if (auto committed = folder.commit(); !committed) return committed.error();
+  const char* what = format == PlainFormat::pcd ? "points" : "triangles";
+  CommandResult result;
+  result.summary =
+      fmt::format("{}: {} {}\nwrote {}\n", written->file, written->count, what, arguments.output);
+  result.json = {{"output", arguments.output},
+                 {"format", arguments.format},
+                 {"file", written->file},
+                 {what, written->count}};
+  return result;
+}
+
+Expected<CommandResult> export_world(const ExportArguments& arguments, const SceneManifest& scene,
+                                     const std::optional<RobotInput>& robot,
+                                     const Configuration& configuration, const Observer& observer,
+                                     OutputFolder& folder) {
+  const Expected<ParameterTable> parameters = table_of(arguments, scene);
   if (!parameters) return parameters.error();
   ExportOptions options;
   options.assumes = arguments.assumes;
@@ -171,11 +266,11 @@ Expected<CommandResult> export_scene(const ExportArguments& arguments,
   options.tool_radius = arguments.tool_radius;
   const Expected<Trajectory> motion = use_motion(arguments, configuration, observer, options);
   if (!motion) return motion.error();
-  Expected<ExportedWorld> world = make_exported_world(*scene, *parameters, options);
+  Expected<ExportedWorld> world = make_exported_world(scene, *parameters, options);
   if (!world) return world.error();
   for (const std::string& warning : world->warnings) observer.on_warning(warning);
-  const std::filesystem::path& place = folder->path();
-  if (auto written = write_world(arguments, *parameters, *motion, place, *world); !written) {
+  const std::filesystem::path& place = folder.path();
+  if (auto written = write_world(arguments, *parameters, *motion, robot, place, *world); !written) {
     return written.error();
   }
   if (arguments.samples > 0) {
@@ -183,29 +278,87 @@ Expected<CommandResult> export_scene(const ExportArguments& arguments,
     options.speed = world->reference_speed;
     options.scan_base = &world->scan_base;
     if (auto written =
-            write_samples(arguments, *scene, *parameters, options, *motion, place, observer);
+            write_samples(arguments, scene, *parameters, options, *motion, place, observer);
         !written) {
       return written.error();
     }
   }
-  if (auto committed = folder->commit(); !committed) return committed.error();
+  if (auto committed = folder.commit(); !committed) return committed.error();
   return describe(*world, arguments);
+}
+
+Expected<CommandResult> export_scene(const ExportArguments& arguments,
+                                     const Configuration& configuration, const Observer& observer) {
+  std::vector<std::filesystem::path> inputs;
+  for (const std::string& input : {arguments.scene, arguments.parameters, arguments.motion,
+                                   arguments.robot, arguments.identified}) {
+    if (!input.empty()) inputs.emplace_back(input);
+  }
+  const Expected<void> apart = check_outputs({arguments.output}, inputs);
+  if (!apart) return apart.error();
+  Expected<OutputFolder> folder = OutputFolder::create(arguments.output);
+  if (!folder) {
+    Error error = folder.error();
+    error.hint = "choose a new or an empty folder that you may write to";
+    return error;
+  }
+  const Expected<std::optional<RobotInput>> robot = read_robot(arguments, observer);
+  if (!robot) return robot.error();
+  if (arguments.scene.empty()) return export_robot(arguments, **robot, *folder);
+  const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
+  if (!scene) return scene.error();
+  if (const std::optional<PlainFormat> plain = plain_format_of(arguments.format)) {
+    return export_plain(arguments, *plain, *scene, *folder);
+  }
+  return export_world(arguments, *scene, *robot, configuration, observer, *folder);
+}
+
+/// Throws CLI::ParseError where options do not belong together.
+void check_combination(const ExportArguments& arguments) {
+  if (arguments.scene.empty() && arguments.robot.empty()) {
+    throw CLI::RequiredError("scene or --robot");
+  }
+  const std::string& format = arguments.format;
+  if (arguments.scene.empty() && format != "mjcf" && format != "urdf") {
+    throw CLI::ValidationError("--to", "an arm without a scene is written as mjcf or urdf");
+  }
+  if (!plain_format_of(format)) return;
+  if (!arguments.parameters.empty() || !arguments.motion.empty() || !arguments.robot.empty() ||
+      arguments.samples > 0 || arguments.assumes || arguments.speed || arguments.tool_radius) {
+    throw CLI::ValidationError("--to", format + " has geometry alone: give scene and -o only");
+  }
 }
 
 }  // namespace
 
 void add_export(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command =
-      app.add_subcommand("export", "Write a scene with identified friction for a physics engine");
+      app.add_subcommand("export",
+                         "Write a scene with identified friction for a physics engine, a planner "
+                         "or, as geometry alone, a viewer");
   command->footer(
-      "Example:\n  pcavr export my_scene --parameters parameters.yaml --to mjcf -o my_world");
+      "Examples:\n  pcavr export my_scene --parameters parameters.yaml --to mjcf -o my_world\n"
+      "  pcavr export --robot arm.urdf --identified arm_report --to urdf -o my_arm\n"
+      "  pcavr export my_scene --to obj -o my_mesh");
   auto arguments = std::make_shared<ExportArguments>();
-  command->add_option("scene", arguments->scene, "Scene from pcavr build")->required();
+  command->add_option("scene", arguments->scene, "Scene from pcavr build");
   command->add_option("--parameters", arguments->parameters,
                       "Parameter file from pcavr identify, of this scene");
-  command->add_option("--to", arguments->format, "Format")
+  command
+      ->add_option("--to", arguments->format,
+                   "Format: a world for an engine, a planning scene (moveit), or geometry alone "
+                   "(gltf to pcd)")
       ->required()
-      ->check(CLI::IsMember({"mjcf", "urdf", "sdf", "usd"}));
+      ->check(CLI::IsMember(format_names()));
+  CLI::Option* robot = command->add_option(
+      "--robot", arguments->robot,
+      "Description (URDF) of an arm, written with its identified bodies and joint friction: "
+      "robot.urdf, robot.xml (MJCF)");
+  command
+      ->add_option("--identified", arguments->identified,
+                   "Report of pcavr identify robot for this arm")
+      ->needs(robot);
+  robot->needs("--identified");
   command->add_option(
       "--motion", arguments->motion,
       "Recording whose tool's motion is written, with a script that plays it in MuJoCo");
@@ -227,6 +380,7 @@ void add_export(CLI::App& app, Configuration& configuration, Action& action) {
                    "Folder for the exported world: a new or an empty one")
       ->required();
   command->callback([arguments, &configuration, &action] {
+    check_combination(*arguments);
     action = [arguments, &configuration](const Observer& observer) {
       return export_scene(*arguments, configuration, observer);
     };

@@ -15,6 +15,7 @@
 #include "pcavr/physics/object_identification/combine_with_known.hpp"
 #include "pcavr/pipeline/identify_runs.hpp"
 #include "pcavr/pipeline/plan_motion.hpp"
+#include "pcavr/pipeline/support_name.hpp"
 #include "pcavr/recordings/recording/stream_clocks.hpp"
 
 #include "commands.hpp"
@@ -30,13 +31,14 @@ namespace {
 struct IdentifyArguments {
   IdentificationGoal goal = IdentificationGoal::contact;
   std::vector<std::string> recordings;
-  std::string scene;
+  std::vector<std::string> scenes;  ///< none, one for all recordings, or one for each
   std::string tracked;
   std::string parameters;
   std::string output;
   std::string report;
   std::string plan;
   std::string damping_law = "exact";
+  std::string group_by = "object";
   bool replace = false;
   bool skip_bad = false;
   int threads = 1;
@@ -105,8 +107,8 @@ struct IdentifyOutputs {
 
 /// Creates the outputs before any work.
 Expected<IdentifyOutputs> create_outputs(const IdentifyArguments& arguments) {
-  std::vector<std::filesystem::path> inputs{arguments.scene, arguments.tracked,
-                                            arguments.parameters};
+  std::vector<std::filesystem::path> inputs{arguments.tracked, arguments.parameters};
+  inputs.insert(inputs.end(), arguments.scenes.begin(), arguments.scenes.end());
   inputs.insert(inputs.end(), arguments.recordings.begin(), arguments.recordings.end());
   std::vector<std::filesystem::path> outputs{arguments.output, arguments.report};
   if (!arguments.plan.empty()) outputs.emplace_back(arguments.plan);
@@ -149,22 +151,31 @@ Expected<ParameterTable> known_parameters(const IdentifyArguments& arguments) {
   return read_parameters(arguments.parameters);
 }
 
+/// The scene of a recording, by its index; empty without one.
+std::string scene_of(const IdentifyArguments& arguments, std::size_t recording) {
+  if (arguments.scenes.empty()) return {};
+  return arguments.scenes.size() == 1 ? arguments.scenes.front() : arguments.scenes[recording];
+}
+
 /// What one recording gives to identify from, and its start.
-Expected<IdentificationRun> read_run(const IdentifyArguments& arguments, const std::string& folder,
+Expected<IdentificationRun> read_run(const IdentifyArguments& arguments, std::size_t index,
                                      Configuration& configuration, const Observer& observer) {
   const Expected<Recording> recording =
-      read_with_warnings(folder, arguments.skip_bad, configuration, observer);
+      read_with_warnings(arguments.recordings[index], arguments.skip_bad, configuration, observer);
   if (!recording) return recording.error();
   Expected<IdentificationInput> input =
       identification_input(*recording,
-                           {.scene = arguments.scene,
+                           {.scene = scene_of(arguments, index),
                             .tracked = arguments.tracked,
                             .skip_bad = arguments.skip_bad,
                             .perception = configuration.perception(),
                             .parallelism = {arguments.threads}},
                            observer);
   if (!input) return input.error();
-  return IdentificationRun{recording->folder.string(), start_of(*recording), *std::move(input)};
+  const Expected<std::filesystem::path> folder = resolve_path(recording->folder);
+  if (!folder) return folder.error();
+  return IdentificationRun{recording->folder.string(), start_of(*recording), *std::move(input),
+                           support_of(*folder)};
 }
 
 IdentificationOptions options_of(const IdentifyArguments& arguments,
@@ -172,6 +183,11 @@ IdentificationOptions options_of(const IdentifyArguments& arguments,
   IdentificationOptions options = configuration.identification();
   options.damping_law = damping_law_of(arguments.damping_law);  // none: by the criterion
   return options;
+}
+
+RunGrouping grouping_of(const std::string& name) {
+  if (name == "support") return RunGrouping::support;
+  return name == "speed" ? RunGrouping::speed : RunGrouping::object;
 }
 
 struct IdentifyResult {
@@ -183,8 +199,7 @@ Expected<IdentifyResult> run(const IdentifyArguments& arguments, Configuration& 
                              const Observer& observer) {
   const Expected<ParameterTable> known = known_parameters(arguments);
   if (!known) return known.error();
-  Expected<IdentificationRun> one =
-      read_run(arguments, arguments.recordings.front(), configuration, observer);
+  Expected<IdentificationRun> one = read_run(arguments, 0, configuration, observer);
   if (!one) return one.error();
   one->input.known = *known;
   const IdentificationOptions options = options_of(arguments, configuration);
@@ -213,15 +228,16 @@ Expected<PooledIdentification> run_pooled(const IdentifyArguments& arguments,
   const Expected<ParameterTable> known = known_parameters(arguments);
   if (!known) return known.error();
   std::vector<IdentificationRun> runs;
-  for (const std::string& folder : arguments.recordings) {
-    Expected<IdentificationRun> one = read_run(arguments, folder, configuration, observer);
+  for (std::size_t i = 0; i < arguments.recordings.size(); ++i) {
+    Expected<IdentificationRun> one = read_run(arguments, i, configuration, observer);
     if (!one) return one.error();
     one->input.known = *known;
     runs.push_back(*std::move(one));
     observer.on_progress("reading runs", runs.size(), arguments.recordings.size());
   }
-  Expected<PooledIdentification> found = identify_runs(
-      std::move(runs), arguments.goal, options_of(arguments, configuration), observer);
+  Expected<PooledIdentification> found =
+      identify_runs(std::move(runs), arguments.goal, options_of(arguments, configuration),
+                    grouping_of(arguments.group_by), observer);
   if (!found) return found.error();
   for (const std::string& warning : found->warnings) observer.on_warning(warning);
   found->configuration = configuration.changed();
@@ -316,16 +332,22 @@ Expected<CommandResult> identify_recordings(IdentifyArguments arguments,
     const std::filesystem::path output = arguments.output;
     arguments.report = (output.parent_path() / output.stem()).string() + ".report";
   }
-  if (arguments.recordings.size() == 1)
-    return identify_recording(arguments, configuration, observer);
+  const std::size_t count = arguments.recordings.size();
+  if (arguments.scenes.size() > 1 && arguments.scenes.size() != count) {
+    return Error{.message = fmt::format("is given {} times for {} recordings",
+                                        arguments.scenes.size(), count),
+                 .file = "--scene",
+                 .place = {},
+                 .hint = "give one scene for all, or one for each recording, in their order"};
+  }
+  if (count == 1) return identify_recording(arguments, configuration, observer);
   for (const auto& [option, value] :
        {std::pair("--tracked", &arguments.tracked), std::pair("--plan", &arguments.plan)}) {
     if (value->empty()) continue;
-    return Error{
-        .message = fmt::format("is for one recording, not for {}", arguments.recordings.size()),
-        .file = option,
-        .place = {},
-        .hint = "leave it out: each recording's own folder tracked is used"};
+    return Error{.message = fmt::format("is for one recording, not for {}", count),
+                 .file = option,
+                 .place = {},
+                 .hint = "leave it out: each recording's own folder tracked is used"};
   }
   return identify_many(arguments, configuration, observer);
 }
@@ -342,9 +364,12 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
                    "Folder with a recording.yaml; or several, or a folder of them, or a text file "
                    "with one in each line: all runs together give one answer")
       ->required();
-  command->add_option(
-      "--scene", arguments->scene,
-      "Scene from pcavr build; without it the manifest must have the objects' poses");
+  command
+      ->add_option("--scene", arguments->scenes,
+                   "Scene from pcavr build; without it the manifest must have the objects' poses. "
+                   "Of several recordings, one for all, or one for each in their order")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option(
       "--tracked", arguments->tracked,
       "Folder with objects/NAME/tracked.txt, used instead of tracking; by default the "
@@ -364,6 +389,12 @@ void add_goal(CLI::App& app, Configuration& configuration, Action& action, Ident
                    "relation, a published law, or criterion: the published law with the smallest "
                    "error there")
       ->check(CLI::IsMember(damping_law_names()))
+      ->capture_default_str();
+  command
+      ->add_option("--group-by", arguments->group_by,
+                   "Of several recordings: a table of each object's parameters, also by what it "
+                   "stands on (the name of the recording's folder), or by the speed of its slides")
+      ->check(CLI::IsMember({"object", "support", "speed"}))
       ->capture_default_str();
   command->add_flag("--force", arguments->replace,
                     "Replace an existing parameter file and report of pcavr; "

@@ -9,7 +9,6 @@
 #include <fmt/core.h>
 
 #include "pcavr/base/core/output_paths.hpp"
-#include "pcavr/pipeline/augmented_frames.hpp"
 #include "pcavr/pipeline/logged_run.hpp"
 #include "pcavr/recordings/rosbag/bag_reader.hpp"
 
@@ -18,6 +17,7 @@
 #include "link_options.hpp"
 #include "number_option.hpp"
 #include "output_option.hpp"
+#include "replay_files.hpp"
 #include "summary.hpp"
 
 namespace pcavr::app {
@@ -31,7 +31,7 @@ struct ReplayArguments {
   std::string parameters;
   std::string damping_law;  ///< empty: the file's damping
   std::string tracked;
-  std::string video;
+  ReplayFiles files;
   bool without_corrections = false;
   bool keep_parameters = false;
   ReplayOptions options;
@@ -65,7 +65,8 @@ void describe_teleop(const Replay& replay, CommandResult& result) {
   result.json["notes"] = run.notes;
 }
 
-CommandResult describe(const Replay& replay, const std::string& folder) {
+CommandResult describe(const Replay& replay, const std::filesystem::path& recording,
+                       const std::string& folder) {
   CommandResult result;
   if (replay.objects_are_logged) {
     result.summary = "a live site's log, as it was\n";
@@ -108,57 +109,24 @@ CommandResult describe(const Replay& replay, const std::string& folder) {
     result.json["notes"] = {kNothingPredicted};
   }
   result.summary += "time\n" + times_table(replay.times);
-  result.summary += "next: pcavr evaluate " + folder + " --truth RECORDING/truth -o REPORT\n";
+  const std::filesystem::path truth = recording / "truth";
+  std::error_code code;
+  const bool has_truth = std::filesystem::is_directory(truth, code);
+  result.summary += "next: pcavr evaluate " + folder +
+                    (has_truth ? " --truth " + truth.string() : std::string()) + " -o REPORT\n";
   result.json["times"] = times_json(replay.times);
   return result;
 }
 
-/// Checks before the long work whether the video can be made.
-Expected<void> check_video(const ReplayArguments& arguments, const Recording& recording) {
-  if (arguments.video.empty()) return {};
-  if (!recording.manifest.camera || recording.frames.empty()) {
-    return Error{.message = "the recording has no images for the video",
-                 .file = arguments.recording,
-                 .hint = "omit --video"};
-  }
-  return check_video_target(arguments.video, arguments.output.replace);
-}
-
-Expected<void> make_video(const ReplayArguments& arguments, const Recording& recording,
-                          const SceneManifest& scene, const Replay& run, const Observer& observer,
-                          CommandResult& result) {
-  const Expected<AugmentedFrames> frames = AugmentedFrames::create(recording, scene, run);
-  if (!frames) return frames.error();
-  const AugmentedVideoOptions options{.replace = arguments.output.replace,
-                                      .skip_bad = arguments.options.skip_bad,
-                                      .parallelism = {arguments.threads}};
-  const Expected<AugmentedVideo> video =
-      write_augmented_video(*frames, arguments.video, options, observer);
-  if (!video) return video.error();
-  if (!video->is_h264) {
-    observer.on_warning(arguments.video +
-                        " is MPEG-4 part 2, which browsers don't play: this machine's FFmpeg has "
-                        "no H.264 encoder");
-  }
-  result.summary += fmt::format("video      {}: {} frames at {:.4g} Hz\n", arguments.video,
-                                video->pictures, video->rate);
-  result.json["video"] = {{"file", arguments.video},
-                          {"pictures", video->pictures},
-                          {"left_out", video->left_out},
-                          {"rate", video->rate},
-                          {"h264", video->is_h264}};
-  return {};
-}
-
-/// Creates the run's folder before any work; neither it nor the video may overlap an input.
+/// Creates the run's folder before any work; neither it nor another output may overlap an input.
 Expected<OutputFolder> create_outputs(const ReplayArguments& arguments) {
   const std::vector<std::filesystem::path> inputs{arguments.recording, arguments.scene,
                                                   arguments.tracked, arguments.parameters,
                                                   arguments.sensor};
-  if (!arguments.video.empty()) {
-    const Expected<void> apart = check_outputs({arguments.output.folder, arguments.video}, inputs);
-    if (!apart) return apart.error();
-  }
+  std::vector<std::filesystem::path> outputs{arguments.output.folder};
+  for (const std::string& name : arguments.files.names()) outputs.emplace_back(name);
+  const Expected<void> apart = check_outputs(outputs, inputs);
+  if (!apart) return apart.error();
   return create_output(arguments.output, OutputKind::run, inputs);
 }
 
@@ -166,6 +134,7 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
                                const Observer& observer) {
   ReplayOptions& options = arguments.options;
   options.parallelism = {arguments.threads};
+  arguments.files.replace = arguments.output.replace;
   Expected<OutputFolder> folder = create_outputs(arguments);
   if (!folder) return folder.error();
   options.perception = configuration.perception();
@@ -178,8 +147,8 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
   Expected<Recording> recording =
       read_with_warnings(arguments.recording, options.skip_bad, configuration, observer);
   if (!recording) return recording.error();
-  const Expected<void> video_check = check_video(arguments, *recording);
-  if (!video_check) return video_check.error();
+  const Expected<void> possible = check_replay_files(arguments.files, *recording);
+  if (!possible) return possible.error();
   const Expected<SceneManifest> scene = read_scene_manifest(arguments.scene);
   if (!scene) return scene.error();
   if (arguments.without_corrections) options.teleop.with_corrections = false;
@@ -193,25 +162,24 @@ Expected<CommandResult> replay(ReplayArguments arguments, Configuration& configu
     options.parameters = std::move(*parameters);
     options.parameters_file = arguments.parameters;
   }
-  options.run_folder = folder->path();
-  // The video needs the tool's motion.
-  const Expected<Replay> run = arguments.video.empty()
-                                   ? replay_and_release(*recording, *scene, options, observer)
-                                   : replay_recording(*recording, *scene, options, observer);
+  if (!arguments.files.need_run()) options.run_folder = folder->path();
+  const Expected<Replay> run = arguments.files.need_recording()
+                                   ? replay_recording(*recording, *scene, options, observer)
+                                   : replay_and_release(*recording, *scene, options, observer);
   if (!run) return run.error();
   const Expected<void> written = write_run(*run, *recording, *scene, folder->path());
   if (!written) return written.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
-  CommandResult result = describe(*run, arguments.output.folder);
+  CommandResult result = describe(*run, recording->folder, arguments.output.folder);
   for (const std::string& note : damping_notes) result.summary += "  " + note + '\n';
   if (!damping_notes.empty()) result.json["contact_damping"] = damping_notes;
   std::vector<SkippedRows> left_out = recording->left_out;
   left_out.insert(left_out.end(), run->left_out.begin(), run->left_out.end());
   describe_left_out(left_out, result);
-  if (arguments.video.empty()) return result;
-  const Expected<void> video = make_video(arguments, *recording, *scene, *run, observer, result);
-  if (!video) return video.error();
+  const ReplayInput input{*recording, *scene, options, configuration};
+  const Expected<void> made = write_replay_files(arguments.files, input, *run, observer, result);
+  if (!made) return made.error();
   return result;
 }
 
@@ -225,7 +193,9 @@ bool is_log(const std::string& path) {
 Expected<CommandResult> replay_log(const ReplayArguments& arguments) {
   for (const auto& [option, value] :
        {std::pair{"--tracked", &arguments.tracked},
-        std::pair{"--parameters", &arguments.parameters}, std::pair{"--video", &arguments.video}}) {
+        std::pair{"--parameters", &arguments.parameters},
+        std::pair{"--video", &arguments.files.video}, std::pair{"--html", &arguments.files.html},
+        std::pair{"--mcap", &arguments.files.mcap}}) {
     if (value->empty()) continue;
     return Error{.message = std::string(option) + " is for recordings, but this is a log",
                  .file = arguments.recording,
@@ -243,7 +213,7 @@ Expected<CommandResult> replay_log(const ReplayArguments& arguments) {
   if (!written) return written.error();
   const Expected<void> committed = folder->commit();
   if (!committed) return committed.error();
-  return describe(*run, arguments.output.folder);
+  return describe(*run, log.folder, arguments.output.folder);
 }
 
 void add_link_options(CLI::App& command, TeleopOptions& teleop, ReplayArguments& arguments) {
@@ -305,10 +275,7 @@ void add_replay(CLI::App& app, Configuration& configuration, Action& action) {
       ->required();
   command->add_option("--scene", arguments->scene, "Scene from pcavr build")->required();
   add_output_option(*command, arguments->output, "Folder for the run");
-  command->add_option(
-      "--video", arguments->video,
-      "Write the predicted bodies, drawn over the recorded images, as an .mp4; --force "
-      "replaces an existing .mp4");
+  add_replay_files(*command, arguments->files);
   add_sensor_option(*command, arguments->sensor);
   command->add_flag("--trust-poses", arguments->options.trust_poses,
                     "Take the poses of groundtruth.txt as exact, not as measurements");

@@ -49,7 +49,7 @@ const std::vector<std::pair<std::string_view, Names>>& used_sections() {
       {"pcavr identify",
        joined({{"recording", "inputs", "identification", "friction"}, kPerception})},
       {"pcavr predict", {"arm"}},
-      {"pcavr replay", joined({{"recording"}, kPerception, kSites})},
+      {"pcavr replay", joined({{"recording", "black_box", "serve.content"}, kPerception, kSites})},
       {"pcavr evaluate", {"evaluation"}},
       {"pcavr export", {"recording"}},
       {"pcavr serve", joined({{"recording", "arm.drive"}, kPerception, kSites, kPage})},

@@ -9,7 +9,7 @@ const server = 'http://127.0.0.1:8080';
 
 export default defineConfig({
   plugins: [licenses()],
-  build: { target: 'es2022', modulePreload: { polyfill: false }, chunkSizeWarningLimit: 700 },
+  build: { target: 'es2022', modulePreload: { polyfill: false }, chunkSizeWarningLimit: 750 },
   worker: { format: 'es' },
   server: {
     proxy: { '/api': server, '/scene': server, '/live': { target: server, ws: true } },

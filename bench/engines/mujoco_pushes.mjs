@@ -7,6 +7,7 @@
 // export unmodified, and the export with its coefficients set by slip speed.
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
+import { SETTINGS, frictionBySpeed } from "./mujoco_settings.mjs";
 import { forceOfGeom, loadEngine, loadWorld, median, readCsv, toolMover } from "./mujoco_world.mjs";
 
 const SLIDING_SPEED = 1e-3; // [m/s] of the tracked body: twice what a tracker's noise gives over WINDOW
@@ -14,37 +15,12 @@ const WINDOW = 0.4; // [s]
 const BIAS_TIME = 0.5; // [s] without contact at the start
 const MIN_FORCE_SHARE = 0.3; // of the maximum: the tool is in contact
 
-const plain = (text, friction) =>
-  text
-    .replace(/.*class="foot" name.*\n/g, "")
-    .replace(/.*<pair .*\n/g, "")
-    .replace(/ cone="elliptic" impratio="\d+"/, "")
-    .replace(/friction="[^"]*" priority="1" solref="[^"]*" solimp="[^"]*"/g, friction);
-
-const setSpeedFriction = (model, data, mujoco, body) => {
-  const id = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY.value, body.name);
-  const dof = model.body_dofadr[id];
-  const feet = [];
-  for (let i = 0; i < body.feet; ++i) {
-    const geom = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM.value, `${body.name}/foot_${i}`);
-    feet.push({ geom, base: model.geom_friction[3 * geom] });
-  }
-  const weight = body.mass * 9.80665;
-  return () => {
-    const spin = Math.hypot(...[3, 4, 5].map((k) => data.qvel[dof + k]));
-    const v = Math.hypot(data.qvel[dof], data.qvel[dof + 1], spin * body.friction_radius);
-    const stribeck = body.stribeck_speed > 0 ? Math.exp(-((v / body.stribeck_speed) ** 2)) : v < 1e-3 ? 1 : 0;
-    const mu = body.coulomb_friction + (body.viscous * v) / weight + (body.static_friction - body.coulomb_friction) * stribeck;
-    for (const foot of feet) model.geom_friction[3 * foot.geom] = (foot.base * mu) / body.friction;
-  };
-};
-
-function replay(mujoco, folder, manifest, tool, edit, bySpeed) {
-  const { model, data } = loadWorld(mujoco, folder, edit);
+function replay(mujoco, folder, manifest, tool, { edit, bySpeed }) {
   const body = manifest.bodies[0];
+  const { model, data } = loadWorld(mujoco, folder, (text) => edit(text, body));
   const tip = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM.value, manifest.tool + "_tip");
   const id = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY.value, body.name);
-  const control = bySpeed ? setSpeedFriction(model, data, mujoco, body) : () => {};
+  const control = bySpeed ? frictionBySpeed(mujoco, model, data, body) : () => {};
   const move = toolMover(mujoco, model, data, manifest.tool);
   const dt = model.opt.timestep;
   const rows = [];
@@ -103,15 +79,9 @@ const slides = slidingAt(track);
 const chosen = measured.filter((row, i) => i % 5 === 0 && row.force > MIN_FORCE_SHARE * maxForce && slides(row.t));
 const wanted = median(chosen.map((row) => row.force));
 
-const settings = {
-  "engine's defaults": [(text) => plain(text, ""), false],
-  "mu alone": [(text) => plain(text, `friction="${manifest.bodies[0].coulomb_friction} 0.005 0.0001" priority="1"`), false],
-  export: [(text) => text, false],
-  "export, by slip speed": [(text) => text, true],
-};
 const result = { recording, samples: chosen.length, measured: wanted };
-for (const [setting, [edit, bySpeed]] of Object.entries(settings)) {
-  const { rows, pose, yaw } = replay(mujoco, folder, manifest, tool, edit, bySpeed);
+for (const [setting, how] of Object.entries(SETTINGS)) {
+  const { rows, pose, yaw } = replay(mujoco, folder, manifest, tool, how);
   const dt = rows[1].t - rows[0].t;
   const at = chosen.map((row) => rows[Math.min(rows.length - 1, Math.max(0, Math.round((row.t - rows[0].t) / dt)))].force);
   const force = median(at);

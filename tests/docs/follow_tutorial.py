@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the commands of a tutorial, its indented blocks, one after the other in an empty folder.
+"""Runs the commands of a tutorial, its indented blocks, one after the other in a folder that has of the
+sources' folders bench, include and samples alone.
 
     follow_tutorial.py COMMAND TUTORIAL.md [FILE:OBJECT:KEY=VALUE ...]   # the built pcavr
 
@@ -53,9 +54,10 @@ def main(command, tutorial, expectations):
     blocks = blocks_of(pathlib.Path(tutorial).read_text())
     if len(blocks) < 3:
         sys.exit(f"only {len(blocks)} blocks of commands in {tutorial}: has its form changed?")
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        (folder / "bench").symlink_to(ROOT / "bench")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        for name in ("bench", "include", "samples"):
+            (folder / name).symlink_to(ROOT / name)
         for block in blocks:
             done = run(block, folder, command)
             print(f"{block}\n{done.stdout[-600:]}{done.stderr[-600:]}")

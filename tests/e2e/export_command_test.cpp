@@ -12,6 +12,7 @@
 
 #include "support/json_command.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/two_joint_arm.hpp"
 
 namespace pcavr {
 namespace {
@@ -61,7 +62,8 @@ TEST_F(ExportCommand, WritesEachFormatWithTheSameBytesEachTime) {
        std::vector<std::pair<std::string, std::string>>{{"mjcf", "scene.xml"},
                                                         {"urdf", "scene.urdf"},
                                                         {"sdf", "scene.sdf"},
-                                                        {"usd", "scene.usda"}}) {
+                                                        {"usd", "scene.usda"},
+                                                        {"moveit", "planning_scene.json"}}) {
     const nlohmann::json report = run_json(command(format, format, identified()));
     EXPECT_EQ(report["format"], format);
     EXPECT_FALSE(report["residuals"].empty());
@@ -91,6 +93,47 @@ TEST_F(ExportCommand, StatesMeanStdAndOriginOfEachNumber) {
       EXPECT_LT(std::abs(residual["relative"].get<double>()), 0.01) << residual;
     }
   }
+}
+
+TEST_F(ExportCommand, WritesGeometryAloneWithoutParameters) {
+  for (const char* format : {"gltf", "ply", "obj", "stl"}) {
+    const nlohmann::json report = run_json(command(format, std::string("plain_") + format, {}));
+    EXPECT_GT(report["triangles"].get<int>(), 0);
+    EXPECT_TRUE(contents(path_of(std::string("plain_") + format)).contains(report["file"]));
+  }
+  expect_refused(command("pcd", "refused", {}), "no images");
+  EXPECT_EQ(run_pcavr(command("obj", "refused", identified())).exit_code, 2);
+}
+
+TEST_F(ExportCommand, WritesAnIdentifiedArmWithAndWithoutAScene) {
+  ASSERT_TRUE(write_file(path_of("arm.urdf"), two_joint_urdf()));
+  ASSERT_TRUE(write_file(path_of("arm.json"), two_joint_report()));
+  const std::vector<std::string> arm{"--robot", path_of("arm.urdf"), "--identified",
+                                     path_of("arm.json")};
+  std::vector<std::string> alone{"export", "--to", "urdf", "-o", path_of("arm_alone")};
+  alone.insert(alone.end(), arm.begin(), arm.end());
+  run_json(alone);
+  std::vector<std::string> words = identified();
+  words.insert(words.end(), arm.begin(), arm.end());
+  run_json(command("mjcf", "with_arm", words));
+  const auto files = contents(path_of("arm_alone"));
+  for (const char* file : {"robot.urdf", "robot.xml"}) {
+    ASSERT_TRUE(files.contains(file));
+    EXPECT_EQ(files.at(file), contents(path_of("with_arm")).at(file));
+  }
+  EXPECT_NE(files.at("robot.urdf").find("friction=\"0.456789\""), std::string::npos);
+  bool is_stated = false;
+  for (const nlohmann::json& number : manifest("with_arm")["numbers"]) {
+    is_stated |= number["object"] == "j1" && number["key"] == "damping" && number["std"] == 0.1;
+  }
+  EXPECT_TRUE(is_stated);
+  alone[2] = "sdf";
+  EXPECT_EQ(run_pcavr(alone).exit_code, 2);
+  EXPECT_EQ(run_pcavr({"export", "--to", "urdf", "-o", path_of("refused")}).exit_code, 2);
+  ASSERT_TRUE(write_file(path_of("other.json"), "{}"));
+  expect_refused({"export", "--robot", path_of("arm.urdf"), "--identified", path_of("other.json"),
+                  "--to", "urdf", "-o", path_of("refused")},
+                 "no identification report");
 }
 
 TEST_F(ExportCommand, AsksForIdentifiedFrictionAndStatesWhatItAssumes) {

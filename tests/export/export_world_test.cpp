@@ -53,6 +53,20 @@ TEST(ExportedWorld, HasTheFrictionOfTheReferenceSpeed) {
   EXPECT_NEAR(world->bodies.front().static_friction, 5.0 / weight, 1e-12);
 }
 
+TEST(ExportedWorld, HasTheFrictionThatPushesAtTheReferenceSpeedHaveShown) {
+  const ExportedBox box;
+  ObjectParameters known = identified_box();
+  known.sliding_force = {{0.002, 5.0, 0.1}, {0.004, 4.6, 0.1}};  // Coulomb: 4.413 N
+  const double weight = kBoxMass * kStandardGravity;
+  const auto friction_at = [&](double speed) {
+    return box.world({{"box", known}}, {.speed = speed}).value().bodies.front().friction;
+  };
+  EXPECT_NEAR(friction_at(0.002), 5.0 / weight, 1e-12);
+  EXPECT_NEAR(friction_at(0.0035), 4.7 / weight, 1e-12);
+  EXPECT_NEAR(friction_at(0.001), 0.3 + 5.0 * 0.001 / weight, 1e-12);  // no push was as slow
+  EXPECT_NEAR(friction_at(0.1), 0.3 + 5.0 * 0.1 / weight, 1e-12);
+}
+
 TEST(ExportedWorld, RefusesABodyWithoutIdentifiedFriction) {
   const ExportedBox box;
   ObjectParameters known;

@@ -13,24 +13,27 @@
 #include "pcavr/results/export/write_export.hpp"
 
 #include "export/exported_box.hpp"
+#include "export/identified_two_joints.hpp"
 #include "support/source_folder.hpp"
 
 namespace pcavr {
 namespace {
 
+constexpr char kNoEngine[] = "needs npm's @mujoco/mujoco, which could not be installed";
+
 bool run(const std::string& command) { return std::system(command.c_str()) == 0; }
 
-/// MuJoCo's account of a world; null: the caller skips the test.
-nlohmann::json judged(const std::filesystem::path& world, const std::filesystem::path& tools) {
+/// MuJoCo's account of a world, by a script of this folder; null: the caller skips the test.
+nlohmann::json judged(const std::string& script, const std::filesystem::path& world,
+                      const std::filesystem::path& tools) {
   std::filesystem::copy(source_folder() / "bench/engines/package.json", tools);
   if (!run("npm install --no-audit --no-fund --no-package-lock --prefix '" + tools.string() +
            "' > /dev/null 2>&1")) {
     return nullptr;
   }
   const std::string report = (tools / "report.json").string();
-  const bool is_done =
-      run("node '" + (source_folder() / "tests/export/judge_mujoco.mjs").string() + "' '" +
-          tools.string() + "' '" + world.string() + "' > '" + report + "' 2>&1");
+  const bool is_done = run("node '" + (source_folder() / "tests/export" / script).string() + "' '" +
+                           tools.string() + "' '" + world.string() + "' > '" + report + "' 2>&1");
   EXPECT_TRUE(is_done) << *read_file(report);
   return nlohmann::json::parse(*read_file(report));
 }
@@ -44,8 +47,8 @@ TEST(MujocoWorld, HasTheIdentifiedMassFrictionAndContact) {
   ASSERT_TRUE(world) << world.error().to_string();
   ASSERT_TRUE(write_mjcf(*world, box.target()));
   ASSERT_TRUE(write_export_manifest(*world, {}, "mjcf", box.target()));
-  const nlohmann::json report = judged(box.target(), tools.path());
-  if (report.is_null()) GTEST_SKIP() << "needs npm's @mujoco/mujoco, which could not be installed";
+  const nlohmann::json report = judged("judge_mujoco.mjs", box.target(), tools.path());
+  if (report.is_null()) GTEST_SKIP() << kNoEngine;
 
   const nlohmann::json& seen = report["bodies"][0];
   const ExportedBody& body = world->bodies.front();
@@ -71,6 +74,40 @@ TEST(MujocoWorld, HasTheIdentifiedMassFrictionAndContact) {
     const double expected = elastic_force(body.contact, press["depth"]);
     EXPECT_NEAR(press["force"], expected, 0.05 * expected) << press["depth"];
   }
+}
+
+TEST(MujocoRobot, HasTheIdentifiedFrictionAndBodies) {
+  const TemporaryFolder tools, folder;
+  const auto robot = two_joint_robot();
+  ASSERT_TRUE(robot) << robot.error().to_string();
+  ASSERT_TRUE(write_robot_mjcf(*robot, folder.path()));
+  const nlohmann::json report = judged("judge_robot.mjs", folder.path(), tools.path());
+  if (report.is_null()) GTEST_SKIP() << kNoEngine;
+
+  ASSERT_EQ(report["joints"].size(), 2U);
+  for (std::size_t j = 0; j < 2; ++j) {
+    const nlohmann::json& seen = report["joints"][j];
+    const RobotJoint& joint = robot->model.joints[j];
+    EXPECT_EQ(seen["name"], "robot/" + joint.name);
+    EXPECT_NEAR(seen["damping"], robot->joints[j].damping, 1e-6);
+    EXPECT_NEAR(seen["friction"], robot->joints[j].friction, 1e-6);
+    EXPECT_NEAR(seen["armature"], joint.armature, 1e-6);
+    EXPECT_NEAR(seen["mass"], joint.body.mass, 1e-6);
+    std::vector<double> moments = seen["inertia"].get<std::vector<double>>();
+    std::sort(moments.begin(), moments.end());
+    const Eigen::Vector3d expected =
+        joint.body.inertia_at_com.selfadjointView<Eigen::Lower>().eigenvalues();
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(moments[static_cast<std::size_t>(i)], expected[i], 1e-6);
+      EXPECT_NEAR(seen["centre"][static_cast<std::size_t>(i)], joint.body.centre_of_mass[i], 1e-6);
+    }
+  }
+  EXPECT_EQ(report["motors"], 2);
+  EXPECT_EQ(report["shapes"], 1);
+  const auto flange = std::find_if(report["sites"].begin(), report["sites"].end(),
+                                   [](const auto& site) { return site["name"] == "robot/flange"; });
+  ASSERT_NE(flange, report["sites"].end());
+  EXPECT_NEAR((*flange)["position"][2], 1.0 + 0.5 + 0.2, 1e-9);
 }
 
 }  // namespace

@@ -243,6 +243,27 @@ Scores scores_of_scattered(double scatter, double kept, std::uint64_t seed,
   return scores;
 }
 
+// Two speeds 12 mm/s apart: scatter from push to push, over their difference, is 10 to 100 N s/m.
+TEST(FrictionPosterior, CoversTheViscousFrictionOfTwoCloseSpeeds) {
+  Random random(90);
+  Scores viscous, coulomb;
+  for (int i = 0; i < 150; ++i) {
+    Body body = random_body(random);
+    body.scatter = random.uniform(0.01, 0.06);
+    body.viscous = random.uniform(3.0, 25.0);
+    FrictionPriors priors;
+    priors.mass = body.mass;
+    const double speed = random.uniform(0.03, 0.08);
+    std::vector<double> speeds{speed, speed + 0.012};
+    if (i % 3 == 0) speeds = {speed, speed, speed + 0.012, speed + 0.012};
+    const FrictionPosterior found = infer_friction(pushes_of(body, speeds, 0.0, random), priors);
+    coulomb.add(found.coulomb, body.coulomb);
+    if (found.viscous.is_excited) viscous.add(found.viscous, body.viscous);
+  }
+  if (!viscous.values.empty()) expect_coverage(viscous, "viscous");
+  expect_coverage(coulomb, "coulomb");
+}
+
 TEST(FrictionPosterior, CoversFrictionThatDiffersByATenthFromPushToPush) {
   expect_coverage(scores_of_scattered(0.10, 0.0, 74), "scattered");
 }

@@ -48,7 +48,12 @@ TEST(ForceScale, OfOneObjectIsAWarning) {
 TEST(ForceScale, NeedsAMassByAccelerations) {
   WeighedObject unknown = object("body", 3.0, 6.0, 0.1);
   unknown.mass.is_excited = false;
-  EXPECT_TRUE(check_force_scale(std::vector{unknown}).warnings.empty());
+  const ScaleFindings found = check_force_scale(std::vector{unknown});
+  EXPECT_TRUE(found.warnings.empty());
+  ASSERT_EQ(found.notes.size(), 1U);
+  EXPECT_NE(found.notes[0].find("scale is not compared"), std::string::npos) << found.notes[0];
+  EXPECT_FALSE(contradicted_scale(unknown).has_value());
+  EXPECT_TRUE(check_force_scale(std::vector{object("body", 1.25, 1.26, 0.02)}).notes.empty());
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/base/core/gravity.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -49,6 +51,19 @@ TEST(SampleParameters, HaveTheStatedMeanStdAndCorrelation) {
   EXPECT_NEAR(moments_of(viscous).mean, 15.0, 0.1);
   EXPECT_NEAR(moments_of(viscous).std, 3.0, 0.1);
   EXPECT_NEAR(moments_of(product).mean, -0.8, 0.04);
+}
+
+TEST(SampleParameters, HaveSlidingForcesOfTheDrawnFriction) {
+  ObjectParameters known = identified_block();
+  known.sliding_force = {{0.01, 3.0, 0.06}};
+  Random random(5);
+  const ObjectParameters drawn = sample_parameters(known, random);
+  const auto law = [](const ObjectParameters& of) {
+    return of.sliding_friction_coefficient->value * 1.2 * kStandardGravity +
+           0.01 * of.viscous_friction->value;
+  };
+  ASSERT_NE(law(drawn), law(known));
+  EXPECT_NEAR(drawn.sliding_force.front().force, 3.0 * law(drawn) / law(known), 1e-12);
 }
 
 TEST(SampleParameters, StayInTheRangesOfParameterFilesAndKeepWhatIsNoUncertainty) {

@@ -87,6 +87,14 @@ TEST(IdentifyToolFriction, IsFoundFromATipThatSlidesSlowly) {
   }
 }
 
+// Without noise all contacts agree, and the next one would differ by some per cent.
+TEST(IdentifyToolFriction, IsNoMoreCertainThanFrictionRepeats) {
+  const Push push = [](double t) { return slow_push(t, 0.8, 0.4); };
+  const std::optional<ParameterValue> found = found_from({push, push}, 6.0);
+  ASSERT_TRUE(found);
+  EXPECT_GE(*found->std, 0.019 * found->value / std::sqrt(2.0));
+}
+
 TEST(IdentifyToolFriction, IsNotFoundFromATipThatSticks) {
   // The apparent slip, a tenth of the path, is an error of the tip's radius or of the tracking.
   const Push push = [](double t) { return slow_push(t, 0.1, 0.2); };

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/perception/tracking/stated_poses.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -66,6 +68,30 @@ TEST(PlacementWarnings, NameGivenPosesThatTheImagesContradict) {
   CameraTrackerOptions trusting;
   trusting.trust_poses = true;
   EXPECT_TRUE(placement_warnings(track, given, trusting).empty());
+}
+
+TEST(PlacementWarnings, AreAnErrorWhereTheStdOfThePosesIsStated) {
+  CameraTrack track = a_track();
+  track.frames[9].base_tags = 2;
+  Trajectory given;
+  for (std::size_t i = 0; i < 10; ++i) {
+    const double error = i < 8 ? 0.005 : 0.1 * static_cast<double>(i - 7);
+    given.append(stamp_of(i),
+                 track.frames[i].T_base_camera * Pose::from_translation({0.0, error, 0.0}));
+  }
+  CameraTrackerOptions options;
+  EXPECT_FALSE(moved_poses(track, given, options, "hall")) << "the std is the default";
+  state_pose_std(options.groundtruth_position_std, options);
+  const std::optional<Error> error = moved_poses(track, given, options, "hall");
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->message,
+            "2 of its 10 poses are contradicted by more than 5 stds: frame 9 by 200 mm and 0.0 deg "
+            "(23 stds, base tags in view), frame 8 by 100 mm and 0.0 deg (11 stds, other views)");
+  state_pose_std(0.1, options);
+  EXPECT_FALSE(moved_poses(track, given, options, "hall"));
+  state_pose_std(0.001, options);
+  options.trust_poses = true;
+  EXPECT_FALSE(moved_poses(track, given, options, "hall"));
 }
 
 }  // namespace

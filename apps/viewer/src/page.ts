@@ -26,7 +26,7 @@ import { addTrackedLegend, fillHeightLegend, fillLegend } from './ui/legend';
 import type { LivePlot } from './ui/live_plot';
 import type { Messages } from './ui/messages';
 import { differenceText, MeasureLabels } from './ui/measure_labels';
-import { ObjectsPanel } from './ui/objects_panel';
+import { ObjectsPanel, phaseLabel } from './ui/objects_panel';
 import { PageLink } from './ui/page_link';
 import { PlotGrip } from './ui/plot_grip';
 import { pair } from './ui/pairing';
@@ -36,6 +36,8 @@ import { Sheet } from './ui/sheet';
 import { addShortcuts } from './ui/shortcuts';
 import type { Theme, ThemeSwitch } from './ui/theme';
 import { ToolPanel } from './ui/tool_panel';
+import type { Caption } from './ui/video_caption';
+import { ViewVideo } from './ui/view_video';
 
 const statsSeconds = 0.25; // between updates of the displayed numbers, so that they can be read
 const vibrationMs = 30;
@@ -189,6 +191,7 @@ export class Page {
     byId('save-picture', HTMLButtonElement).addEventListener('click', () =>
       savePicture(this.app, this.model.name),
     );
+    new ViewVideo(this.app, this.model.name, () => this.caption());
     const follow = byId('follow-tool', HTMLButtonElement);
     follow.addEventListener('click', () => {
       this.follow.isOn = !this.follow.isOn;
@@ -387,6 +390,22 @@ export class Page {
     const index = this.app.session.welcome?.objects.indexOf(name) ?? -1;
     const state = this.app.session.latest();
     return state ? this.measuredState.compare(state, index) : null;
+  }
+
+  /// What a video says of the bodies that can be pushed.
+  private caption(): Caption {
+    const bodies = this.app.view.bodies.filter((body) => body.object.movable);
+    const hasTracking = bodies.some((body) => body.ghost.visible);
+    return {
+      time: this.replay?.time ?? this.app.session.latest()?.worldTime ?? 0,
+      tracked: hasTracking ? 'outline: tracked pose' : '',
+      objects: bodies.map((body) => {
+        const { name } = body.object;
+        const error = this.replay?.error(name) ?? this.comparisonOf(name)?.error ?? NaN;
+        const force = this.forceOn(name);
+        return { name, phase: body.phase, label: phaseLabel(body), force, error };
+      }),
+    };
   }
 
   private forceOn(name: string): number {

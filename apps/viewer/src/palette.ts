@@ -26,14 +26,3 @@ export const eventColors = {
   breakaway: phaseColors.sliding,
   correction: sourceColors.tracked,
 };
-
-/// The colour with `share` of it on white.
-export function tint(color: string, share: number): string {
-  const channel = (at: number) => {
-    const value = parseInt(color.slice(at, at + 2), 16);
-    return Math.round(255 + share * (value - 255))
-      .toString(16)
-      .padStart(2, '0');
-  };
-  return `#${channel(1)}${channel(3)}${channel(5)}`;
-}

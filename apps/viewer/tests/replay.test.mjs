@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
+import { readFileSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
-import { screenshot } from './support/browser.mjs';
+import { pathToFileURL } from 'node:url';
+import { openPage, screenshot } from './support/browser.mjs';
 import { drawnBodies } from './support/drawn.mjs';
 import { distance } from './support/live.mjs';
+import { run } from './support/pcavr.mjs';
 import { limit, sceneArguments, setStage } from './support/stage.mjs';
 
 const poseBytes = 32; // of a row t, position, quaternion
@@ -243,3 +246,41 @@ test('a link restores view, layers and time', limit, async () => {
   );
   assert.deepEqual(seen.errors, []);
 });
+
+test(
+  'a replay in one file opens without a server, and its view is saved as a video',
+  limit,
+  async () => {
+    const { folder, recording, scene, parameters } = stage.scene;
+    const file = join(folder, 'replay.html');
+    run(
+      ...['replay', recording, '--scene', scene, '--parameters', parameters],
+      ...['--tracked', join(recording, 'tracked'), '--html', file, '-o', join(folder, 'run')],
+    );
+    assert.ok(statSync(file).size < 8e6, `${statSync(file).size} bytes`);
+    const url = pathToFileURL(file).href;
+    const { page, seen } = await openPage(stage.browser.context, url);
+    await page.setViewportSize({ width: 1280, height: 800 });
+    await page.waitForFunction(() => window.__pcavr?.replay && window.__pcavr.scene.isComplete);
+    const wanted = timeOfPush(model.objects[0]);
+    await page.locator('#scrub').fill(String(Number(wanted.toFixed(2))));
+    const { time } = await timeline(page);
+    const body = (await drawnBodies(page)).find(({ name }) => name === model.objects[0].name);
+    assert.ok(distance(body.position, positionAt(model.objects[0].predicted, time)) < rounding);
+    assert.equal(await page.locator('#connection').isVisible(), false);
+    assert.equal(await page.getByRole('checkbox', { name: 'Robot' }).isChecked(), true);
+    await screenshot(page, 'replay-file');
+    const saved = page.waitForEvent('download');
+    await page.getByRole('button', { name: 'Record video' }).click();
+    await page.click('#play');
+    await page.waitForFunction((from) => window.__pcavr.timeline.time > from + 0.5, time);
+    await page.getByRole('button', { name: 'Stop and save' }).click();
+    const video = readFileSync(await (await saved).path());
+    const isMp4 = video.toString('latin1', 4, 8) === 'ftyp';
+    const isWebm = video.readUInt32BE(0) === 0x1a45dfa3;
+    assert.ok((isMp4 || isWebm) && video.length > 5000, `${video.length} bytes`);
+    const requests = seen.requests.filter((request) => !/^(data|blob):/.test(request));
+    assert.deepEqual(requests, [url]);
+    assert.deepEqual(seen.errors, []);
+  },
+);

@@ -84,8 +84,40 @@ test('a report shows its headings, tables and plots without a network', limit, a
   for (const path of paths) assert.match(path, /^M[-\d.]+,[-\d.]+L/);
   assert.equal((await page.locator('main').innerHTML()).includes('NaN'), false);
   await screenshot(page, 'report');
+  assert.equal(
+    await page.locator('footer .origin').textContent(),
+    "Made on 2026-01-02 03:04 UTC by pcavr evaluate 'my & run' -o report",
+  );
   assert.deepEqual(seen.errors, []);
 });
+
+test(
+  'a report is dark where that is wished, and keeps its colours in forced ones',
+  limit,
+  async () => {
+    const { page, seen } = await open(report.url);
+    const style = (selector, property) =>
+      page
+        .locator(selector)
+        .first()
+        .evaluate((e, name) => getComputedStyle(e)[name], property);
+    assert.equal(await style('body', 'backgroundColor'), 'rgb(255, 255, 255)');
+    await page.emulateMedia({ colorScheme: 'dark' });
+    assert.equal(await style('body', 'backgroundColor'), 'rgb(21, 25, 30)');
+    await screenshot(page, 'report-dark');
+    await page.emulateMedia({ colorScheme: 'light', forcedColors: 'active' });
+    const key = '.legend .area';
+    assert.notEqual(await style(key, 'backgroundColor'), await style('body', 'backgroundColor'));
+    // Without colours, too, "critical" differs from "static".
+    assert.match(await style(`${key}.critical`, 'backgroundImage'), /^repeating-linear-gradient/);
+    assert.ok(
+      (await page
+        .locator('.drawing rect[fill^="url(#hatch"], .drawing g[fill^="url(#hatch"]')
+        .count()) > 0,
+    );
+    assert.deepEqual(seen.errors, []);
+  },
+);
 
 test('a plot shows values at the pointer, zooms in, and shows all again', limit, async () => {
   const { page, seen } = await open(report.url);

@@ -10,8 +10,8 @@ import {
   sourceColors,
   toolColors,
 } from '../src/palette';
-import { bandColors } from '../src/report/colors';
-import { colorDifference, labOf, minDifferenceOf } from './color_difference';
+import { bandOpacity, kindColors } from '../src/report/colors';
+import { colorDifference, labOf, minDifferenceOf, tint } from './color_difference';
 
 // Metric: CIEDE2000, its minimum over normal vision and simulated protanopia, deuteranopia and
 // tritanopia. 15 is some seven times the just noticeable difference of adjacent patches, so that
@@ -75,7 +75,8 @@ test('the components of a force differ from each other and from its magnitude', 
 });
 
 test('the bands of phases behind curves differ', () => {
-  assertDistinct(bandColors.slice(1), bandColors.slice(1), minBandDifference);
+  const bands = kindColors.slice(1).map((color) => tint(color, bandOpacity));
+  assertDistinct(bands, bands, minBandDifference);
 });
 
 test("the tool's ball or its rim stands out on both backgrounds", () => {

@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { PerspectiveCamera, Ray, Vector3 } from 'three';
+import { BoxGeometry, Matrix4, PerspectiveCamera, Ray, Vector3 } from 'three';
+import { Body } from '../src/scene/bodies';
+import { isHidden } from '../src/scene/hidden';
 import { DragPlane } from '../src/input/drag_plane';
 import { linearColors, readGrid } from '../src/scene/cells';
 import { readGlb } from '../src/scene/glb';
 import { levelWithin } from '../src/scene/loading';
 import { supportBelow } from '../src/scene/plumb_line';
-import type { Vector } from '../src/protocol';
+import type { Quaternion, Vector } from '../src/protocol';
 
 function gridFile(points: number[][], extra: number[]): ArrayBuffer {
   const file = new ArrayBuffer(20 + 6 * points.length + extra.length);
@@ -183,4 +185,27 @@ test('a concave support is not below a point in its notch', () => {
   ];
   assert.equal(supportBelow([0.5, 1.5, 1], [notched]), 0);
   assert.equal(supportBelow([1.5, 1.5, 1], [notched]), -Infinity);
+});
+
+/// A cube of 0.1 m at x [m].
+function cube(name: string, x: number): Body {
+  const quaternion: Quaternion = [0, 0, 0, 1];
+  const properties = { path: '', bytes: 0, mass: 1, movable: true, evidence: '', parameters: {} };
+  const body = new Body({ name, position: [x, 0, 0], quaternion, ...properties }, 0);
+  const geometry = new BoxGeometry(0.1, 0.1, 0.1);
+  body.addParts([{ geometry, matrix: new Matrix4(), color: null, hasTexture: false }]);
+  body.solid.updateMatrixWorld(true);
+  return body;
+}
+
+test('a body behind another one of its size is hidden, one that looks out is not', () => {
+  const [front, behind, beside] = [cube('a', 0), cube('b', -0.2), cube('c', 0.3)];
+  const all = [front, behind, beside];
+  const near = new Vector3(0.2, 0, 0);
+  assert.ok(isHidden(behind, [front, behind], near));
+  assert.ok(!isHidden(front, [front, behind], near));
+  assert.ok(!isHidden(behind, all, new Vector3(0.2, 0, 0.4)), 'seen over the other');
+  assert.ok(!isHidden(behind, [behind], near));
+  // Bodies that touch: each has a side that is seen.
+  assert.ok(!isHidden(cube('d', 0.1), [front, cube('d', 0.1)], new Vector3(0.1, 1, 0)));
 });

@@ -9,7 +9,9 @@ import { nextScale } from '../src/vr/locomotion';
 import { Person } from '../src/vr/person';
 import { Pulses } from '../src/vr/pulses';
 import { signText } from '../src/vr/sign';
-import { floorHeight, startPose } from '../src/vr/start';
+import type { Vector } from '../src/protocol';
+import { directionInView } from '../src/vr/robot_arrow';
+import { floorHeight, floorLevel, startPose } from '../src/vr/start';
 import { ballisticPath, findLanding } from '../src/vr/teleport';
 
 const head = new Vector3(0.3, 1.6, -0.2);
@@ -175,6 +177,33 @@ test('the user starts at the side of the robot, or where the cameras were', () =
   const atCameras = startPose({ ...ground, cameras: [[0, 2, 1]] }, 1.6);
   assert.ok(Math.abs(Math.abs(atCameras.heading) - Math.PI / 2) < rounding);
   assert.ok(atCameras.foot.y > 0.8 + 0.45 - rounding);
+});
+
+test('a robot beside or behind the user is pointed at, one in view is not', () => {
+  const head = new Vector3(0, 1.6, 0);
+  const ahead = new Quaternion();
+  assert.equal(directionInView(new Vector3(0.2, 1, -1.5), head, ahead), null);
+  const right = directionInView(new Vector3(3, 1.6, 0), head, ahead)!;
+  assert.ok(Math.abs(right) < rounding, `${right}`);
+  const left = directionInView(new Vector3(-3, 1.6, 1), head, ahead)!;
+  assert.ok(Math.abs(Math.abs(left) - Math.PI) < rounding, `${left}`);
+  const below = directionInView(new Vector3(0, 0, -0.1), head, ahead)!;
+  assert.ok(Math.abs(below + Math.PI / 2) < rounding, `${below}`);
+  const turned = new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), -Math.PI / 2);
+  assert.equal(directionInView(new Vector3(3, 1.6, 0), head, turned), null);
+});
+
+test('a teleport stays within a few steps of the scene', () => {
+  const objects = [new Vector3(0.6, 0.2, 0)];
+  const ground = { supports: [], scanMinZ: -0.7, objects, cameras: [[-1, 0, 1] as Vector] };
+  const floor = floorLevel(ground);
+  assert.equal(floor.z, -0.7);
+  const landingAt = (x: number) =>
+    findLanding([new Vector3(x, 0, 1), new Vector3(x, 0, -1)], [floor])?.point;
+  near(landingAt(2.5)!, new Vector3(2.5, 0, -0.7));
+  near(landingAt(-2.9)!, new Vector3(-2.9, 0, -0.7));
+  assert.equal(landingAt(2.7), undefined);
+  assert.equal(landingAt(-3.1), undefined);
 });
 
 test('a sheet stays at the hand, and moves only where it would hide a body', () => {

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +22,14 @@ struct IdentificationRun {
   std::string name;  ///< of the recording, in texts
   Stamp start;       ///< of its clock
   IdentificationInput input;
+  std::string support = {};  ///< what the objects stand on
+};
+
+/// What an object's runs are grouped by, beside the answer from all of them.
+enum class RunGrouping {
+  object,   ///< no groups
+  support,  ///< IdentificationRun::support
+  speed,    ///< median speed of the slides, in ranges from 2^k to 2^(k+1) mm/s
 };
 
 /// One parameter of an object in all runs that identified it.
@@ -36,16 +46,29 @@ struct PooledParameter {
   double scatter = 0.0;        ///< of the runs' own effects
 };
 
+/// Runs of one support or range of speed, together.
+struct PooledGroup {
+  std::string name;
+  std::vector<std::size_t> runs = {};
+  /// Without friction that was known before, which is not of this group.
+  std::vector<PooledParameter> parameters = {};
+};
+
 struct PooledObject {
   std::string name;
   ObjectIdentification found;              ///< by all runs that are not left out
   std::vector<std::size_t> runs = {};      ///< that touched it and agree
   std::vector<std::size_t> left_out = {};  ///< that contradict the others
   std::vector<PooledParameter> parameters = {};
+  std::vector<PooledGroup> groups = {};  ///< of the runs that are not left out
+  /// Stds of the limit surface's coefficients in its scales, which count as exact; empty without
+  /// one.
+  std::optional<std::array<double, 15>> surface_std = {};
 };
 
 struct PooledIdentification {
   IdentificationGoal goal = IdentificationGoal::friction;
+  RunGrouping grouping = RunGrouping::object;
   std::vector<std::string> runs;           ///< by their start
   std::vector<Identification> alone;       ///< each run's own
   std::vector<PooledObject> objects = {};  ///< by name
@@ -63,14 +86,15 @@ struct PooledIdentification {
 /// most a third of them, and named. The order of `runs` does not matter, except that runs of the
 /// same start are in the order of their names. Errors: objects of one name and different bodies,
 /// masses or tips; a run twice; a run that can't be identified. Friction known before is combined
-/// with what is found (combine_with_known). Deterministic.
-[[nodiscard]] Expected<PooledIdentification> identify_runs(std::vector<IdentificationRun> runs,
-                                                           IdentificationGoal goal,
-                                                           const IdentificationOptions& options,
-                                                           const Observer& observer = {});
+/// with what is found (combine_with_known). `grouping`: each group is identified by its runs alone,
+/// too. Deterministic.
+[[nodiscard]] Expected<PooledIdentification> identify_runs(
+    std::vector<IdentificationRun> runs, IdentificationGoal goal,
+    const IdentificationOptions& options, RunGrouping grouping = RunGrouping::object,
+    const Observer& observer = {});
 
-/// report.html, report.json, runs.csv (a row for each run and parameter) and parameters.tex into a
-/// folder that exists.
+/// report.html, report.json, runs.csv (a row for each run and parameter), parameters.tex, and with
+/// a grouping groups.csv (a row for each group and parameter), into a folder that exists.
 [[nodiscard]] Expected<void> write_pooled_report(const PooledIdentification& found,
                                                  const std::filesystem::path& folder);
 

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdint>
 #include <string>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
 
+#include "pcavr/base/core/base64.hpp"
 #include "pcavr/base/core/json_text.hpp"
+#include "pcavr/base/report/report_origin.hpp"
 #include "pcavr/base/report/report_page.hpp"
 
 #include "decimation.hpp"
@@ -81,24 +82,6 @@ Json table_json(const ReportTable& table) {
 
 Json block_json(const PageText& text) {
   return {{"kind", "text"}, {"text", text.text}, {"highlighted", text.is_highlighted}};
-}
-
-/// RFC 4648, with padding.
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? static_cast<std::uint8_t>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63U] : '=';
-    }
-  }
-  return text;
 }
 
 Json block_json(const PagePicture& picture) {
@@ -183,6 +166,9 @@ std::string format_report_data(const ReportPage& page) {
   for (const PageSection& section : page.sections) {
     json["sections"].push_back(section_json(section));
   }
+  const ReportOrigin& origin = report_origin();
+  if (!origin.command.empty()) json["command"] = origin.command;
+  if (!origin.date.empty()) json["date"] = origin.date;
   return without_markup(json_text(json));
 }
 

@@ -156,4 +156,34 @@ void OccupancyTree::for_each_occupied(
   }
 }
 
+std::size_t OccupancyTree::clear_occupied(
+    const std::function<bool(const Eigen::Vector3d& centre, double edge)>& is_cleared) {
+  octomap::OcTree& tree = state_->tree;
+  std::vector<octomap::OcTreeKey> cleared;
+  const double cell = tree.getResolution();
+  for_each_occupied([&](const Eigen::Vector3d& centre, double edge) {
+    if (!is_cleared(centre, edge)) return;
+    const auto cells = static_cast<int>(std::lround(edge / cell));
+    const Eigen::Vector3d first = centre.array() - 0.5 * (edge - cell);
+    for (int i = 0; i < cells * cells * cells; ++i) {
+      const Eigen::Vector3d middle =
+          first + cell * Eigen::Vector3d(i % cells, i / cells % cells, i / (cells * cells));
+      if (cells > 1 && !is_cleared(middle, cell)) continue;
+      cleared.push_back(tree.coordToKey(middle.x(), middle.y(), middle.z()));
+    }
+  });
+  // Not deleteNode: it aborts where a node loses all its children (OctoMap 1.9).
+  for (const octomap::OcTreeKey& key : cleared) {
+    tree.setNodeValue(key, tree.getClampingThresMinLog(), true);
+  }
+  tree.updateInnerOccupancy();
+  return cleared.size();
+}
+
+std::string OccupancyTree::binary_data() const {
+  std::ostringstream stream;
+  if (state_->tree.size() > 0) state_->tree.writeBinaryData(stream);
+  return stream.str();
+}
+
 }  // namespace pcavr

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "pcavr/perception/tracking/stated_poses.hpp"
+
 namespace pcavr::tracking {
 namespace {
 
@@ -15,6 +17,10 @@ constexpr double kMaxStds = 5.0;
 /// poses, and over some distance, by up to this [m, rad].
 constexpr double kUsualOffset = 0.1;
 constexpr double kUsualRotation = 6.0 * std::numbers::pi / 180.0;
+/// Errors of an alignment between two views that are far apart, beside those of stated poses
+/// [m, rad].
+constexpr double kAlignmentOffset = 0.02;
+constexpr double kAlignmentRotation = 1.0 * std::numbers::pi / 180.0;
 /// A pose whose way from the one before to the one after it is this many times the direct one has
 /// jumped and returned.
 constexpr double kJumpRatio = 3.0;
@@ -24,9 +30,12 @@ bool is_near(const Pose& T_a_b, const Pose& T_a_b_given, const CameraTrackerOpti
   const double position_std = std::sqrt(6.0) * options.groundtruth_position_std;
   const double rotation_std = std::sqrt(6.0) * options.groundtruth_rotation_std;
   const double lever = T_a_b_given.translation().norm();
+  const bool is_stated = are_pose_stds_stated(options);
+  const double min_offset = is_stated ? kAlignmentOffset : kUsualOffset;
+  const double min_rotation = is_stated ? kAlignmentRotation : kUsualRotation;
   return translation_distance(T_a_b, T_a_b_given) <=
-             std::max(kUsualOffset, kMaxStds * std::hypot(position_std, rotation_std * lever)) &&
-         rotation_distance(T_a_b, T_a_b_given) <= std::max(kUsualRotation, kMaxStds * rotation_std);
+             std::max(min_offset, kMaxStds * std::hypot(position_std, rotation_std * lever)) &&
+         rotation_distance(T_a_b, T_a_b_given) <= std::max(min_rotation, kMaxStds * rotation_std);
 }
 
 class LinkSelection {
@@ -65,6 +74,7 @@ class LinkSelection {
                     options_);
   }
   [[nodiscard]] bool are_given_poses_credible() const {
+    if (are_pose_stds_stated(options_)) return true;
     std::size_t comparable = 0;
     std::size_t contradicted = 0;
     for (std::size_t r = 0; r < records_.size(); ++r) {
@@ -76,6 +86,7 @@ class LinkSelection {
     return 2 * contradicted <= comparable;
   }
   [[nodiscard]] bool has_jumped(std::size_t r) const {
+    if (are_pose_stds_stated(options_)) return false;
     if (r == 0 || r + 1 >= records_.size()) return false;
     const auto& before = given_[r - 1];
     const auto& after = given_[r + 1];

@@ -27,7 +27,9 @@ struct SelectedLinks {
 /// All links, less those between look-alike places: that contradict the given poses of both of
 /// their frames by more than five standard deviations and more than usual calibrations do. A single
 /// given pose that jumps and returns is an outlier and rejects nothing; neither do given poses that
-/// contradict most of the links, as with another unit or convention.
+/// contradict most of the links, as with another unit or convention. Poses whose std is stated
+/// (are_pose_stds_stated) are right: what contradicts them by more than that and the alignments'
+/// own error is left out.
 [[nodiscard]] SelectedLinks select_links(const std::vector<Keyframe>& keyframes,
                                          const std::vector<FrameRecord>& records,
                                          const Trajectory& given,

@@ -25,12 +25,16 @@ struct Factor {
   double log = 0.0, std = 0.0;
 };
 
+std::optional<Factor> factor_of(const WeighedObject& object) {
+  if (!object.mass.is_excited || !(object.mass.value > 0.0)) return std::nullopt;
+  return Factor{&object, std::log(object.mass.value / object.weighed_mass),
+                std::hypot(object.mass.std / object.mass.value, kWeighingStd)};
+}
+
 std::vector<Factor> factors_of(std::span<const WeighedObject> objects) {
   std::vector<Factor> factors;
   for (const WeighedObject& object : objects) {
-    if (!object.mass.is_excited || !(object.mass.value > 0.0)) continue;
-    factors.push_back({&object, std::log(object.mass.value / object.weighed_mass),
-                       std::hypot(object.mass.std / object.mass.value, kWeighingStd)});
+    if (const std::optional<Factor> factor = factor_of(object)) factors.push_back(*factor);
   }
   return factors;
 }
@@ -69,6 +73,12 @@ std::optional<CommonFactor> common_factor(const std::vector<Factor>& factors) {
 
 }  // namespace
 
+std::optional<double> contradicted_scale(const WeighedObject& object) {
+  const std::optional<Factor> factor = factor_of(object);
+  if (!factor || !is_contradiction(*factor)) return std::nullopt;
+  return std::exp(factor->log);
+}
+
 ScaleFindings check_force_scale(std::span<const WeighedObject> objects) {
   ScaleFindings findings;
   for (const WeighedObject& object : objects) {
@@ -76,6 +86,12 @@ ScaleFindings check_force_scale(std::span<const WeighedObject> objects) {
     if (findings.fault) return findings;
   }
   const std::vector<Factor> factors = factors_of(objects);
+  if (factors.empty()) {
+    findings.notes.push_back(
+        std::string("the force's scale is not compared with a mass: no push excited that of a "
+                    "weighed object; ") +
+        kForceScaleEffect);
+  }
   if (const std::optional<CommonFactor> common = common_factor(factors)) {
     std::string message = fmt::format(
         "the force is {:.3g} +- {:.2g} times what it must be:", common->value, common->std);
@@ -95,7 +111,8 @@ ScaleFindings check_force_scale(std::span<const WeighedObject> objects) {
         masses_text(*one.object) +
         fmt::format(": the given mass or the force is wrong, by a factor of {:.3g} +- {:.2g}; the "
                     "given mass is kept, and what is identified from the force may be off by that "
-                    "factor: weigh the object again, and check the sensor's calibration",
+                    "factor, which its stds contain: weigh the object again, and check the "
+                    "sensor's calibration",
                     std::exp(one.log), std::exp(one.log) * one.std));
   }
   return findings;

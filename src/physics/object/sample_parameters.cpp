@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "pcavr/base/core/gravity.hpp"
 #include "pcavr/base/core/solvers.hpp"
 
 #include "physics/object/parameter_fields.hpp"
@@ -69,6 +71,23 @@ double log_normal(const Uncertain& row, double normal) {
   return row.mean * std::exp(std::sqrt(variance) * normal - 0.5 * variance);
 }
 
+/// Coulomb and viscous friction at a speed [N], where they are known.
+std::optional<double> sliding_friction(const ObjectParameters& known, double speed) {
+  if (!known.mass || !known.sliding_friction_coefficient) return std::nullopt;
+  const double viscous = known.viscous_friction ? known.viscous_friction->value : 0.0;
+  return known.sliding_friction_coefficient->value * known.mass->value * kStandardGravity +
+         viscous * speed;
+}
+
+/// The forces at the pushed speeds are of the same friction: they change with what was drawn of it.
+void scale_sliding_forces(const ObjectParameters& known, ObjectParameters& drawn) {
+  for (SlidingForce& row : drawn.sliding_force) {
+    const std::optional<double> before = sliding_friction(known, row.speed);
+    const std::optional<double> after = sliding_friction(drawn, row.speed);
+    if (before && after && *before > 0.0) row.force *= *after / *before;
+  }
+}
+
 }  // namespace
 
 ObjectParameters sample_parameters(const ObjectParameters& known, Random& random) {
@@ -91,6 +110,7 @@ ObjectParameters sample_parameters(const ObjectParameters& known, Random& random
     }
     if (is_in_range) break;
   }
+  scale_sliding_forces(known, drawn);
   return drawn;
 }
 

@@ -1,37 +1,23 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <string>
 
 #include <fmt/core.h>
 
 #include "physics/object_identification/identification_steps.hpp"
+#include "physics/object_identification/widen_stds.hpp"
 
 namespace pcavr {
 namespace {
 
-/// Adds a std of `share` of the value.
-void widen(std::optional<ParameterValue>& value, double share) {
-  if (value && value->std) value->std = std::hypot(*value->std, share * value->value);
-}
-
 /// A turn takes from a force the share 1 - cos of what is along the motion.
-void widen_friction(double suspected_turn, const ObjectParameters& known,
-                    ObjectIdentification& result) {
+double share_of_turn(double suspected_turn) {
   const double cosine = std::max(std::cos(suspected_turn), 0.5);
-  const double share = 1.0 / cosine - 1.0;
-  for (const auto field :
-       {&ObjectParameters::limiting_static_friction,
-        &ObjectParameters::sliding_friction_coefficient, &ObjectParameters::viscous_friction,
-        &ObjectParameters::friction_radius}) {
-    std::optional<ParameterValue>& value = result.parameters.*field;
-    const std::optional<ParameterValue>& before = known.*field;
-    const bool is_new = value && (!before || before->value != value->value);
-    if (is_new) widen(value, share);
-  }
+  return 1.0 / cosine - 1.0;
 }
 
 }  // namespace
@@ -49,7 +35,10 @@ void doubt_force_direction(double suspected_turn, const ObjectParameters& known,
                            angle + " looks like it; clear up the sensor's turn first");
   }
   if (!result.friction.is_valid && result.limit.pushes == 0) return;
-  widen_friction(suspected_turn, known, result);
+  widen_new(std::array{&ObjectParameters::limiting_static_friction,
+                       &ObjectParameters::sliding_friction_coefficient,
+                       &ObjectParameters::viscous_friction, &ObjectParameters::friction_radius},
+            share_of_turn(suspected_turn), known, result.parameters);
   result.notes.push_back("the stds of friction contain what a turn of the force by " + angle +
                          " would change");
 }

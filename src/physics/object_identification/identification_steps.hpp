@@ -59,6 +59,11 @@ void check_press_lines(std::vector<IdentifiedContact>& contacts, std::size_t obj
 void doubt_force_direction(double suspected_turn, const ObjectParameters& known,
                            ObjectIdentification& result);
 
+/// Where the mass by force and acceleration contradicts the weighed one, widens the stds of what
+/// the force gave by what another scale of it, or another mass, would change. `known`: before.
+void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters& known,
+                       ObjectIdentification& result);
+
 /// Fills the table of parameters: value, std, and where a parameter is not identified, the motion
 /// that would identify it. `slid` [s]: how long pushes moved the object.
 void state_findings(IdentificationGoal goal, const IdentifiableObject& object, double slid,

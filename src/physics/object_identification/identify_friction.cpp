@@ -53,6 +53,12 @@ double largest_force(const std::vector<IdentifiedContact*>& contacts) {
   return largest;
 }
 
+bool is_mostly_turning(const std::vector<FrictionSample>& samples) {
+  const auto turning = std::count_if(samples.begin(), samples.end(),
+                                     [](const FrictionSample& one) { return one.is_turning; });
+  return 2 * turning > static_cast<std::ptrdiff_t>(samples.size());
+}
+
 /// Mass, friction and damping of all slides: with the mass that was weighed, and without.
 struct SlidesPosterior {
   FrictionPosterior joint;
@@ -64,6 +70,12 @@ struct SlidesPosterior {
 SlidesPosterior infer(const std::vector<FrictionSample>& samples, std::optional<double> given_mass,
                       bool is_weighed, FrictionPriors priors) {
   SlidesPosterior result{infer_friction(samples, priors), {}, false};
+  // In pushes that turn the object, the few samples between turns show how friction differs from
+  // place to place more than they show a mass.
+  if (is_mostly_turning(samples)) {
+    result.joint.mass.is_excited = false;
+    result.joint.coefficient.is_excited = false;  // by that mass; by the given one, see below
+  }
   const IdentifiedParameter& mass = result.inertial_mass = result.joint.mass;
   const bool is_contradicted = given_mass && !is_weighed && mass.is_excited &&
                                std::abs(mass.value - *given_mass) > kMassContradiction * mass.std;
@@ -127,13 +139,6 @@ void take_sliding(const SlidesPosterior& found, std::optional<double> weighed_ma
   }
 }
 
-/// An object that turns while it is pushed turned under the load, too, and seems softer than it is.
-bool is_mostly_turning(const std::vector<FrictionSample>& samples) {
-  const auto turning = std::count_if(samples.begin(), samples.end(),
-                                     [](const FrictionSample& one) { return one.is_turning; });
-  return 2 * turning > static_cast<std::ptrdiff_t>(samples.size());
-}
-
 }  // namespace
 
 void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
@@ -189,6 +194,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   const std::vector<IdentifiedContact*> at_limit =
       pushes_at_limit(all, pushes, body, tip, tool_radius, radius, options, result);
   find_limits(at_limit, compliance, radius, options, result);
+  // An object that turned while it was loaded, too, seems softer than it is.
   if (result.is_exponent_given && is_mostly_turning(result.slide_samples)) {
     result.is_contact_off_centre = true;
   }

@@ -124,6 +124,7 @@ ObjectIdentifier::Result ObjectIdentifier::result() const {
     check_press_lines(contacts, index, options_.inputs.segmentation.breakaway, found);
   }
   doubt_force_direction(suspected_turn_, known_, found);
+  doubt_force_scale(*object_, known_, found);
   withhold_contact_off_centre(found);
   if (object_->is_movable) assume_contact_by_loading(contacts, index, found);
   state_penetration(options_.contact_fit, found);

@@ -153,8 +153,8 @@ void state_friction(const IdentifiableObject& object, double slid, ObjectIdentif
   if (found.is_mass_given) {
     mass.remark = object.mass ? "given: weighed" : "given: the mass known before";
     if (!sliding.mass.is_excited) mass.remark += std::string("; to identify it: ") + kBetterSlide;
-    findings.add(kInertialMass, "kg", as_value(sliding.mass), sliding.mass.is_excited,
-                 "accelerations during sliding, without the given mass",
+    findings.add(kInertialMass, "kg", p.inertial_mass.value_or(as_value(sliding.mass)),
+                 sliding.mass.is_excited, "accelerations during sliding, without the given mass",
                  std::string("not excited: ") + kBetterSlide);
   }
   findings.add("limiting_static_friction", "N", p.limiting_static_friction, found.limit.pushes > 0,

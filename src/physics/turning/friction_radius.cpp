@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "physics/turning/friction_radius.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -126,6 +126,28 @@ double viscous_std(const std::vector<PushSample>& samples, const FrictionModel& 
   return changed ? std::abs(changed->radius - radius) : 0.0;
 }
 
+/// A model's radius, and how well the model without some pushes predicts those.
+struct JudgedRadius {
+  double radius = 0.0, std = 0.0;  ///< [m]
+  double angles = 0.0;             ///< [rad] LeftOut
+};
+
+/// The radius of the model that predicts better. Its std contains the other model's radius, by the
+/// share of the weights 1 / angles^2: where both predict about as well, either may be right.
+std::optional<ParameterValue> best_of(const std::vector<JudgedRadius>& judged) {
+  if (judged.empty()) return std::nullopt;
+  const JudgedRadius& best = *std::min_element(
+      judged.begin(), judged.end(),
+      [](const JudgedRadius& a, const JudgedRadius& b) { return a.angles < b.angles; });
+  double variance = best.std * best.std;
+  for (const JudgedRadius& one : judged) {
+    const double worse = best.angles > 0.0 ? one.angles / best.angles : 1.0;
+    const double weight = 1.0 / (1.0 + worse * worse);
+    variance += weight * std::pow(one.radius - best.radius, 2);
+  }
+  return ParameterValue{best.radius, std::sqrt(variance)};
+}
+
 /// Whether some samples turn the object clearly.
 bool is_turned(const std::vector<PushSample>& samples) {
   std::size_t count = 0;
@@ -150,19 +172,18 @@ std::optional<ParameterValue> friction_radius_of(const SamplesOfPushes& pushes,
                                   [&](const std::vector<PushSample>& some, double b) {
                                     return turned_by_surface(options, support, some, b);
                                   }};
-  std::optional<ParameterValue> best;
-  double least = std::numeric_limits<double>::infinity();
+  std::vector<JudgedRadius> judged;
   for (const FrictionModel& model : models) {
     const std::optional<Turned> turned = model(samples, viscous.value);
     if (!turned) continue;
     const std::optional<LeftOut> left_out = leave_out(pushes, model, viscous.value);
-    if (!left_out || left_out->angles >= least) continue;
-    least = left_out->angles;
-    best = {turned->radius,
-            std::hypot(jackknife_std(left_out->radii), kPressureShare * turned->radius,
-                       viscous_std(samples, model, turned->radius, viscous))};
+    if (!left_out) continue;
+    judged.push_back({turned->radius,
+                      std::hypot(jackknife_std(left_out->radii), kPressureShare * turned->radius,
+                                 viscous_std(samples, model, turned->radius, viscous)),
+                      left_out->angles});
   }
-  return best;
+  return best_of(judged);
 }
 
 double moved_radius_share(const Support& support, const Eigen::Vector2d& centre) {

@@ -30,6 +30,9 @@ constexpr double kMinAcross = 0.05, kMaxAcross = 0.5;
 constexpr std::size_t kMinSamples = 4;
 /// Share of the samples in which the force opposes the slip: fewer are no friction.
 constexpr double kMinOpposing = 0.75;
+/// Share by which friction differs from contact to contact at least: repeated ones differ by 2 to
+/// 5 %.
+constexpr double kFrictionScatter = 0.02;
 
 /// The tip's centre at a tracked pose.
 struct TipAtPose {
@@ -176,7 +179,10 @@ std::optional<ToolFriction> tool_friction_of(std::span<const std::vector<double>
   // The samples of one contact share their errors.
   const double scatter = kStdOfMedianOverMean * kStdOverMad * median(residuals) /
                          std::sqrt(static_cast<double>(count));
-  const double std = std::hypot(scatter, normal_std(tracked) * (1.0 + middle * middle));
+  // The few contacts that there usually are agree by chance.
+  const double least = kFrictionScatter * middle / std::sqrt(static_cast<double>(count));
+  const double std =
+      std::hypot(std::max(scatter, least), normal_std(tracked) * (1.0 + middle * middle));
   return ToolFriction{{middle, std}, count};
 }
 

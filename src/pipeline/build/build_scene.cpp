@@ -22,6 +22,7 @@
 #include "pcavr/pipeline/known_parameters.hpp"
 
 #include "follow_objects.hpp"
+#include "fusion_memory.hpp"
 #include "pipeline/checks/assess_consistency.hpp"
 #include "pipeline/checks/clock_checks.hpp"
 #include "pipeline/checks/scene_upright.hpp"
@@ -241,6 +242,11 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   }
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
   if (!survey) return survey.error();
+  if (std::optional<Error> error =
+          too_little_memory(recording, survey->camera, options.fusion.voxel_size,
+                            options.perception.depth_noise.max_depth)) {
+    return *error;
+  }
 
   // Reconstruction: movable objects are tracked and masked, the rest is fused and meshed (TSDF,
   // marching cubes).

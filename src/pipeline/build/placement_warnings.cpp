@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include <fmt/core.h>
 
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/perception/tracking/stated_poses.hpp"
 
 namespace pcavr {
 namespace {
@@ -17,6 +19,11 @@ namespace {
 /// arm are off by a quarter. Sound recordings are known to some centimetres at worst.
 constexpr double kMaxPositionStd = 0.25;  // [m]
 constexpr double kMaxRotationStd = 0.35;  // [rad], 20 degrees
+
+/// Stds of given poses and track beyond which a pose is reported, and is an error if its std is
+/// stated: one in some 2 million of honest stds.
+constexpr double kWarningStds = 3.0;
+constexpr double kMaxStatedStds = 5.0;
 
 constexpr std::size_t kMaxRanges = 6;  // more are counted: the sentence stays readable
 
@@ -44,19 +51,41 @@ std::vector<std::size_t> frames_that(const CameraTrack& track, PlacementStatus s
   return frames;
 }
 
+/// A frame that is not where its given pose has it.
+struct MovedPose {
+  const FramePlacement* frame = nullptr;
+  double offset = 0.0;  ///< [m]
+  double angle = 0.0;   ///< [rad]
+  double stds = 0.0;    ///< the larger of both, in stds of both poses
+};
+
+std::vector<MovedPose> moved_by_more_than(double max_stds, const CameraTrack& track,
+                                          const Trajectory& given,
+                                          const CameraTrackerOptions& options) {
+  std::vector<MovedPose> moved;
+  for (const FramePlacement& frame : track.frames) {
+    const auto pose = given.at(frame.stamp);
+    if (frame.status != PlacementStatus::placed || !pose) continue;
+    MovedPose one{&frame, translation_distance(*pose, frame.T_base_camera),
+                  rotation_distance(*pose, frame.T_base_camera)};
+    const double position_std =
+        std::hypot(std::numbers::sqrt3 * options.groundtruth_position_std, frame.position_std);
+    const double rotation_std =
+        std::hypot(std::numbers::sqrt3 * options.groundtruth_rotation_std, frame.rotation_std);
+    one.stds = std::max(one.offset / position_std, one.angle / rotation_std);
+    if (one.stds > max_stds) moved.push_back(one);
+  }
+  return moved;
+}
+
 /// Given poses that are further from the track than three standard deviations of both.
 std::string contradicted_poses(const CameraTrack& track, const Trajectory& given,
                                const CameraTrackerOptions& options) {
   std::vector<std::size_t> frames;
   double worst = 0.0;
-  for (const FramePlacement& frame : track.frames) {
-    const auto pose = given.at(frame.stamp);
-    if (frame.status != PlacementStatus::placed || !pose) continue;
-    const double given_std = std::numbers::sqrt3 * options.groundtruth_position_std;
-    const double offset = translation_distance(*pose, frame.T_base_camera);
-    if (offset < 3.0 * std::hypot(given_std, frame.position_std)) continue;
-    frames.push_back(frame.frame);
-    worst = std::max(worst, offset);
+  for (const MovedPose& one : moved_by_more_than(kWarningStds, track, given, options)) {
+    frames.push_back(one.frame->frame);
+    worst = std::max(worst, one.offset);
   }
   if (frames.empty()) return {};
   return fmt::format(
@@ -85,6 +114,30 @@ std::optional<Error> undetermined_camera(const CameraTrack& track,
                              position_std, rotation_std * 180.0 / std::numbers::pi),
       .file = recording.string(),
       .hint = "show base tags in more views, or pass --trust-poses if groundtruth.txt is exact"};
+}
+
+std::optional<Error> moved_poses(const CameraTrack& track, const Trajectory& given,
+                                 const CameraTrackerOptions& options,
+                                 const std::filesystem::path& recording) {
+  if (options.trust_poses || !are_pose_stds_stated(options)) return std::nullopt;
+  std::vector<MovedPose> moved = moved_by_more_than(kMaxStatedStds, track, given, options);
+  if (moved.empty()) return std::nullopt;
+  std::ranges::stable_sort(moved, std::greater(), &MovedPose::stds);
+  std::string list;
+  for (std::size_t i = 0; i < std::min(moved.size(), kMaxRanges); ++i) {
+    const MovedPose& one = moved[i];
+    list +=
+        fmt::format("{}frame {} by {:.0f} mm and {:.1f} deg ({:.0f} stds, {})", i > 0 ? ", " : "",
+                    one.frame->frame, 1e3 * one.offset, one.angle * 180.0 / std::numbers::pi,
+                    one.stds, one.frame->base_tags > 0 ? "base tags in view" : "other views");
+  }
+  if (moved.size() > kMaxRanges) list += fmt::format(" and {} more", moved.size() - kMaxRanges);
+  return Error{
+      .message = fmt::format("{} of its {} poses are contradicted by more than {:.0f} stds: {}",
+                             moved.size(), given.size(), kMaxStatedStds, list),
+      .file = (recording / "groundtruth.txt").string(),
+      .place = {},
+      .hint = "remove them, state a larger --pose-std, or take them as they are: --trust-poses"};
 }
 
 std::vector<std::string> placement_warnings(const CameraTrack& track, const Trajectory& given,

@@ -25,4 +25,11 @@ namespace pcavr {
 [[nodiscard]] std::optional<Error> undetermined_camera(const CameraTrack& track,
                                                        const std::filesystem::path& recording);
 
+/// The error where tags and images put a frame more than 5 stds from a given pose whose std is
+/// stated (are_pose_stds_stated): names the frames, by how much, and what contradicts. Empty where
+/// they don't, and with `trust_poses`.
+[[nodiscard]] std::optional<Error> moved_poses(const CameraTrack& track, const Trajectory& given,
+                                               const CameraTrackerOptions& options,
+                                               const std::filesystem::path& recording);
+
 }  // namespace pcavr

@@ -419,6 +419,10 @@ Expected<Survey> survey_recording(const Recording& recording,
   if (std::optional<Error> error = undetermined_camera(survey.camera, recording.folder)) {
     return *error;
   }
+  if (std::optional<Error> error =
+          moved_poses(survey.camera, recording.groundtruth, tracker_options, recording.folder)) {
+    return *error;
+  }
   for (const std::string& warning :
        placement_warnings(survey.camera, recording.groundtruth, tracker_options)) {
     observer.on_warning(warning);

@@ -8,27 +8,12 @@
 #include "pcavr/base/core/decimal.hpp"
 #include "pcavr/pipeline/calibrate.hpp"
 
+#include "yaml_text.hpp"
+
 namespace pcavr {
 namespace {
 
 constexpr char kCalibrationFormat[] = "format: pcavr-calibration/1";
-
-/// A text in YAML's double quotes.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + '"';
-}
-
-template <typename Values>
-std::string number_list(const Values& values) {
-  std::string text = "[";
-  for (const double value : values) text += (text.size() > 1 ? ", " : "") + shortest_decimal(value);
-  return text + ']';
-}
 
 /// Coordinates that the motion does not show are empty values.
 std::string pose_text(const std::string& key, const CalibratedPose& pose) {
@@ -47,11 +32,7 @@ std::string pose_text(const std::string& key, const CalibratedPose& pose) {
   text +=
       "  rotation_std: " + number_list(pose.rotation_std) + "  # rad, about the parent's axes\n";
   text += "  covariance:  # of the twist [v (m); w (rad)] in the child's axes: T exp([v; w])\n";
-  for (int row = 0; row < 6; ++row) {
-    const Vector6d values = pose.covariance.row(row);
-    text += "    - " + number_list(values) + '\n';
-  }
-  return text;
+  return text + row_lists(pose.covariance, "    ");
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/physics/identification/path_view.hpp"
+#include "pcavr/physics/inputs/force_scale.hpp"
 #include "pcavr/physics/inputs/input_monitor.hpp"
 #include "pcavr/physics/inputs/touch.hpp"
 #include "pcavr/pipeline/identify.hpp"
@@ -191,10 +192,11 @@ void compare_clocks(const SeenContacts& seen, std::vector<InputComparison>& comp
 /// Only pushes that excite an object's mass show the scale: `identify` compares it then.
 void compare_masses(const SeenContacts& seen, std::vector<InputComparison>& comparisons) {
   for (const IdentifiableObject& object : seen.input.objects) {
-    comparisons.push_back(failed_comparison(
-        "the force's scale", object.mass ? "identify compares it with " + object.name +
-                                               "'s weighed mass, where pushes excite the mass"
-                                         : "the mass of " + object.name + " is not known"));
+    const std::string reason = object.mass ? "identify compares it with " + object.name +
+                                                 "'s weighed mass, where pushes excite the mass"
+                                           : "the mass of " + object.name + " is not known";
+    comparisons.push_back(
+        failed_comparison("the force's scale", reason + "; " + kForceScaleEffect));
   }
 }
 

@@ -192,6 +192,8 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
   ScaleFindings scale = check_force_scale(weighed);
   if (scale.fault) return scale.fault->error;
   warn(std::move(scale.warnings), result);
+  if (goal == IdentificationGoal::friction)
+    result.notes.insert(result.notes.end(), scale.notes.begin(), scale.notes.end());
   note_contacts(result, input);
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,11 +13,13 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/base/core/median.hpp"
 #include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/physics/object_identification/combine_with_known.hpp"
 #include "pcavr/physics/object_identification/run_scatter.hpp"
 
 #include "observed_contacts.hpp"
+#include "surface_std.hpp"
 
 namespace pcavr {
 namespace {
@@ -28,7 +31,8 @@ constexpr double kMaxDeviation = 5.0;
 constexpr double kMinScatter = 0.02;
 /// Of the runs: more that disagree are no exceptions.
 constexpr double kMaxLeftOut = 1.0 / 3.0;
-constexpr double kRunGap = 10.0;  // [s] from the end of one run to the begin of the next
+constexpr double kSpeedUnit = 1e-3;  // [m/s] ranges of speed begin at powers of two of it
+constexpr double kRunGap = 10.0;     // [s] from the end of one run to the begin of the next
 constexpr const char* kCompared[] = {"limiting_static_friction", "sliding_friction_coefficient"};
 
 /// The runs, what is known of each alone, and how they follow each other.
@@ -177,10 +181,11 @@ void add_scatter(PooledParameter& parameter, ParameterFinding& row, ObjectIdenti
     force.std = std::hypot(force.std, share / row.value * force.force);
 }
 
-PooledObject pool(const std::string& name, std::vector<Touching> touching, const RunData& data,
-                  const IdentificationOptions& options, PooledIdentification& result) {
-  PooledObject pooled{.name = name, .found = {}};
-  pooled.left_out = leave_out_runs(name, touching, result);
+/// What the contacts of these runs show together.
+ObjectIdentification identify_together(const std::string& name,
+                                       const std::vector<Touching>& touching, const RunData& data,
+                                       const IdentificationOptions& options,
+                                       const PooledIdentification& result) {
   const Touching& first = touching.front();
   const IdentificationInput& input = data.runs[first.run].input;
   const auto known = input.known.find(name);
@@ -188,7 +193,6 @@ PooledObject pool(const std::string& name, std::vector<Touching> touching, const
                               known == input.known.end() ? ObjectParameters() : known->second,
                               input.tool_radius, result.goal, options);
   for (const Touching& one : touching) {
-    pooled.runs.push_back(one.run);
     const Identification& alone = result.alone[one.run];
     const auto tracked =
         on_clock(data.runs[one.run].input.objects[one.object].tracked, alone.inputs.camera_shift());
@@ -199,17 +203,82 @@ PooledObject pool(const std::string& name, std::vector<Touching> touching, const
       identifier.add(std::make_shared<const ObservedContact>(std::move(moved)));
     }
   }
-  pooled.found = identifier.result().object;
+  return identifier.result().object;
+}
+
+/// Each parameter that the runs show together, with its scatter, which goes into the stds of
+/// `found`.
+std::vector<PooledParameter> parameters_of(const std::vector<Touching>& touching,
+                                           const PooledIdentification& result,
+                                           ObjectIdentification& found) {
+  std::vector<PooledParameter> parameters;
+  for (ParameterFinding& row : found.findings) {
+    if (!row.is_excited) continue;
+    PooledParameter& parameter = parameters.emplace_back(in_runs(row.name, touching, result.alone));
+    parameter.unit = row.unit;
+    add_scatter(parameter, row, found);
+    parameter.pooled = {row.value, row.std};
+  }
+  return parameters;
+}
+
+std::vector<std::size_t> runs_of(const std::vector<Touching>& touching) {
+  std::vector<std::size_t> runs;
+  for (const Touching& one : touching) runs.push_back(one.run);
+  return runs;
+}
+
+/// The typical speed of an object's slides in one run, as the range that it is in: each is twice
+/// as fast as the one before. The first number is the key to order them by.
+std::pair<int, std::string> speed_range(const ObjectIdentification& found) {
+  std::vector<double> speeds;
+  for (const FrictionSample& sample : found.slide_samples) speeds.push_back(std::abs(sample.speed));
+  const double speed = speeds.empty() ? 0.0 : median(std::move(speeds));
+  if (!(speed > 0.0)) return {std::numeric_limits<int>::min(), "no slide"};
+  const int octave = static_cast<int>(std::floor(std::log2(speed / kSpeedUnit)));
+  return {octave, fmt::format("{:g} to {:g} mm/s", std::exp2(octave), std::exp2(octave + 1))};
+}
+
+std::vector<PooledGroup> groups_of(const std::string& name, const std::vector<Touching>& touching,
+                                   const RunData& data, RunGrouping grouping,
+                                   const IdentificationOptions& options,
+                                   const PooledIdentification& result) {
+  if (grouping == RunGrouping::object) return {};
+  std::map<std::pair<int, std::string>, std::vector<Touching>> by_key;
+  for (const Touching& one : touching) {
+    const auto key = grouping == RunGrouping::support
+                         ? std::pair(0, data.runs[one.run].support)
+                         : speed_range(result.alone[one.run].objects[one.object]);
+    by_key[key].push_back(one);
+  }
+  std::vector<PooledGroup> groups;
+  for (const auto& [key, of_group] : by_key) {
+    ObjectIdentification found = identify_together(name, of_group, data, options, result);
+    groups.push_back({key.second, runs_of(of_group), parameters_of(of_group, result, found)});
+  }
+  return groups;
+}
+
+PooledObject pool(const std::string& name, std::vector<Touching> touching, const RunData& data,
+                  RunGrouping grouping, const IdentificationOptions& options,
+                  PooledIdentification& result) {
+  PooledObject pooled{.name = name, .found = {}};
+  pooled.left_out = leave_out_runs(name, touching, result);
+  pooled.runs = runs_of(touching);
+  pooled.found = identify_together(name, touching, data, options, result);
   for (const Touching& one : touching)
     add_recordings(result.alone[one.run].objects[one.object].recordings, pooled.found);
-  for (ParameterFinding& row : pooled.found.findings) {
-    if (!row.is_excited) continue;
-    PooledParameter& parameter =
-        pooled.parameters.emplace_back(in_runs(row.name, touching, result.alone));
-    parameter.unit = row.unit;
-    add_scatter(parameter, row, pooled.found);
-  }
-  if (known != input.known.end()) combine_with_known(known->second, pooled.found);
+  pooled.parameters = parameters_of(touching, result, pooled.found);
+  const IdentifiableObject& object =
+      data.runs[touching.front().run].input.objects[touching.front().object];
+  pooled.surface_std = surface_std_of(
+      pooled.found, object.model,
+      object.tracked.empty() ? object.T_base_object : object.tracked.front().T_base_object,
+      options.limit_surface);
+  pooled.groups = groups_of(name, touching, data, grouping, options, result);
+  const ParameterTable& known = data.runs[touching.front().run].input.known;
+  if (const auto before = known.find(name); before != known.end())
+    combine_with_known(before->second, pooled.found);
   for (PooledParameter& parameter : pooled.parameters) {
     const auto row =
         std::ranges::find(pooled.found.findings, parameter.name, &ParameterFinding::name);
@@ -246,7 +315,7 @@ ParameterTable PooledIdentification::parameters() const {
 Expected<PooledIdentification> identify_runs(std::vector<IdentificationRun> runs,
                                              IdentificationGoal goal,
                                              const IdentificationOptions& options,
-                                             const Observer& observer) {
+                                             RunGrouping grouping, const Observer& observer) {
   std::ranges::sort(runs, [](const IdentificationRun& a, const IdentificationRun& b) {
     return std::pair(a.start, a.name) < std::pair(b.start, b.name);
   });
@@ -257,7 +326,7 @@ Expected<PooledIdentification> identify_runs(std::vector<IdentificationRun> runs
     }
   }
   if (const auto error = check_runs(runs)) return *error;
-  PooledIdentification result{.goal = goal, .runs = {}, .alone = {}};
+  PooledIdentification result{.goal = goal, .grouping = grouping, .runs = {}, .alone = {}};
   std::map<std::string, std::vector<Touching>> touched;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     Expected<Identification> found = identify(runs[k].input, goal, options);
@@ -282,7 +351,7 @@ Expected<PooledIdentification> identify_runs(std::vector<IdentificationRun> runs
     data.tips.push_back(clean_tip_path(run.input.t_tool, run.input.p_base_tip, options.inputs));
   }
   for (auto& [name, touching] : touched) {
-    result.objects.push_back(pool(name, std::move(touching), data, options, result));
+    result.objects.push_back(pool(name, std::move(touching), data, grouping, options, result));
   }
   return result;
 }

@@ -80,6 +80,20 @@ ReportTable pooled_table(const PooledObject& object) {
   return table;
 }
 
+ReportTable groups_table(const PooledObject& object, RunGrouping grouping) {
+  ReportTable table{
+      .title = grouping == RunGrouping::support ? "By support" : "By speed",
+      .columns = {"group", "runs", "parameter", "value", "unit", "scatter from run to run"}};
+  for (const PooledGroup& group : object.groups) {
+    for (const PooledParameter& parameter : group.parameters) {
+      table.rows.push_back({group.name, std::to_string(group.runs.size()),
+                            parameter_title(parameter.name), value_text(parameter.pooled),
+                            parameter.unit, scatter_text(parameter)});
+    }
+  }
+  return table;
+}
+
 ReportTable runs_table(const PooledObject& object, const PooledIdentification& found) {
   ReportTable table{.title = "Each run alone", .columns = {"run", "recording"}, .is_folded = true};
   for (const PooledParameter& parameter : object.parameters)
@@ -107,6 +121,8 @@ PageSection object_section(const PooledObject& object, const PooledIdentificatio
     if (parameter.runs.size() > 1) forest.plots.push_back(forest_plot(parameter));
   }
   if (!forest.plots.empty()) section.blocks.emplace_back(std::move(forest));
+  if (!object.groups.empty())
+    section.blocks.emplace_back(std::vector<ReportTable>{groups_table(object, found.grouping)});
   section.blocks.emplace_back(std::vector<ReportTable>{runs_table(object, found)});
   for (const std::string& note : object.found.notes) section.blocks.emplace_back(PageText{note});
   return section;
@@ -150,6 +166,23 @@ Json json_of(const PooledObject& object, const PooledIdentification& found) {
                                {"stds_from_others", run.stds_from_others}});
     }
   }
+  if (object.found.surface.status == LimitSurfaceFitStatus::fitted) {
+    const LimitSurface& surface = object.found.surface.surface;
+    json["limit_surface"] = {{"force", surface.force},
+                             {"length", surface.length},
+                             {"coefficients", surface.coefficients}};
+    if (object.surface_std) json["limit_surface"]["coefficients_std"] = *object.surface_std;
+  }
+  for (const PooledGroup& group : object.groups) {
+    Json& entry = json["groups"].emplace_back(Json{{"name", group.name}, {"runs", Json::array()}});
+    for (const std::size_t run : group.runs) entry["runs"].push_back(found.runs[run]);
+    for (const PooledParameter& parameter : group.parameters) {
+      entry["parameters"][parameter.name] = {{"value", parameter.pooled.value},
+                                             {"std", parameter.pooled.std.value_or(0.0)},
+                                             {"unit", parameter.unit},
+                                             {"scatter", parameter.scatter}};
+    }
+  }
   json["notes"] = object.found.notes;
   return json;
 }
@@ -179,6 +212,22 @@ std::string format_csv(const PooledIdentification& found) {
       }
       const std::string std = parameter.pooled.std ? fmt::format("{}", *parameter.pooled.std) : "";
       text += fmt::format("{}all,{},{},\n", begin, parameter.pooled.value, std);
+    }
+  }
+  return text;
+}
+
+std::string format_groups(const PooledIdentification& found) {
+  std::string text = "object,group,runs,parameter,unit,value,std,scatter\n";
+  for (const PooledObject& object : found.objects) {
+    for (const PooledGroup& group : object.groups) {
+      for (const PooledParameter& parameter : group.parameters) {
+        const std::string std =
+            parameter.pooled.std ? fmt::format("{}", *parameter.pooled.std) : "";
+        text += fmt::format("{},{},{},{},{},{},{},{}\n", csv_field(object.name),
+                            csv_field(group.name), group.runs.size(), parameter.name,
+                            parameter.unit, parameter.pooled.value, std, parameter.scatter);
+      }
     }
   }
   return text;
@@ -215,6 +264,8 @@ Expected<void> write_pooled_report(const PooledIdentification& found,
   if (done) done = write_file(folder / "report.json", format_json(found));
   if (done) done = write_file(folder / "runs.csv", format_csv(found));
   if (done) done = write_file(folder / "parameters.tex", format_tex(found));
+  if (done && found.grouping != RunGrouping::object)
+    done = write_file(folder / "groups.csv", format_groups(found));
   return done;
 }
 

@@ -27,6 +27,7 @@ struct Pool {
   std::string support;  ///< empty: all recordings
   std::vector<std::size_t> recordings = {};
   fs::path parameters = {};
+  fs::path report = {};                  ///< of several recordings
   std::optional<std::size_t> task = {};  ///< in the pools' graph; none for a single recording
   bool is_done = true;
 };
@@ -43,6 +44,15 @@ std::map<std::size_t, fs::path> identified(const TaskGraph& graph,
   return files;
 }
 
+/// The scenes that the plan builds, by recording.
+std::map<std::size_t, fs::path> planned_scenes(const TaskGraph& graph) {
+  std::map<std::size_t, fs::path> scenes;
+  for (const Task& task : graph.tasks) {
+    if (task.stage == TaskStage::build) scenes[task.recordings.front()] = task.outputs.front();
+  }
+  return scenes;
+}
+
 Task pool_task(const TaskGraph& graph, const Pool& pool) {
   const std::string name = pool.support.empty() ? "all" : "support-" + pool.support;
   Task task{.name = std::string(kPooled) + '/' + name,
@@ -50,12 +60,18 @@ Task pool_task(const TaskGraph& graph, const Pool& pool) {
             .recordings = pool.recordings};
   task.outputs = {graph.results / (task.name + ".yaml"), graph.results / (task.name + ".report")};
   task.command = {"identify", "friction"};
+  const std::map<std::size_t, fs::path> scenes = planned_scenes(graph);
   std::size_t frames = 0;
   std::size_t samples = 0;
   for (const std::size_t one : pool.recordings) {
     task.command.push_back(graph.recordings[one].files.path.string());
     frames += graph.recordings[one].frames;
     samples += graph.recordings[one].samples;
+  }
+  // Each recording's own: where it has images, its objects' poses are in no other file.
+  for (const std::size_t one : pool.recordings) {
+    if (const auto scene = scenes.find(one); scene != scenes.end())
+      task.command.insert(task.command.end(), {"--scene", scene->second.string()});
   }
   task.command.insert(task.command.end(),
                       {"-o", task.outputs[0].string(), "--report", task.outputs[1].string()});
@@ -92,6 +108,7 @@ Expected<void> run_pools(const TaskGraph& graph, RunTasksOptions options, std::v
     pool.task = pooled.tasks.size();
     pooled.tasks.push_back(pool_task(graph, pool));
     pool.parameters = pooled.tasks.back().outputs.front();
+    pool.report = pooled.tasks.back().outputs.back();
   }
   options.only.reset();
   const Expected<TasksRun> run = run_tasks(pooled, options, observer);
@@ -134,8 +151,17 @@ Expected<void> write_parameters(const std::vector<Pool>& pools, const fs::path& 
       if (!written) return written;
     }
     if (pool.support.empty()) continue;
-    for (const auto& [name, values] : *parameters)
-      atlas += format_atlas_rows(name, pool.support, pool.recordings.size(), values);
+    std::map<std::string, SurfaceStd> surface_stds;
+    if (pool.task) {
+      Expected<std::map<std::string, SurfaceStd>> read =
+          read_surface_stds(pool.report / "report.json");
+      if (!read) return read.error();
+      surface_stds = *std::move(read);
+    }
+    for (const auto& [name, values] : *parameters) {
+      atlas +=
+          format_atlas_rows(name, pool.support, pool.recordings.size(), values, surface_stds[name]);
+    }
   }
   gathered.atlas_rows = static_cast<std::size_t>(std::ranges::count(atlas, '\n')) - 1;
   return write_file(folder / "friction_atlas.csv", atlas);

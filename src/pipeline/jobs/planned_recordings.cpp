@@ -10,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "pcavr/base/core/output_paths.hpp"
+#include "pcavr/pipeline/support_name.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 
 #include "input_content.hpp"
@@ -53,19 +54,6 @@ Expected<void> check_bodies(const Recording& recording, Bodies& bodies) {
   return {};
 }
 
-/// One folder's name: results lie in it, so that of another place, or of the pooled results, is
-/// none.
-bool is_support_name(const std::string& name) {
-  return !name.empty() && name.front() != '.' && name.front() != '_' &&
-         name.find('/') == std::string::npos;
-}
-
-/// The name of the folder that a recording lies in; a recording in the root folder has none.
-std::string support_of(const fs::path& folder) {
-  const std::string name = folder.parent_path().filename().string();
-  return is_support_name(name) ? name : "unnamed";
-}
-
 /// SUPPORT/FOLDER; a number follows where another recording has this name.
 std::string unique_name(const std::string& support, const fs::path& folder,
                         std::set<std::string>& names) {
@@ -105,6 +93,16 @@ Error given_twice(const fs::path& folder, const fs::path& before) {
 }
 
 }  // namespace
+
+bool is_support_name(const std::string& name) {
+  return !name.empty() && name.front() != '.' && name.front() != '_' &&
+         name.find('/') == std::string::npos;
+}
+
+std::string support_of(const fs::path& recording) {
+  const std::string name = recording.parent_path().filename().string();
+  return is_support_name(name) ? name : "unnamed";
+}
 
 Expected<PlannedInput> planned_input(const fs::path& path, const std::string& without) {
   const Expected<fs::path> absolute = resolve_path(path);

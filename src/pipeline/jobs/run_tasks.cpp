@@ -26,7 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Between two looks at the children: short against a task, long against a look.
-constexpr std::chrono::milliseconds kPollInterval{10};
+constexpr std::chrono::milliseconds kPollInterval{2};
 
 struct RunningTask {
   std::size_t index;
@@ -82,10 +82,7 @@ class TaskRunner {
  private:
   /// The states of the tasks before it, by their records.
   Expected<void> prepare_only(std::size_t index) {
-    Expected<std::vector<TaskStatus>> states = task_states(graph_);
-    if (!states) return states.error();
-    states_ = *std::move(states);
-    states_[index] = {};
+    states_ = states_before(graph_, index);
     is_pending_[index] = true;
     for (const std::size_t before : graph_.tasks[index].after) {
       if (states_[before].state == TaskState::done) continue;

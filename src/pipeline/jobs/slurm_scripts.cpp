@@ -83,6 +83,8 @@ std::string array_script(const TaskArray& array, const fs::path& plan, const fs:
       "#SBATCH --cpus-per-task=1\n"
       "#SBATCH --mem={:.0f}M\n"
       "#SBATCH --time={:.0f}\n"
+      "#SBATCH --requeue\n"
+      "#SBATCH --open-mode=append\n"
       "#SBATCH --output={}-%a.log\n"
       "exec {} run {} --task $(({} + SLURM_ARRAY_TASK_ID)) --threads 1\n",
       array.name, array.count - 1, std::ceil(megabytes), std::ceil(minutes), array.name,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,5 +23,9 @@ namespace pcavr {
 /// What the record states of a task of this key: done or failed; else waiting.
 [[nodiscard]] TaskStatus recorded_status(const TaskGraph& graph, const Task& task,
                                          const std::string& key);
+
+/// The states of all tasks that this one needs; the others are left as waiting, so that a task of
+/// many costs no look at the outputs of the others.
+[[nodiscard]] std::vector<TaskStatus> states_before(const TaskGraph& graph, std::size_t index);
 
 }  // namespace pcavr

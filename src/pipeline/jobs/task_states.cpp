@@ -40,6 +40,16 @@ Expected<void> check_recording(const PlannedRecording& recording) {
   return files ? check_optional(recording.truth) : files;
 }
 
+/// By the states of the earlier tasks.
+TaskStatus status_of(const TaskGraph& graph, const Task& task,
+                     const std::vector<TaskStatus>& states) {
+  std::optional<TaskStatus> status = blocked_status(graph, task, states);
+  if (!status) status = recorded_status(graph, task, key_of(graph, task, states));
+  if (status->state != TaskState::done && TaskLock::is_locked(task_file(graph, task, ".lock")))
+    return {.state = TaskState::running};
+  return *std::move(status);
+}
+
 }  // namespace
 
 std::string_view name_of(TaskState state) {
@@ -81,15 +91,23 @@ TaskStatus recorded_status(const TaskGraph& graph, const Task& task, const std::
   return {.state = TaskState::failed, .reason = record->reason};
 }
 
+std::vector<TaskStatus> states_before(const TaskGraph& graph, std::size_t index) {
+  std::vector<bool> is_needed(graph.tasks.size(), false);
+  for (const std::size_t before : graph.tasks[index].after) is_needed[before] = true;
+  for (std::size_t i = index; i-- > 0;) {
+    if (!is_needed[i]) continue;
+    for (const std::size_t before : graph.tasks[i].after) is_needed[before] = true;
+  }
+  std::vector<TaskStatus> states(graph.tasks.size());
+  for (std::size_t i = 0; i < index; ++i) {
+    if (is_needed[i]) states[i] = status_of(graph, graph.tasks[i], states);
+  }
+  return states;
+}
+
 Expected<std::vector<TaskStatus>> task_states(const TaskGraph& graph) {
   std::vector<TaskStatus> states;
-  for (const Task& task : graph.tasks) {
-    std::optional<TaskStatus> status = blocked_status(graph, task, states);
-    if (!status) status = recorded_status(graph, task, key_of(graph, task, states));
-    if (status->state != TaskState::done && TaskLock::is_locked(task_file(graph, task, ".lock")))
-      status = TaskStatus{.state = TaskState::running};
-    states.push_back(*std::move(status));
-  }
+  for (const Task& task : graph.tasks) states.push_back(status_of(graph, task, states));
   return states;
 }
 

@@ -150,6 +150,35 @@ void check_joint_lags(const RobotFitOptions& options, const std::string& file,
   note_unseen_lags(options, fits, found);
 }
 
+/// Friction takes power from a joint's motion. Where it gives some, decidedly, the joint's torques
+/// have another sign than the other joints', or than its positions.
+Expected<void> check_friction_power(const std::string& file, const RobotIdentification& found) {
+  constexpr double kDecisive = 10.0;  // stds
+  const std::vector<bool> moving = moving_joints(found.signals);
+  for (std::size_t j = 0; j < moving.size(); ++j) {
+    if (!moving[j]) continue;
+    const JointFit& joint = found.fit.joints[j];
+    const auto speeds = found.signals.velocity.col(static_cast<Eigen::Index>(j));
+    const double speed = std::sqrt(speeds.squaredNorm() / static_cast<double>(speeds.size()));
+    double friction = 0.0, variance = 0.0;
+    for (const FittedTerm& term : joint.equivalent) {
+      if (term.term == FrictionTerm::offset) continue;
+      const double by = term.term == FrictionTerm::viscous ? speed : 1.0;
+      friction += by * term.value;
+      variance += by * by * term.std * term.std;
+    }
+    if (friction >= -kDecisive * std::max(std::sqrt(variance), joint.noise_std)) continue;
+    return Error{.message = fmt::format("friction of {:.3g} +- {:.2g} N m at {:.2g} rad/s would "
+                                        "drive the joint: its torques have the opposite sign of "
+                                        "the other joints', or of its positions",
+                                        friction, std::sqrt(variance), speed),
+                 .file = file,
+                 .place = "joint " + joint.name,
+                 .hint = "change the sign of its column of torques, or of positions"};
+  }
+  return {};
+}
+
 /// Puts the fit of all rows in place of the one that was judged on the held-out ones, whose errors
 /// stay.
 void fit_all_rows(const RobotIdentificationOptions& options, RobotIdentification& found) {
@@ -299,6 +328,9 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
       found.warnings);
   if (!checked) return checked.error();
   check_joint_lags(options.fit, file, found);
+  if (Expected<void> possible = check_friction_power(file, found); !possible) {
+    return possible.error();
+  }
   for (std::string& note : fit_notes(found)) found.notes.push_back(std::move(note));
   found.intervals = friction_by_interval(found.signals, found.model, found.fit, options.intervals);
   if (options.is_trial_wanted) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "pcavr/base/core/input_file.hpp"
+#include "pcavr/base/core/output.hpp"
 #include "pcavr/base/core/utf8.hpp"
 #include "pcavr/recordings/recording/manifest_parser.hpp"
 #include "pcavr/recordings/recording/time_series.hpp"
@@ -18,6 +19,7 @@ namespace pcavr {
 namespace {
 
 constexpr char kFormat[] = "pcavr-recording/1";
+constexpr char kCalibrationFormat[] = "pcavr-calibration/1";
 /// Indices of pixels, and of four samples in each, stay far below 2^31; a colour and a depth image
 /// of this size take 0.7 GB.
 constexpr std::int64_t kMaxImagePixels = 100'000'000;
@@ -150,8 +152,38 @@ void read_marker(const YamlValue& value, Manifest& manifest) {
   manifest.markers.push_back(std::move(marker));
 }
 
+/// Takes the tags of `calibrate tags` in the place of those that the manifest lists.
+void read_calibration(const YamlValue& value, const std::filesystem::path& folder,
+                      Manifest& manifest) {
+  const std::filesystem::path file = path_of(value, folder);
+  if (folder.empty()) return;
+  const Expected<std::string> text = read_file(folder / file);
+  if (!text) throw YamlFailure(text.error());
+  const auto calibrated =
+      parse_yaml<Manifest>(*text, (folder / file).string(), [&](const YamlValue& root) {
+        Manifest tags{.objects = manifest.objects};
+        const YamlValue format = root.at("format"), kind = root.at("kind");
+        if (format.text() != kCalibrationFormat) {
+          format.fail("is '" + format.text() + "'",
+                      std::string("this version reads ") + kCalibrationFormat);
+        }
+        if (kind.text() != "tags") {
+          kind.fail("is '" + kind.text() + "'", "name a file that pcavr calibrate tags wrote");
+        }
+        for (const YamlValue& marker : root.at("markers").items()) read_marker(marker, tags);
+        return tags;
+      });
+  if (!calibrated) value.fail(calibrated.error().to_string(), "");
+  for (const MarkerEntry& marker : calibrated->markers) {
+    std::erase_if(manifest.markers,
+                  [&](const MarkerEntry& listed) { return listed.id == marker.id; });
+  }
+  manifest.markers.insert(manifest.markers.end(), calibrated->markers.begin(),
+                          calibrated->markers.end());
+}
+
 Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folder) {
-  root.expect_keys({"format", "camera", "markers", "objects", "tool", "robot"});
+  root.expect_keys({"format", "camera", "markers", "calibration", "objects", "tool", "robot"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
@@ -163,6 +195,9 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
   }
   if (const std::optional<YamlValue> markers = root.find("markers")) {
     for (const YamlValue& marker : markers->items()) read_marker(marker, manifest);
+  }
+  if (const std::optional<YamlValue> calibration = root.find("calibration")) {
+    read_calibration(*calibration, folder, manifest);
   }
   if (const std::optional<YamlValue> tool = root.find("tool")) {
     tool->expect_keys({"radius", "material"});

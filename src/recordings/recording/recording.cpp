@@ -10,6 +10,7 @@
 #include "pcavr/recordings/recording/held_samples.hpp"
 #include "pcavr/recordings/recording/line_counts.hpp"
 #include "pcavr/recordings/recording/manifest_parser.hpp"
+#include "pcavr/recordings/recording/stamp_blocks.hpp"
 #include "pcavr/recordings/recording/stamp_units.hpp"
 #include "pcavr/recordings/recording/time_series.hpp"
 
@@ -166,6 +167,14 @@ void leave_out_repeats(const char* file, Samples& samples, Recording& recording)
   if (auto note = leave_out_held(file, samples)) recording.notes.push_back(*std::move(note));
 }
 
+template <typename Samples>
+void warn_of_blocks(const char* file, const Samples& samples, Recording& recording) {
+  std::vector<double> t;
+  for (const auto& sample : samples) t.push_back(to_seconds(sample.stamp - samples.front().stamp));
+  const std::string path = (recording.folder / file).string();
+  if (auto warning = warn_of_stamp_blocks(path, t)) recording.warnings.push_back(*warning);
+}
+
 void warn_of_stamp_units(Recording& recording) {
   for (const std::string& warning : doubtful_stamp_units(paces_of(recording))) {
     recording.warnings.push_back((recording.folder / warning).string());
@@ -209,6 +218,8 @@ Expected<Recording> read_recording(const fs::path& folder, const ReadOptions& op
   leave_out_repeats("groundtruth.txt", recording.groundtruth, recording);
   leave_out_repeats("tool.csv", recording.tool, recording);
   leave_out_repeats("wrench.csv", recording.wrench, recording);
+  warn_of_blocks("tool.csv", recording.tool.poses(), recording);
+  warn_of_blocks("wrench.csv", recording.wrench, recording);
   return recording;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
@@ -56,6 +57,12 @@ std::string metric_title(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : fmt::format("{} ({})", name, unit);
 }
 
+/// A metric without a unit counts: whole numbers, and medians of them.
+std::string metric_text(double value, const std::string& unit) {
+  const bool is_whole = unit.empty() && value == std::floor(value);
+  return is_whole ? fixed(value, 0) : readable(value);
+}
+
 std::string format_evaluations(const RunComparison& comparison) {
   std::string text = "run,recording,setting,metric,unit,value\n";
   for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
@@ -91,7 +98,7 @@ ReportTable medians_table(const RunComparison& comparison,
   for (const MetricColumn& column : columns) {
     std::vector<std::string> row{metric_title(column.name, column.unit)};
     for (const auto& values : column.by_setting)
-      row.push_back(values.empty() ? "-" : readable(median_of(values)));
+      row.push_back(values.empty() ? "-" : metric_text(median_of(values), column.unit));
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -122,7 +129,7 @@ ReportTable runs_table(const RunComparison& comparison, const std::vector<Metric
                                  comparison.settings[comparison.setting_of_run[i]]};
     for (const MetricColumn& column : columns) {
       const auto metric = std::ranges::find(run.metrics, column.name, &RunMetric::name);
-      row.push_back(metric == run.metrics.end() ? "-" : readable(metric->value));
+      row.push_back(metric == run.metrics.end() ? "-" : metric_text(metric->value, column.unit));
     }
     table.rows.push_back(std::move(row));
   }

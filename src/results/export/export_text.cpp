@@ -66,6 +66,12 @@ Eigen::Vector3d roll_pitch_yaw(const Eigen::Quaterniond& rotation) {
   return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
 }
 
+std::string mjcf_pose(const Pose& pose) {
+  const Eigen::Quaterniond& q = pose.rotation();
+  return fmt::format("pos=\"{}\" quat=\"{} {} {} {}\"", vector_text(pose.translation()), q.w(),
+                     q.x(), q.y(), q.z());
+}
+
 std::string inertia_attributes(const Eigen::Matrix3d& i) {
   return fmt::format("ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"", i(0, 0),
                      i(0, 1), i(0, 2), i(1, 1), i(1, 2), i(2, 2));

@@ -17,6 +17,8 @@ namespace pcavr::detail {
 [[nodiscard]] std::string vector_text(const Eigen::Vector3d& v);
 /// Roll, pitch, yaw [rad] of URDF and SDF: R = Rz(yaw) Ry(pitch) Rx(roll).
 [[nodiscard]] Eigen::Vector3d roll_pitch_yaw(const Eigen::Quaterniond& rotation);
+/// The attributes pos and quat of MJCF.
+[[nodiscard]] std::string mjcf_pose(const Pose& pose);
 /// A name as the text of an XML attribute.
 [[nodiscard]] std::string xml_text(const std::string& text);
 /// The attributes ixx to izz of URDF.

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include <fmt/core.h>
 
 #include "pcavr/base/model/mesh_simplification.hpp"
+#include "pcavr/perception/scene/scene_text.hpp"
 #include "pcavr/physics/prediction/body_physics.hpp"
 
 #include "results/export/body_standing.hpp"
@@ -100,14 +102,30 @@ struct CompletedBody {
   CompletedPhysics physics;
 };
 
-void set_friction(const BodyPhysics& physics, double speed, ExportedBody& body) {
+/// [N] Friction at a speed: what pushes at such speeds have shown, else Coulomb and viscous
+/// friction, which lack what a slow speed adds.
+double friction_at(double speed, const ObjectParameters& known, const FrictionParameters& law) {
+  const std::vector<SlidingForce>& rows = known.sliding_force;
+  const auto next = std::find_if(rows.begin(), rows.end(),
+                                 [&](const SlidingForce& row) { return row.speed >= speed; });
+  if (next == rows.end() || (next == rows.begin() && next->speed > speed)) {
+    return law.coulomb_force + law.viscous * speed;
+  }
+  if (next->speed == speed) return next->force;
+  const SlidingForce& before = *std::prev(next);
+  const double share = (speed - before.speed) / (next->speed - before.speed);
+  return before.force + share * (next->force - before.force);
+}
+
+void set_friction(const BodyPhysics& physics, const ObjectParameters& known, double speed,
+                  ExportedBody& body) {
   const FrictionParameters& friction = physics.friction;
   const double weight = friction.mass * kStandardGravity;
   body.coulomb_friction = friction.coulomb_force / weight;
   body.static_friction = std::max(friction.limiting_force, friction.coulomb_force) / weight;
   body.viscous = friction.viscous;
   body.stribeck_speed = physics.stribeck_speed;
-  body.friction = body.coulomb_friction + friction.viscous * speed / weight;
+  body.friction = friction_at(speed, known, friction) / weight;
   body.friction_radius = physics.friction_radius;
   body.working_force = body.is_movable ? std::max(body.friction * weight, 1.0) : kImmovableForce;
 }
@@ -136,7 +154,7 @@ Expected<CompletedBody> make_body(const SceneManifest& scene, const SceneObjectE
   body.surface_offset_object = known.contact_surface_offset.value_or(Eigen::Vector3d::Zero());
   body.tool_friction = physics.tool_friction;
   body.contact = physics.contact;
-  set_friction(physics, speed, body);
+  set_friction(physics, known, speed, body);
   return completed;
 }
 
@@ -270,6 +288,7 @@ Expected<ExportedWorld> make_exported_world(const SceneManifest& scene,
     if (!scan) return scan.error();
     world.scan_name = unused_name(world.bodies, world.scan_name);
     world.scan_base = *std::move(scan);
+    world.occupancy_file = scene.folder / kOccupancyFile;
   }
   add_tool(options, world);
   return world;

@@ -18,6 +18,7 @@ namespace pcavr {
 namespace {
 
 using detail::linear_contact;
+using detail::mjcf_pose;
 using detail::vector_text;
 using detail::xml_text;
 
@@ -31,12 +32,6 @@ constexpr double kFootImpedance = 0.5;     // feet stay on the support: they do 
 constexpr double kToolMass = 1e3;
 /// [1/s] Rate at which friction at the tip stops slip below the cone: half of what is stable.
 constexpr double kStickRate = 0.5 / kTimestep;
-
-std::string pose_text(const Pose& pose) {
-  const Eigen::Quaterniond& q = pose.rotation();
-  return fmt::format("pos=\"{}\" quat=\"{} {} {} {}\"", vector_text(pose.translation()), q.w(),
-                     q.x(), q.y(), q.z());
-}
 
 std::string contact_text(const detail::MujocoContact& contact) {
   const auto& [min, max, width, midpoint, power] = contact.solimp;
@@ -72,7 +67,7 @@ std::string body_text(const ExportedBody& body, std::size_t index,
                       const detail::MujocoContact& contact, const Eigen::Vector3d& up_base) {
   const std::string name = xml_text(body.name);
   std::string text =
-      fmt::format("    <body name=\"{}\" {}>\n", name, pose_text(body.T_base_object));
+      fmt::format("    <body name=\"{}\" {}>\n", name, mjcf_pose(body.T_base_object));
   if (body.is_movable) {
     text += fmt::format("      <freejoint name=\"{}\"/>\n      {}\n", name,
                         inertial_text(body.inertia));
@@ -143,7 +138,7 @@ std::string static_text(const ExportedWorld& world) {
     text += fmt::format(
         "    <geom class=\"solid\" name=\"{}\" type=\"box\" size=\"{}\" {} "
         "rgba=\"0.6 0.6 0.6 1\"/>\n",
-        xml_text(support.name), vector_text(support.size / 2.0), pose_text(support.T_base_box));
+        xml_text(support.name), vector_text(support.size / 2.0), mjcf_pose(support.T_base_box));
   }
   if (!world.scan_base.triangles.empty()) {
     text += fmt::format("    <geom class=\"visual\" name=\"{}\" type=\"mesh\" mesh=\"scan\"/>\n",

@@ -48,6 +48,20 @@ std::vector<std::string> joints_of(const ReportJson& json) {
   return names;
 }
 
+/// The terms of friction whose keys start with `prefix`.
+std::vector<FittedTerm> terms_of(const ReportJson& json, const std::string& prefix) {
+  std::vector<FittedTerm> terms;
+  for (int i = 0; i < kFrictionTerms; ++i) {
+    const auto term = static_cast<FrictionTerm>(i);
+    const std::string key = prefix + name_of(term);
+    const std::optional<double> value = number_of(json, key);
+    if (!value) continue;
+    terms.push_back(
+        {.term = term, .value = *value, .std = number_of(json, key + "_std").value_or(0.0)});
+  }
+  return terms;
+}
+
 Expected<JointFit> joint_of(const ReportJson& json, const std::string& name, const fs::path& file) {
   const std::string key = std::string(kPrefix) + name + '.';
   JointFit joint;
@@ -56,11 +70,8 @@ Expected<JointFit> joint_of(const ReportJson& json, const std::string& name, con
   if (!smoothing || *smoothing <= 0.0) return bad_report(file, "has no friction of joint " + name);
   joint.sign.smoothing_speed = *smoothing;
   joint.stribeck_speed = number_of(json, key + "stribeck_speed").value_or(0.0);
-  for (int i = 0; i < kFrictionTerms; ++i) {
-    const auto term = static_cast<FrictionTerm>(i);
-    const std::optional<double> value = number_of(json, key + name_of(term));
-    if (value) joint.friction.push_back({.term = term, .value = *value});
-  }
+  joint.friction = terms_of(json, key);
+  joint.equivalent = terms_of(json, key + "equivalent.");
   if (joint.value_of(FrictionTerm::stribeck) != 0.0 && joint.stribeck_speed <= 0.0) {
     return bad_report(file, "has no Stribeck speed of joint " + name);
   }

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+import { addressOf } from '../page_files';
 import { byId } from '../ui/dom';
 import { PictureFigure } from '../ui/picture_figure';
 import { indexAt } from './replay_data';
@@ -33,7 +34,7 @@ export class PicturePanel {
     const isNew = this.wanted >= 0 && this.wanted !== this.shown;
     if (this.loading >= 0 || !this.figure.isShown || !isNew) return;
     this.loading = this.wanted;
-    this.figure.image.src = `/api/frames/${this.loading}.jpg`;
+    this.figure.image.src = addressOf(`/api/frames/${this.loading}.jpg`);
   }
 
   private finish(isLoaded: boolean): void {

@@ -79,6 +79,12 @@ export class ReplayPlayer implements Playback {
     return object?.force.at(this.timeline.time)?.[1] ?? 0;
   }
 
+  /// How far an object's prediction is from its tracking now [m]; NaN where that is not known.
+  error(name: string): number {
+    const object = this.replay.objects.find((o) => o.name === name);
+    return object?.error.at(this.timeline.time)?.[1] ?? NaN;
+  }
+
   private showPlots(): void {
     const object = this.plotted.at(this.timeline.time);
     if (object) this.plots.show(object);

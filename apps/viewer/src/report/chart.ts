@@ -1,16 +1,18 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
-import { bandColors, pinColor, seriesColors, softInk } from './colors';
+import { bandOpacity, kindColors, pinColor, seriesColors, softInk } from './colors';
+import { hatchClass, makeHatch } from '../hatch';
 import { draw } from './drawing';
-import { labelHeight, placeLabels } from './mark_labels';
+import { labelHeight, placeLabels, type PlacedLabel } from './mark_labels';
 import type { Medium } from './medium';
 import { number } from './number';
-import type { PlotData, Series } from './report_data';
+import type { Interval, PlotData, Series } from './report_data';
 import { pointsOf, type ValueRow, valuesByX } from './values';
 import type { View } from './view';
 
 const fontSize = 12; // [SVG units]
+const pinHeight = 11; // [SVG units] above the frame
 const margins = { marginTop: 14, marginRight: 14, marginBottom: 40 }; // [SVG units]
 
 /// The plot's inner width over its inner height.
@@ -26,12 +28,17 @@ function innerWidth({ width, left }: Medium): number {
   return width - left - margins.marginRight;
 }
 
-/// Draws the part of a plot that is in the view.
+/// Draws the part of a plot that is in the view; labels of marks are above it, off the curves.
 export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot & SVGSVGElement {
+  const marks = plot.marks.filter((mark) => isIn(view, mark.x));
+  const [from, to] = view.x;
+  const labels = placeLabels(marks, innerWidth(medium) / (to - from), medium.markRows, to);
+  const labelRows = Math.max(0, ...labels.map(({ row }) => row + 1));
   return draw({
     width: medium.width,
-    height: heightOf(plot, medium),
+    height: heightOf(plot, medium) + labelRows * labelHeight,
     ...margins,
+    marginTop: margins.marginTop + labelRows * labelHeight,
     marginLeft: medium.left,
     ariaLabel: plot.title,
     style: { fontSize: `${fontSize}px` },
@@ -41,13 +48,16 @@ export function drawChart(plot: PlotData, view: View, medium: Medium): Plot.Plot
       Plot.rect(plot.bands, {
         x1: 'from',
         x2: (band) => Math.min(band.to, view.x[1]),
-        fill: (band) => bandColors[band.kind],
+        fill: (band) => kindColors[band.kind],
+        fillOpacity: bandOpacity,
         insetRight: -1, // a band of a single frame is visible
         clip: true,
       }),
+      ...drawHatch(plot, view),
       ...drawAxes(plot, view, medium),
       ...plot.series.map(drawSeries),
-      ...drawMarks(plot, view, medium),
+      Plot.ruleX(marks, { x: 'x', stroke: softInk, strokeDasharray: '2 3' }),
+      ...drawLabels(labels, labelRows),
       ...drawPins(plot, view),
       Plot.frame({ stroke: softInk }),
       drawTip(plot, view),
@@ -140,27 +150,33 @@ function drawSeries({ x, y, color, dashed, points }: Series): Plot.Markish {
   return Plot.line(x, { x, y, stroke, strokeDasharray, strokeWidth: 1.6, clip: true });
 }
 
-/// Labels are at the top of their line; lower where they would overlap another one.
-function drawMarks(plot: PlotData, view: View, medium: Medium): Plot.Markish[] {
-  const shown = plot.marks.filter((mark) => isIn(view, mark.x));
-  const [from, to] = view.x;
-  const placed = placeLabels(shown, innerWidth(medium) / (to - from), medium.markRows, to);
-  const labels = Array.from({ length: medium.markRows }, (_, row) =>
+/// Over the bands of one kind.
+function drawHatch(plot: PlotData, view: View): Plot.Markish[] {
+  const bands = plot.bands.filter(({ kind }) => hatchClass(kindColors[kind]) !== '');
+  if (bands.length === 0) return [];
+  const { definition, fill } = makeHatch();
+  const to = (band: Interval) => Math.min(band.to, view.x[1]);
+  const hatched = { x1: 'from', x2: to, fill, fillOpacity: bandOpacity, clip: true };
+  return [() => definition, Plot.rect(bands, hatched)];
+}
+
+/// Above the frame and the pins at its edge, the first row highest.
+function drawLabels(labels: readonly PlacedLabel[], rows: number): Plot.Markish[] {
+  return Array.from({ length: rows }, (_, row) =>
     (['right', 'left'] as const).map((side) =>
       Plot.text(
-        placed.filter((label) => label.row === row && label.side === side),
+        labels.filter((label) => label.row === row && label.side === side),
         {
           x: 'x',
           text: 'text',
           frameAnchor: 'top-left',
           textAnchor: side === 'right' ? 'start' : 'end',
-          dx: side === 'right' ? 4 : -4,
-          dy: 3 + row * labelHeight,
+          dx: side === 'right' ? -2 : 2,
+          dy: -pinHeight - (rows - row) * labelHeight,
         },
       ),
     ),
   ).flat();
-  return [Plot.ruleX(shown, { x: 'x', stroke: softInk, strokeDasharray: '2 3' }), ...labels];
 }
 
 function drawPins(plot: PlotData, view: View): Plot.Markish[] {
@@ -175,7 +191,7 @@ function drawPins(plot: PlotData, view: View): Plot.Markish[] {
         rotate: 180,
         r: 3.5,
         stroke: pinColor,
-        fill: hollow ? 'white' : pinColor,
+        fill: hollow ? 'none' : pinColor,
       },
     ),
   );

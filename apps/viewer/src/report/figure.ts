@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type * as Plot from '@observablehq/plot';
+import { hatchClass } from '../hatch';
 import { create } from '../ui/dom';
 import { saveText, svgText } from '../ui/plot_files';
 import { aspectOf, drawChart, drawStrip } from './chart';
-import { bandColors, laneColors, pinColor, seriesColors } from './colors';
+import { bandOpacity, kindColors, pinColor, seriesColors } from './colors';
 import { drawLanes, wholeSpan } from './lane_chart';
 import { type Medium, onPrint, screen } from './medium';
 import type { LaneData, PlotData, Series } from './report_data';
@@ -46,7 +47,7 @@ function stripOf({ title, strip_x_label: xLabel = '' }: PlotData, strip: Series)
 
 /// Lanes over one x axis; dragging across them zooms in.
 export function laneFigure(chart: LaneData): HTMLElement {
-  const legend = chart.kind_labels.map((label, kind) => areaKey(laneColors[kind], label));
+  const legend = chart.kind_labels.map((label, kind) => areaKey(kindColors[kind], label));
   const figure = zoomableFigure(
     chart.title,
     legend,
@@ -118,7 +119,7 @@ function plotLegend(plot: PlotData): HTMLElement[] {
   return [
     ...plot.series.map(seriesKey),
     ...plot.band_labels.flatMap((label, kind) =>
-      isUsed(kind) ? [areaKey(bandColors[kind], label)] : [],
+      isUsed(kind) ? [areaKey(kindColors[kind], label, bandOpacity)] : [],
     ),
     ...pins.map((hollow) => pinKey(hollow, hollow ? plot.hollow_pin_label : plot.pin_label)),
   ];
@@ -131,9 +132,11 @@ function seriesKey({ label, color, dashed, points }: Series): HTMLElement {
   return create('span', {}, key, label);
 }
 
-function areaKey(color: string, label: string): HTMLElement {
+function areaKey(color: string, label: string, opacity = 1): HTMLElement {
   const key = create('i', { className: 'area' });
-  key.style.background = color;
+  key.style.setProperty('--area', color);
+  key.classList.toggle('critical', hatchClass(color) !== '');
+  key.style.opacity = String(opacity);
   return create('span', {}, key, label);
 }
 

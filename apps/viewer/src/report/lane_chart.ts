@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Plot from '@observablehq/plot';
-import { laneColors } from './colors';
+import { kindColors } from './colors';
+import { hatchClass, makeHatch } from '../hatch';
 import { draw } from './drawing';
 import type { Medium } from './medium';
 import { number } from './number';
@@ -43,6 +44,13 @@ export function drawLanes(
     const shown = intervals.filter((one) => one.to >= from && one.from <= to);
     rows.push(...shown.map((one) => ({ ...one, row, name: `${group}, ${label}` })));
   });
+  const critical = rows.filter(({ kind }) => hatchClass(kindColors[kind]) !== '');
+  const hatch = makeHatch();
+  const ends = {
+    x1: (one: Row) => Math.max(one.from, from),
+    x2: (one: Row) => Math.min(one.to, to),
+    y: 'row',
+  };
   return draw({
     width: laneWidth,
     height: marginTop + keys.length * laneHeight + marginBottom,
@@ -73,15 +81,15 @@ export function drawLanes(
         fontWeight: 600,
       }),
       Plot.barX(rows, {
-        x1: (one: Row) => Math.max(one.from, from),
-        x2: (one: Row) => Math.min(one.to, to),
-        y: 'row',
-        fill: (one: Row) => laneColors[one.kind],
+        ...ends,
+        fill: (one: Row) => kindColors[one.kind],
         insetRight: -0.6, // a phase of a single frame is visible
         title: (one: Row) =>
           `${one.name}: ${chart.kind_labels[one.kind]}\n${number(one.from)} to ${number(one.to)}`,
         tip: true,
       }),
+      () => hatch.definition,
+      Plot.barX(critical, { ...ends, fill: hatch.fill }),
     ],
   });
 }

@@ -59,6 +59,13 @@ function block(data: Block, section: string, isOnly: boolean): HTMLElement {
   }
 }
 
+/// The command and the date that made the report, where they are known.
+function origin({ command = '', date = '' }: ReportData): HTMLElement[] {
+  if (command === '') return [];
+  const made = date === '' ? 'Made by ' : `Made on ${date} by `;
+  return [create('p', { className: 'origin' }, made, create('code', { textContent: command }))];
+}
+
 /// Links to the sections; none for a report that fits a screen.
 function contents(sections: readonly HTMLDetailsElement[]): HTMLElement[] {
   if (sections.length < 3) return [];
@@ -98,7 +105,7 @@ function show(report: ReportData): void {
     ...contents(sections),
     create('p', { className: 'below screen-only', textContent: hint }),
     ...sections,
-    create('footer', { textContent: report.footer }),
+    create('footer', {}, create('p', { textContent: report.footer }), ...origin(report)),
   );
 }
 

@@ -73,6 +73,8 @@ export interface ReportData {
   headline: TableData; // the most important first
   sections: { title: string; blocks: Block[] }[];
   footer: string;
+  command?: string; // that made the report
+  date?: string;
 }
 
 const format = 'pcavr-report-data/1';

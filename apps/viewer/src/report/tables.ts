@@ -31,7 +31,7 @@ export function table(data: TableData, section: string, isOnly: boolean): HTMLEl
   if (data.note) parts.push(create('p', { className: 'below', textContent: printed(data.note) }));
   const actions = create('span', { className: 'actions' }, save);
   if (!isOnly && (data.folded || data.rows.length > maxShownRows)) {
-    const title = `${data.title || 'All values'} (${data.rows.length} rows)`;
+    const title = `${data.title || 'All values'} (${data.rows.length} ${data.rows.length === 1 ? 'row' : 'rows'})`;
     return create('details', {}, create('summary', {}, title), actions, ...parts);
   }
   const title = create('h3', { className: 'table-title' }, data.title, actions);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type { ArmModel } from './arm';
+import { request } from '../page_files';
 import { protocolVersion, type Quaternion, type Vector } from '../protocol';
 
 export interface MeshLevel {
@@ -47,6 +48,11 @@ export interface SceneModel {
   cameras: { position: Vector; quaternion: Quaternion }[];
 }
 
+/// Whether the base frame is a robot's: the world frame of a scan without bodies, tags and arm is none.
+export function hasRobotBase({ objects, tags, robot }: SceneModel): boolean {
+  return objects.length > 0 || tags.length > 0 || robot !== null;
+}
+
 export interface SessionInfo {
   protocol: number;
   version: string;
@@ -58,7 +64,7 @@ export interface SessionInfo {
 
 /// Fetches JSON; throws an Error with path and HTTP status.
 export async function fetchJson<T>(path: string): Promise<T> {
-  const response = await fetch(path);
+  const response = await request(path);
   if (!response.ok) throw new Error(`${path}: HTTP status ${response.status}`);
   return (await response.json()) as T;
 }
@@ -89,7 +95,7 @@ export async function fetchBytes(
   path: string,
   onProgress: (bytes: number) => void,
 ): Promise<ArrayBuffer> {
-  const response = await fetch(path);
+  const response = await request(path);
   if (!response.ok) throw new Error(`${path}: HTTP status ${response.status}`);
   if (!response.body) return response.arrayBuffer();
   const chunks: Uint8Array[] = [];

@@ -19,11 +19,13 @@ import type { LiveState, Vector } from '../protocol';
 import { ArmView } from './arm';
 import { Body } from './bodies';
 import { ContactShadows } from './contact_shadow';
+import { cornersOf } from './box';
 import { framePoints, operatorSide } from './first_view';
 import { Layers } from './layers';
 import type { Outline } from './outline';
 import { PlumbLine } from './plumb_line';
-import type { SceneModel } from './scene_model';
+import { makeRobotGlyph } from './robot_glyph';
+import { hasRobotBase, type SceneModel } from './scene_model';
 import { ToolView } from './tool_view';
 
 // [rad] shows a table top and the bodies on it; steeper in a tall window, which it fills better.
@@ -91,11 +93,21 @@ export class SceneView {
       this.arm = new ArmView(model.robot);
       this.layers.group('arm').add(this.arm.group);
     }
+    if (hasRobotBase(model)) this.layers.group('arm').add(this.placeRobotGlyph());
     for (const body of this.bodies) {
       this.byName.set(body.object.name, body);
       this.layers.group('bodies').add(body.solid);
       this.layers.group('ghosts').add(body.ghost);
     }
+  }
+
+  /// At the arm's root, or without an arm at the base frame's origin.
+  private placeRobotGlyph(): Group {
+    const glyph = makeRobotGlyph();
+    if (!this.arm) return glyph;
+    glyph.position.copy(this.arm.group.position);
+    glyph.quaternion.copy(this.arm.group.quaternion);
+    return glyph;
   }
 
   body(name: string): Body | undefined {
@@ -235,10 +247,4 @@ export class SceneView {
     this.camera.add(headlight);
     this.scene.add(this.camera);
   }
-}
-
-function cornersOf({ min, max }: Box3): Vector3[] {
-  return [0, 1, 2, 3, 4, 5, 6, 7].map(
-    (i) => new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z),
-  );
 }

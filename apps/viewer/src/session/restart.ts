@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+import { request } from '../page_files';
 import type { LiveState, Welcome } from '../protocol';
 
 const key = 'pcavr-reloaded'; // the announcement kept over a reload
@@ -55,7 +56,7 @@ export function differenceOf(before: Welcome, now: Welcome): string {
 /// Empty without an answer.
 async function sceneText(): Promise<string> {
   try {
-    const response = await fetch('/api/scene.json');
+    const response = await request('/api/scene.json');
     return response.ok ? await response.text() : '';
   } catch {
     return '';

@@ -19,14 +19,17 @@ export class Session {
   toolDelay = 0; // [s] from a motion of the hand to when the server gets it: of a busy window
   skipped = 0; // states replaced by newer ones before the window read them
   private state: LiveState | null = null;
-  private worker: Worker;
   private welcomeListeners: ((welcome: Welcome) => void)[] = [];
   private noticeListeners: ((notice: Notice) => void)[] = [];
   private connectionListeners: ((connection: Connection, reason: string) => void)[] = [];
 
-  constructor(url: string) {
-    this.worker = new Worker(new URL('./socket_worker.ts', import.meta.url), { type: 'module' });
-    this.worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
+  /// `worker`: of socket_worker.ts; null where there is no server, and never a state.
+  constructor(
+    private readonly worker: Worker | null,
+    url = '',
+  ) {
+    if (!worker) return;
+    worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
     this.post({ kind: 'open', url });
   }
 
@@ -102,6 +105,6 @@ export class Session {
   }
 
   private post(message: ToWorker): void {
-    this.worker.postMessage(message);
+    this.worker?.postMessage(message);
   }
 }

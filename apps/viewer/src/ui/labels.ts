@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Box3, Vector3, type PerspectiveCamera } from 'three';
 import type { Body } from '../scene/bodies';
+import { isHidden } from '../scene/hidden';
+import { hasRobotBase } from '../scene/scene_model';
 import type { SceneView } from '../scene/view';
 import { byId, create, setText } from './dom';
 import { length, newtons } from './format';
@@ -11,6 +13,7 @@ import { phaseLabel, setPhaseColor } from './objects_panel';
 const maxLabels = 24; // more would hide the scene
 const edgeGap = { x: 64, y: 24 }; // [CSS pixels] of the robot's label from the stage's edge
 const inFront = ['handle', 'height-handle', 'call-to-action', 'hud']; // of the labels, which move aside
+const belowRobot = -0.4; // [heights of its label] so that its axes are seen
 const minForceShown = 0.05; // [N]
 
 /// Projects a world point to the canvas [CSS pixels]; null outside of the near and far planes.
@@ -51,9 +54,7 @@ export class Labels {
       this.labels.set(body, label);
       this.container.append(label);
     }
-    // The world frame of a scan without bodies, tags and arm is no robot's base.
-    const { objects = [], tags = [], robot = null } = view.model ?? {};
-    if (objects.length > 0 || tags.length > 0 || robot) this.container.append(this.robot);
+    if (view.model && hasRobotBase(view.model)) this.container.append(this.robot);
   }
 
   /// `isFlat`: rendered on the page, not in a headset, where overlay labels would be misplaced.
@@ -75,8 +76,8 @@ export class Labels {
     const top = body.solid.getWorldPosition(new Vector3());
     top.y += this.halfHeight(body) + 0.015;
     const at = project(top, this.view.camera, width, height);
-    label.hidden = at === null;
-    if (!at) return;
+    label.hidden = at === null || isHidden(body, this.view.bodies, this.view.camera.position);
+    if (!at || label.hidden) return;
     this.setLabel(label, `${body.object.name} · ${phaseLabel(body)}`);
     setPhaseColor(label, body);
     this.putAside(label, at.x, at.y, 1);
@@ -119,7 +120,7 @@ export class Labels {
     this.robot.classList.toggle('outside', !isInside);
     this.setLabel(this.robot, isInside ? 'robot' : 'robot is this way');
     if (isInside) {
-      this.putAside(this.robot, at.x, at.y, 0.5);
+      this.putAside(this.robot, at.x, at.y, belowRobot);
       return;
     }
     // The direction on the picture, also of a point behind the camera.

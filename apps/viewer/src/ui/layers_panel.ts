@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { layerHints, layerNames, layerTitles, type LayerName, type Layers } from '../scene/layers';
-import type { SceneModel } from '../scene/scene_model';
+import { hasRobotBase, type SceneModel } from '../scene/scene_model';
 import { byId, create } from './dom';
 import { count } from './format';
 
@@ -40,7 +40,7 @@ export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[]
     cloud: (model.cloud?.points ?? 0) > 0,
     occupancy: (model.occupancy?.cells ?? 0) > 0,
     bodies: model.objects.length > 0,
-    arm: model.robot !== null,
+    arm: hasRobotBase(model),
     ghosts: isReplay,
     labels: model.objects.length > 0,
     tags: model.tags.length > 0,

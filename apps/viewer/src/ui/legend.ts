@@ -22,6 +22,7 @@ export function fillLegend(parent: HTMLElement): void {
   for (const [phase, meaning] of Object.entries(meanings) as [keyof typeof meanings, string][]) {
     const entry = create('span', { className: 'phase', textContent: phase, title: meaning });
     entry.style.setProperty('--phase', phaseColors[phase]);
+    entry.classList.toggle('critical', phase === 'critical');
     parent.append(entry);
   }
 }

@@ -27,6 +27,7 @@ export function phaseLabel(body: Body): string {
 /// The square beside a phase.
 export function setPhaseColor(element: HTMLElement, body: Body): void {
   element.style.setProperty('--phase', body.isKnown ? phaseColors[body.phase] : 'transparent');
+  element.classList.toggle('critical', body.isKnown && body.phase === 'critical');
 }
 
 /// The objects with their phases, and the details of the selected one.

@@ -3,6 +3,7 @@
 
 // Draws a plot over time as SVG, a dozen times a second: without a library, whose code would be a
 // third of the page's.
+import { hatchClass, makeHatch } from '../hatch';
 import { roundTicks } from './plot_axes';
 import type { PlotBand } from './plot_options';
 import type { Spike } from './plot_spikes';
@@ -37,6 +38,7 @@ export class PlotDrawing {
   readonly svg: SVGElement;
   private readonly inside: SVGElement; // clipped to the axes
   private readonly insideLanes: SVGElement; // clipped to the lanes
+  private hatch = ''; // a fill, once it is used
   private static count = 0;
 
   constructor(
@@ -218,6 +220,13 @@ export class PlotDrawing {
     const width = Math.max(1, right - left);
     const bar = { x: left, y: this.laneTop(lane), width, height: laneHeight, fill: color };
     this.insideLanes.append(shape('rect', { ...bar, 'data-mark': 'phase' }));
+    if (!hatchClass(color)) return;
+    if (!this.hatch) {
+      const { definition, fill } = makeHatch();
+      this.svg.append(definition);
+      this.hatch = fill;
+    }
+    this.insideLanes.append(shape('rect', { ...bar, fill: this.hatch }));
   }
 }
 

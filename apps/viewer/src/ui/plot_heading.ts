@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+import { hatchClass } from '../hatch';
 import { create, setPressed, setText } from './dom';
 import type { PlotOptions, PlotSeries } from './plot_options';
 
@@ -71,6 +72,7 @@ function keyOf(className: string): (entry: PlotSeries) => HTMLElement {
   return ({ title, color }) => {
     const key = create('span', { className, textContent: title });
     key.style.setProperty('--key', color);
+    if (className === 'key area' && hatchClass(color)) key.classList.add(hatchClass(color));
     return key;
   };
 }

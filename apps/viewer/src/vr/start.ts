@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import { Vector3 } from 'three';
+import { Box3, Vector3 } from 'three';
 
 import type { Vector } from '../protocol';
 import { operatorSide } from '../scene/first_view';
@@ -35,6 +35,28 @@ export function floorHeight(ground: Ground): number {
   const scanMinZ = ground.scanMinZ ?? Infinity;
   if (support === Infinity) return scanMinZ === Infinity ? -tableHeight : scanMinZ;
   return scanMinZ < support - floorDepth ? scanMinZ : support - tableHeight;
+}
+
+/// How far beyond the scene a user may teleport [m]: a few steps around a table.
+const reach = 2;
+
+/// The floor on which a user may stand: around the robot, the objects, their supports and the cameras.
+export function floorLevel(ground: Ground): Level {
+  const points = [
+    new Vector3(),
+    ...ground.objects,
+    ...ground.cameras.map((camera) => new Vector3(...camera)),
+    ...ground.supports.flatMap(({ outline }) => (outline ?? []).map((c) => new Vector3(...c))),
+  ];
+  const { min, max } = new Box3().setFromPoints(points).expandByScalar(reach);
+  const z = floorHeight(ground);
+  const outline: Vector[] = [
+    [min.x, min.y, z],
+    [max.x, min.y, z],
+    [max.x, max.y, z],
+    [min.x, max.y, z],
+  ];
+  return { z, outline };
 }
 
 /// The user's initial pose: on the floor where the operator stands, facing the objects, so far from

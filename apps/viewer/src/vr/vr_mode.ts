@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Vector3 } from 'three';
 import type { App } from '../app';
+import { hasRobotBase } from '../scene/scene_model';
 import { Command, Device, type LiveState, type Quaternion, type Vector } from '../protocol';
 import { BodyLabels } from './body_labels';
 import { BodySizes } from './body_sizes';
@@ -16,10 +17,11 @@ import { playbackStep } from './panel_buttons';
 import { Person } from './person';
 import { Placing } from './placing';
 import { Pulses } from './pulses';
+import { RobotArrow } from './robot_arrow';
 import { Sign } from './sign';
 import { StopButton } from './stop_button';
 import { attachCamera, makeFloorGrid } from './stage';
-import { floorHeight, type Ground, startPose } from './start';
+import { floorLevel, type Ground, startPose } from './start';
 
 const takenByOther = 'another page controls the tool';
 // Some twenty states; with the next frame the sign is there within 0.3 s.
@@ -43,6 +45,7 @@ export class VrMode {
   private readonly stopButton = new StopButton(panelHeight);
   private readonly cards = new Cards();
   private readonly sign = new Sign();
+  private readonly robotArrow = new RobotArrow();
   private readonly sizes = new BodySizes(this.person);
   private readonly labels = new BodyLabels();
   private readonly pulses = new Pulses();
@@ -64,7 +67,7 @@ export class VrMode {
   ) {
     this.locomotion = new Locomotion(this.person, () => this.levels());
     this.person.rig.add(this.hands.group, this.panel.mesh, this.cards.group, this.sign.mesh);
-    this.person.rig.add(this.labels.mesh);
+    this.person.rig.add(this.labels.mesh, this.robotArrow.group);
     this.panel.mesh.add(this.stopButton.mesh);
     app.renderer.xr.setReferenceSpaceType('local-floor');
     document.addEventListener('visibilitychange', () => {
@@ -73,6 +76,13 @@ export class VrMode {
     window.addEventListener('blur', () => this.disengage('page lost focus'));
     app.onBlind((isBlind) => isBlind && this.disengage('no picture'));
     window.addEventListener('pagehide', () => this.disengage('page closed'));
+  }
+
+  /// Where the robot stands, in base; null where the base frame is no robot's.
+  private get robot(): Vector3 | null {
+    const { model, arm } = this.app.view;
+    if (!model || !hasRobotBase(model)) return null;
+    return arm ? arm.group.position : new Vector3();
   }
 
   static async isSupported(kind: XRSessionMode = 'immersive-vr'): Promise<boolean> {
@@ -151,6 +161,7 @@ export class VrMode {
     const state = this.app.session.latest();
     const rotation = toQuaternion(viewer.transform.orientation);
     this.sign.show(this.trouble(state, (now - this.lastUpdate) / 1000), head, rotation);
+    if (this.robot) this.robotArrow.show(this.person.toHeadset(this.robot), head, rotation);
     this.lastUpdate = now;
     if (!this.isPlaced) this.placePerson(head);
     const hands = this.reader.read(frame, space);
@@ -191,7 +202,7 @@ export class VrMode {
 
   private levels() {
     const ground = this.ground();
-    return [...ground.supports, { z: floorHeight(ground), outline: null }];
+    return [...ground.supports, floorLevel(ground)];
   }
 
   /// Buttons: hold and resume, reset, swap the tool hand.

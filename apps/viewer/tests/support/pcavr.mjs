@@ -9,6 +9,10 @@ import { join } from 'node:path';
 
 const command = process.env.PCAVR_COMMAND;
 
+/// Runs the command to its end; throws with its messages if it fails.
+export const run = (...args) =>
+  execFileSync(command, args, { stdio: ['ignore', 'ignore', 'pipe'] });
+
 /// Two boxes on a table, a simulated recording with a push of each, and its ground truth.
 /// `change` gets the recording's folder before the scene is built. `images`: arguments of `simulate` that say
 /// how it is seen; by default not at all.
@@ -16,7 +20,6 @@ export function makeScene(change = () => {}, images = ['--no-images'], seed = 3)
   const folder = mkdtempSync(join(tmpdir(), 'pcavr-browser-scene-'));
   const recording = join(folder, 'recording');
   const scene = join(folder, 'scene');
-  const run = (...args) => execFileSync(command, args, { stdio: ['ignore', 'ignore', 'pipe'] });
   run('simulate', 'push', ...images, '--seed', String(seed), '-o', recording);
   change(recording);
   run('build', recording, '-o', scene);

@@ -155,6 +155,8 @@ export const sample = {
     },
   ],
   footer: 'pcavr',
+  command: "pcavr evaluate 'my & run' -o report",
+  date: '2026-01-02 03:04 UTC',
 };
 
 /// Writes a report into a temporary folder; `url` opens it.

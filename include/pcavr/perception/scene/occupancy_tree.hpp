@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -37,6 +38,13 @@ class OccupancyTree {
   /// Each occupied leaf: its centre and edge [m].
   void for_each_occupied(
       const std::function<void(const Eigen::Vector3d& centre, double edge)>& use) const;
+  /// Makes the occupied cells free for which `is_cleared` is true; it is also called with larger
+  /// cubes, and must be true where it is for a cell of the cube. Returns their number. Not while
+  /// others query.
+  std::size_t clear_occupied(
+      const std::function<bool(const Eigen::Vector3d& centre, double edge)>& is_cleared);
+  /// The tree as in a `.bt` file after its header, and as in octomap_msgs/Octomap.
+  [[nodiscard]] std::string binary_data() const;
 
  private:
   struct State;

@@ -19,11 +19,20 @@ struct WeighedObject {
   IdentifiedParameter mass = {};  ///< [kg] without the weighed one
 };
 
+/// What is identified by a force of another scale; for messages.
+inline constexpr char kForceScaleEffect[] =
+    "a force of k times the true one gives k times F_M, sliding and viscous friction and stiffness";
+
+/// The mass by force and acceleration over the weighed one, where they contradict each other: by
+/// more than four stds of both, of the weighed one 2 %.
+[[nodiscard]] std::optional<double> contradicted_scale(const WeighedObject& object);
+
 /// Findings about the force's scale from two masses of each object.
 struct ScaleFindings {
   /// Another unit; or several objects' masses that differ by the same factor, the force's.
   std::optional<InputFault> fault = {};
   std::vector<std::string> warnings = {};  ///< one object's mass, or its force, is wrong
+  std::vector<std::string> notes = {};     ///< no object has both masses
 };
 [[nodiscard]] ScaleFindings check_force_scale(std::span<const WeighedObject> objects);
 

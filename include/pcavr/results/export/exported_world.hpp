@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -66,7 +67,7 @@ struct ExportedBody {
   /// [m] The touched faces' measured offset; see ObjectParameters::contact_surface_offset.
   Eigen::Vector3d surface_offset_object = Eigen::Vector3d::Zero();
   std::vector<SupportFoot> feet;
-  /// Friction on the support over the weight at the reference speed; it has its viscous part.
+  /// Friction on the support over the weight at the reference speed, all parts of it.
   double friction = 0.0;
   double static_friction = 0.0;   ///< F_M over the weight
   double coulomb_friction = 0.0;  ///< Coulomb force over the weight
@@ -102,7 +103,8 @@ struct ExportedWorld {
   std::vector<ExportedSupport> supports;
   std::string base_name = "base";  ///< of the frame
   std::string scan_name = "scan";
-  TriangleMesh scan_base;  ///< may be empty
+  TriangleMesh scan_base;                     ///< may be empty
+  std::filesystem::path occupancy_file = {};  ///< the scene's OctoMap; empty without a scan
   ExportedTool tool;
   std::vector<ExportedNumber> numbers;
   std::vector<ExportResidual> residuals;

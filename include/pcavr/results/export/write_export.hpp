@@ -17,6 +17,8 @@ inline constexpr char kMjcfFile[] = "scene.xml";
 inline constexpr char kUrdfFile[] = "scene.urdf";
 inline constexpr char kSdfFile[] = "scene.sdf";
 inline constexpr char kUsdFile[] = "scene.usda";
+inline constexpr char kPlanningSceneFile[] = "planning_scene.json";
+inline constexpr char kPlanningTextFile[] = "scene.scene";
 
 /// Writes scene.xml for MuJoCo 3 and its meshes into a folder that exists. Adds the residuals of
 /// its mappings to the world's. Errors, here and below: a file that can't be written; an object
@@ -28,6 +30,13 @@ inline constexpr char kUsdFile[] = "scene.usda";
 [[nodiscard]] Expected<void> write_urdf(ExportedWorld& world, const std::filesystem::path& folder);
 [[nodiscard]] Expected<void> write_sdf(ExportedWorld& world, const std::filesystem::path& folder);
 [[nodiscard]] Expected<void> write_usd(ExportedWorld& world, const std::filesystem::path& folder);
+
+/// Writes a planning scene for MoveIt: planning_scene.json, a moveit_msgs/PlanningScene with bodies
+/// and supports as collision objects and the scan as OctoMap, without the cells that meet a body;
+/// apply.py, which gives it to a running move_group; scene.scene, the objects as RViz imports them.
+/// Further errors: the scene's OctoMap can't be read.
+[[nodiscard]] Expected<void> write_moveit(ExportedWorld& world,
+                                          const std::filesystem::path& folder);
 
 /// Writes motion.csv, `t,x,y,z,qw,qx,qy,qz,vx,vy,vz` of the tool in base from t = 0 on; it must not
 /// be empty. Positions and velocities [m/s] are line fits over 40 ms: engines damp contacts and

@@ -14,7 +14,7 @@ namespace pcavr {
 /// The findings of `pcavr identify robot` about an arm.
 struct IdentifiedArm {
   RobotModel model;              ///< the identified joints, with their inertias; others are locked
-  std::vector<JointFit> joints;  ///< friction, by coordinate
+  std::vector<JointFit> joints;  ///< friction, also as three parameters, by coordinate
 };
 
 /// Reads the report.json of `pcavr identify robot` (or of the folder that holds it) for an arm with

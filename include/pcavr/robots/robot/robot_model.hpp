@@ -106,10 +106,10 @@ struct RobotJoint {
   /// has one.
   RigidInertia body;
   /// Inertia of the motor [kg m^2] or [kg], seen from the joint: rotor inertia times the gear ratio
-  /// squared. Adds armature * ddq to the torque. Read from the URDF's <transmission>, else 0.
+  /// squared. Adds armature * ddq to the torque. Read from the URDF's `<transmission>`, else 0.
   double armature = 0.0;
-  double damping = 0.0;   ///< <dynamics damping>: viscous friction; not part of the dynamics here
-  double friction = 0.0;  ///< <dynamics friction>: Coulomb friction; not part of the dynamics here
+  double damping = 0.0;   ///< URDF `damping` [N m s/rad]; not part of the dynamics here
+  double friction = 0.0;  ///< URDF `friction` [N m]: Coulomb; not part of the dynamics here
 };
 
 /// A tree of rigid bodies on a fixed base. The base frame is that of the root link. A plain value:

@@ -25,10 +25,10 @@ struct JointTransmission {
   }
 };
 
-/// The <transmission>s of a description that have one joint and one actuator, in its order. Read of
-/// the actuator: <mechanicalReduction> (ROS; of the joint or the transmission, too) or
-/// <drake:gear_ratio value>, <rotorInertia> or <drake:rotor_inertia value> (Drake),
-/// <gearStiffness>. Errors: text that is not XML, and a number that is not positive, with its line.
+/// Each `<transmission>` of a description that has one joint and one actuator, in order. Of the
+/// actuator are read: `<mechanicalReduction>` (ROS; of the joint or the transmission, too) or
+/// `<drake:gear_ratio value>`, `<rotorInertia>` or `<drake:rotor_inertia value>` (Drake), and
+/// `<gearStiffness>`. Errors: not XML, or a number that is not positive, with its line.
 /// Pure function.
 [[nodiscard]] Expected<std::vector<JointTransmission>> parse_transmissions(
     const std::string& text, const std::filesystem::path& file);

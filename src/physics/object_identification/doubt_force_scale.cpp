@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include <fmt/core.h>
+
+#include "pcavr/physics/inputs/force_scale.hpp"
+
+#include "physics/object_identification/identification_steps.hpp"
+#include "physics/object_identification/widen_stds.hpp"
+
+namespace pcavr {
+
+void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters& known,
+                       ObjectIdentification& result) {
+  if (!object.mass) return;
+  const std::optional<double> factor =
+      contradicted_scale({object.name, *object.mass, result.sliding.mass});
+  if (!factor) return;
+  const double share = std::abs(1.0 - 1.0 / *factor);
+  widen_new(
+      std::array{&ObjectParameters::inertial_mass, &ObjectParameters::limiting_static_friction,
+                 &ObjectParameters::sliding_friction_coefficient,
+                 &ObjectParameters::viscous_friction, &ObjectParameters::contact_stiffness,
+                 &ObjectParameters::contact_damping},
+      share, known, result.parameters);
+  for (SlidingForce& sliding : result.parameters.sliding_force) {
+    sliding.std = std::hypot(sliding.std, share * sliding.force);
+  }
+  result.notes.push_back(fmt::format(
+      "the stds of friction and stiffness contain that the force, or the given mass, is wrong by "
+      "a factor of {:.3g}",
+      *factor));
+}
+
+}  // namespace pcavr

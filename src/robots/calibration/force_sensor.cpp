@@ -1,0 +1,412 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pcavr/robots/calibration/force_sensor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "pcavr/base/core/gravity.hpp"
+#include "pcavr/base/core/median.hpp"
+#include "pcavr/base/core/solvers.hpp"
+#include "pcavr/base/geometry/pose.hpp"
+
+namespace pcavr {
+namespace {
+
+/// Seven unknowns are three poses' readings; with one more there is a residual of each.
+constexpr std::size_t kMinPoses = 6;
+/// Gravity's scatter over the poses along its weakest axis, of its size: less shows no axis.
+constexpr double kMinScatter = 0.1;
+/// Poses that are further from the model than this many robust stds were touched, or moved.
+constexpr double kMaxOutlierRatio = 5.0;
+/// A load below this does not show how a sensor is turned, over the noise of its readings.
+constexpr double kMinWeightRatio = 3.0;
+/// F distribution of 5 and some 100 degrees of freedom: chance exceeds it once in 1000.
+constexpr double kMaxGainRatio = 4.5;
+constexpr double kUnclearRatio = 1.2;  ///< of the residuals in the two axes: the choice is unclear
+constexpr int kFitIterations = 20;
+
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+
+/// A reading as the sensor has it, and gravity in the flange.
+struct ForceSample {
+  Eigen::Vector3d force, gravity_flange;
+  std::optional<Eigen::Vector3d> torque = {};
+  bool is_used = true;
+};
+using ForceSamples = std::vector<ForceSample>;
+
+struct Hypothesis {
+  ForceAxes axes = ForceAxes::sensor;
+  bool is_pose_inverted = false;
+};
+
+ForceSamples force_samples_of(const std::vector<ForceReading>& readings,
+                              const Hypothesis& hypothesis, const ForceSensorOptions& options) {
+  const Eigen::Vector3d gravity_base = -kStandardGravity * options.up_base.normalized();
+  ForceSamples samples;
+  for (const ForceReading& reading : readings) {
+    const Eigen::Quaterniond R_flange_base =
+        hypothesis.is_pose_inverted ? reading.R_base_flange : reading.R_base_flange.conjugate();
+    const bool is_base = hypothesis.axes == ForceAxes::base;
+    ForceSample sample{reading.force, R_flange_base * gravity_base, reading.torque};
+    if (is_base) sample.force = R_flange_base * reading.force;
+    if (is_base && reading.torque) sample.torque = R_flange_base * *reading.torque;
+    samples.push_back(std::move(sample));
+  }
+  return samples;
+}
+
+std::size_t used_count(const ForceSamples& samples) {
+  return static_cast<std::size_t>(std::count_if(
+      samples.begin(), samples.end(), [](const ForceSample& one) { return one.is_used; }));
+}
+
+/// Least squares of reading = bias + matrix gravity.
+struct LinearFit {
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();  ///< of gravity in the flange, summed
+  double squares = 0.0;                               ///< [N^2]
+};
+
+LinearFit linear_fit(const ForceSamples& samples) {
+  const double n = static_cast<double>(used_count(samples));
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), gravity = Eigen::Vector3d::Zero();
+  for (const ForceSample& sample : samples) {
+    if (!sample.is_used) continue;
+    force += sample.force / n;
+    gravity += sample.gravity_flange / n;
+  }
+  LinearFit fit;
+  Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
+  for (const ForceSample& sample : samples) {
+    if (!sample.is_used) continue;
+    const Eigen::Vector3d g = sample.gravity_flange - gravity;
+    fit.scatter += g * g.transpose();
+    mixed += g * (sample.force - force).transpose();
+  }
+  fit.matrix = fit.scatter.ldlt().solve(mixed).transpose();
+  fit.bias = force - fit.matrix * gravity;
+  for (const ForceSample& sample : samples) {
+    if (!sample.is_used) continue;
+    fit.squares += (sample.force - fit.bias - fit.matrix * sample.gravity_flange).squaredNorm();
+  }
+  return fit;
+}
+
+/// reading = bias + sign mass R gravity, with a rotation R.
+struct RigidFit {
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();
+  double sign = 1.0, mass = 0.0;
+  Eigen::Matrix3d R_sensor_flange = Eigen::Matrix3d::Identity();
+  double squares = 0.0;                 ///< [N^2] of the used samples
+  Matrix7d inverse = Matrix7d::Zero();  ///< of the normal equations: bias, mass, rotation
+  std::size_t used = 0;
+
+  [[nodiscard]] Eigen::Vector3d weight(const ForceSample& sample) const {
+    return sign * mass * (R_sensor_flange * sample.gravity_flange);
+  }
+  [[nodiscard]] Eigen::Vector3d residual(const ForceSample& sample) const {
+    return sample.force - bias - weight(sample);
+  }
+  [[nodiscard]] double freedoms() const {
+    return std::max(1.0, 3.0 * static_cast<double>(used) - 7.0);
+  }
+};
+
+RigidFit start_of(const LinearFit& linear) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear.matrix,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d orthogonal = svd.matrixU() * svd.matrixV().transpose();
+  RigidFit fit{.bias = linear.bias};
+  fit.sign = orthogonal.determinant() < 0.0 ? -1.0 : 1.0;
+  fit.R_sensor_flange = fit.sign * orthogonal;
+  fit.mass = svd.singularValues().mean();
+  return fit;
+}
+
+/// Gauss-Newton from the start; the readings are linear in all but the rotation.
+RigidFit rigid_fit(const ForceSamples& samples, RigidFit fit) {
+  for (int i = 0; i < kFitIterations; ++i) {
+    Matrix7d matrix = Matrix7d::Zero();
+    Vector7d gradient = Vector7d::Zero();
+    for (const ForceSample& sample : samples) {
+      if (!sample.is_used) continue;
+      Eigen::Matrix<double, 3, 7> J;
+      J.leftCols<3>() = Eigen::Matrix3d::Identity();
+      J.col(3) = fit.sign * (fit.R_sensor_flange * sample.gravity_flange);
+      J.rightCols<3>() = -fit.sign * fit.mass * fit.R_sensor_flange * skew(sample.gravity_flange);
+      matrix += J.transpose() * J;
+      gradient += J.transpose() * fit.residual(sample);
+    }
+    const Vector7d step = matrix.ldlt().solve(gradient);
+    fit.inverse = matrix.ldlt().solve(Matrix7d::Identity());
+    fit.bias += step.head<3>();
+    fit.mass += step[3];
+    Vector6d turn = Vector6d::Zero();
+    turn.tail<3>() = step.tail<3>();
+    fit.R_sensor_flange = fit.R_sensor_flange * Pose::exp(turn).rotation_matrix();
+    if (step.norm() < 1e-12 * (1.0 + fit.mass)) break;
+  }
+  fit.squares = 0.0;
+  fit.used = used_count(samples);
+  for (const ForceSample& sample : samples) {
+    if (sample.is_used) fit.squares += fit.residual(sample).squaredNorm();
+  }
+  return fit;
+}
+
+void mark_outliers(ForceSamples& samples, const RigidFit& fit) {
+  std::vector<double> norms;
+  for (const ForceSample& sample : samples) norms.push_back(fit.residual(sample).norm());
+  // The median of the norm of three normal components is 1.538 of their std.
+  const double limit = kMaxOutlierRatio * median(norms) / 1.538;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].is_used = norms[i] <= limit || limit == 0.0;
+  }
+}
+
+struct ForceCandidate {
+  Hypothesis hypothesis;
+  ForceSamples samples = {};
+  RigidFit fit = {};
+  double rms = 0.0;  ///< [N] per axis, robust: over the samples that are not outliers
+};
+
+ForceCandidate candidate_of(const std::vector<ForceReading>& readings, const Hypothesis& hypothesis,
+                            const ForceSensorOptions& options) {
+  ForceCandidate candidate{hypothesis, force_samples_of(readings, hypothesis, options)};
+  candidate.fit = rigid_fit(candidate.samples, start_of(linear_fit(candidate.samples)));
+  for (int round = 0; round < 3; ++round) {
+    mark_outliers(candidate.samples, candidate.fit);
+    if (used_count(candidate.samples) < kMinPoses) break;
+    candidate.fit = rigid_fit(candidate.samples, start_of(linear_fit(candidate.samples)));
+  }
+  std::vector<double> norms;
+  for (const ForceSample& sample : candidate.samples) {
+    norms.push_back(candidate.fit.residual(sample).norm());
+  }
+  candidate.rms = median(std::move(norms)) / 1.538;
+  return candidate;
+}
+
+/// [N] per axis: the scatter of the readings about their mean.
+double scatter_of(const std::vector<ForceReading>& readings) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const ForceReading& one : readings) mean += one.force;
+  mean /= static_cast<double>(readings.size());
+  double squares = 0.0;
+  for (const ForceReading& one : readings) squares += (one.force - mean).squaredNorm();
+  return std::sqrt(squares / (3.0 * static_cast<double>(readings.size())));
+}
+
+bool has_weight(const ForceCandidate& candidate) {
+  return candidate.fit.mass * kStandardGravity > kMinWeightRatio * candidate.rms;
+}
+
+std::optional<Error> undetermined_axes(const ForceSamples& samples) {
+  const LinearFit fit = linear_fit(samples);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(fit.scatter);
+  const double n = static_cast<double>(samples.size());
+  const double weakest = std::sqrt(std::max(0.0, solver.eigenvalues()[0]) / n) / kStandardGravity;
+  if (weakest >= kMinScatter) return std::nullopt;
+  const Eigen::Vector3d axis = solver.eigenvectors().col(0);
+  return Error{
+      .message = fmt::format(
+          "the poses do not show the sensor's axes: along ({:.2f}, {:.2f}, {:.2f}) of the flange "
+          "gravity changes by {:.0f} % only",
+          axis.x(), axis.y(), axis.z(), 100.0 * weakest),
+      .hint = "add poses that tilt the flange by 40 degrees and more about two axes, to and fro"};
+}
+
+void set_axes(const Eigen::Matrix3d& signed_rotation, ForceSensorResult& result) {
+  for (int row = 0; row < 3; ++row) {
+    Eigen::Index axis = 0;
+    const double cosine = signed_rotation.row(row).cwiseAbs().maxCoeff(&axis);
+    result.read_axes[row] = {.axis = static_cast<int>(axis),
+                             .is_reversed = signed_rotation(row, axis) < 0.0,
+                             .angle = std::acos(std::min(1.0, cosine))};
+  }
+}
+
+/// Least squares of torque = bias + centre x weight.
+void set_centre(const ForceCandidate& found, ForceSensorResult& result) {
+  Matrix6d matrix = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  std::size_t count = 0;
+  const auto jacobian = [&](const ForceSample& sample) {
+    Eigen::Matrix<double, 3, 6> J;
+    J << Eigen::Matrix3d::Identity(), -skew(found.fit.weight(sample));
+    return J;
+  };
+  for (const ForceSample& sample : found.samples) {
+    if (!sample.is_used || !sample.torque) continue;
+    const Eigen::Matrix<double, 3, 6> J = jacobian(sample);
+    matrix += J.transpose() * J;
+    gradient += J.transpose() * *sample.torque;
+    ++count;
+  }
+  if (count < kMinPoses) return;
+  const Vector6d solution = matrix.ldlt().solve(gradient);
+  const Matrix6d inverse = matrix.ldlt().solve(Matrix6d::Identity());
+  double squares = 0.0;
+  for (const ForceSample& sample : found.samples) {
+    if (!sample.is_used || !sample.torque) continue;
+    squares += (*sample.torque - jacobian(sample) * solution).squaredNorm();
+  }
+  const double freedoms = 3.0 * static_cast<double>(count) - 6.0;
+  const Vector6d stds = (squares / freedoms * inverse.diagonal()).cwiseSqrt();
+  result.torque_bias = solution.head<3>();
+  result.torque_bias_std = stds.head<3>();
+  result.centre = solution.tail<3>();
+  result.centre_std = stds.tail<3>();
+  result.torque_rms = std::sqrt(squares / (3.0 * static_cast<double>(count)));
+}
+
+void set_gain(const ForceCandidate& found, ForceSensorResult& result) {
+  const LinearFit linear = linear_fit(found.samples);
+  const RigidFit& fit = found.fit;
+  const double freedoms = std::max(1.0, 3.0 * static_cast<double>(fit.used) - 12.0);
+  result.gain = linear.matrix * fit.R_sensor_flange.transpose() / (fit.sign * fit.mass);
+  const Eigen::Matrix3d spread = fit.R_sensor_flange *
+                                 linear.scatter.ldlt().solve(Eigen::Matrix3d::Identity()) *
+                                 fit.R_sensor_flange.transpose();
+  const double std = std::sqrt(linear.squares / freedoms) / fit.mass;
+  for (int row = 0; row < 3; ++row) {
+    result.gain_std.row(row) = std * spread.diagonal().cwiseSqrt().transpose();
+  }
+  const double ratio = (fit.squares - linear.squares) / 5.0 / (linear.squares / freedoms);
+  result.has_cross_talk = linear.squares > 0.0 && ratio > kMaxGainRatio;
+}
+
+/// [N] per axis, each pose by the fit of the others.
+double rms_of_each_by_others(const ForceCandidate& found) {
+  double squares = 0.0;
+  ForceSamples samples = found.samples;
+  for (ForceSample& sample : samples) {
+    if (!sample.is_used) continue;
+    sample.is_used = false;
+    squares += rigid_fit(samples, found.fit).residual(sample).squaredNorm();
+    sample.is_used = true;
+  }
+  return std::sqrt(squares / (3.0 * static_cast<double>(found.fit.used)));
+}
+
+void set_residuals(const std::vector<ForceReading>& readings, const ForceCandidate& found,
+                   ForceSensorResult& result) {
+  std::string outliers;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    const ForceSample& sample = found.samples[i];
+    result.residuals.push_back({readings[i].name, found.fit.residual(sample), !sample.is_used});
+    if (!sample.is_used) outliers += (outliers.empty() ? "" : ", ") + readings[i].name;
+  }
+  if (outliers.empty()) return;
+  result.notes.push_back("left out, further from the model than the noise: " + outliers +
+                         " (touched, or not at rest)");
+}
+
+ForceSensorResult force_result(const std::vector<ForceReading>& readings,
+                               const ForceCandidate& found, double other_rms) {
+  const RigidFit& fit = found.fit;
+  ForceSensorResult result{.axes = found.hypothesis.axes,
+                           .is_pose_inverted = found.hypothesis.is_pose_inverted,
+                           .sign = fit.sign,
+                           .mass = fit.mass};
+  const double variance = fit.squares / fit.freedoms();
+  const Vector7d stds = (variance * fit.inverse.diagonal()).cwiseSqrt();
+  result.mass_std = stds[3];
+  result.R_sensor_flange = Eigen::Quaterniond(fit.R_sensor_flange);
+  result.rotation_std = stds.tail<3>();
+  result.force_bias = fit.bias;
+  result.force_bias_std = stds.head<3>();
+  result.residual_rms = std::sqrt(fit.squares / (3.0 * static_cast<double>(fit.used)));
+  result.held_out_rms = rms_of_each_by_others(found);
+  result.other_axes_rms = other_rms;
+  set_axes(fit.sign * fit.R_sensor_flange, result);
+  set_centre(found, result);
+  set_gain(found, result);
+  set_residuals(readings, found, result);
+  if (result.is_pose_inverted) {
+    result.notes.push_back("the poses fit as those of the base in the flange: they are inverted");
+  }
+  if (other_rms < kUnclearRatio * found.rms) {
+    result.notes.push_back(
+        "sensor's or base's axes: both fit alike, more poses with other tilts would show it");
+  }
+  return result;
+}
+
+}  // namespace
+
+Expected<ForceSensorResult> calibrate_force_sensor(const std::vector<ForceReading>& readings,
+                                                   const ForceSensorOptions& options) {
+  if (readings.size() < kMinPoses) {
+    return Error{.message = fmt::format("{} poses at rest are too few", readings.size()),
+                 .hint = fmt::format("give {} and more, with different tilts", kMinPoses)};
+  }
+  if (const auto error = undetermined_axes(force_samples_of(readings, {}, options))) return *error;
+  std::vector<ForceCandidate> candidates;
+  for (const bool is_inverted : {false, true}) {
+    for (const ForceAxes axes : {ForceAxes::sensor, ForceAxes::base}) {
+      candidates.push_back(candidate_of(readings, {axes, is_inverted}, options));
+    }
+  }
+  // The first of those that fit alike: poses as they are given, the sensor's axes.
+  const ForceCandidate* best = &candidates.front();
+  for (const ForceCandidate& candidate : candidates) {
+    if (candidate.rms < best->rms / kUnclearRatio) best = &candidate;
+  }
+  bool is_constant = false;
+  if (!has_weight(*best)) {
+    // Turned to the base's axes without a bias, the weight is the same in every pose.
+    const ForceCandidate& base = candidates[1];
+    if (!has_weight(base)) {
+      return Error{
+          .message = fmt::format("the readings do not change with the pose, but for {:.2g} N: the "
+                                 "load's weight is not in them",
+                                 scatter_of(readings)),
+          .hint = "give readings that are not compensated, or fix a load of some hundred grams"};
+    }
+    is_constant = true;
+    best = &base;
+  }
+  double other = 0.0;
+  for (const ForceCandidate& candidate : candidates) {
+    if (candidate.hypothesis.axes == best->hypothesis.axes ||
+        candidate.hypothesis.is_pose_inverted != best->hypothesis.is_pose_inverted) {
+      continue;
+    }
+    other = candidate.rms;
+  }
+  ForceSensorResult result = force_result(readings, *best, other);
+  if (is_constant) {
+    result.notes.push_back(
+        "the readings are the same in all poses: a weight in the base's axes, or else a "
+        "compensated "
+        "sensor with a vertical bias");
+  }
+  return result;
+}
+
+std::string describe_force_axes(const ForceSensorResult& result) {
+  std::string text = result.axes == ForceAxes::sensor ? "in the sensor's axes: "
+                                                      : "in the base's axes; turned back: ";
+  double angle = 0.0;
+  for (int row = 0; row < 3; ++row) {
+    const ReadAxis& read = result.read_axes[row];
+    text += fmt::format("{}{} reads the flange's {}{}", row > 0 ? ", " : "", "xyz"[row],
+                        read.is_reversed ? '-' : '+', "xyz"[read.axis]);
+    angle = std::max(angle, read.angle);
+  }
+  text += fmt::format(", within {:.1f} degrees", 180.0 / std::numbers::pi * angle);
+  if (result.sign < 0.0) text += "; the sign is reversed, or one axis is mirrored";
+  return text;
+}
+
+}  // namespace pcavr
