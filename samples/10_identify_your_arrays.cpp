@@ -72,7 +72,9 @@ Eigen::Vector3d vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2
 pcavr::Expected<pcavr::Identification> identify(const Log& log) {
   const auto model = pcavr::make_cad_model(cube(), "box", "the arrays");
   if (!model) return model.error();
-  pcavr::IdentificationInput input{.tool_radius = kTipRadius, .t_tool = log.t, .t_force = log.t};
+  pcavr::IdentificationInput input;
+  input.tool_radius = kTipRadius;
+  input.t_tool = input.t_force = log.t;
   pcavr::IdentifiableObject box{
       .name = "box",
       .model = *model,

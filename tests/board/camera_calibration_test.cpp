@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "board/projected_views.hpp"
+#include "perception/board/lens_slope.hpp"
 
 namespace pcavr {
 namespace {
@@ -18,6 +19,25 @@ const CameraModel kLensCamera{.width = 1280,
                               .cx = 651.0,
                               .cy = 348.0,
                               .distortion = {-0.12, 0.06, 0.001, -0.0015, 0.0}};
+
+TEST(LensSlope, IsTheDifferenceOfTwoLenses) {
+  constexpr double kStep = 1e-6;
+  const Eigen::Vector2d p(0.31, -0.22);
+  for (const LensModel model : {LensModel::plumb_bob, LensModel::rational, LensModel::fisheye}) {
+    std::vector<double> coefficients(coefficient_count(model));
+    for (std::size_t i = 0; i < coefficients.size(); ++i) {
+      coefficients[i] = (i % 2 == 0 ? -0.02 : 0.03) / static_cast<double>(i + 1);
+    }
+    const LensDistortion lens(model, coefficients);
+    for (std::size_t i = 0; i < coefficients.size(); ++i) {
+      std::vector<double> moved = coefficients;
+      moved[i] += kStep;
+      const Eigen::Vector2d expected =
+          (LensDistortion(model, moved).distort(p) - lens.distort(p)) / kStep;
+      EXPECT_LT((lens_slope(lens, p, static_cast<int>(i)) - expected).norm(), 1e-6) << i;
+    }
+  }
+}
 
 TEST(CalibrateCamera, FindsTheCameraOfPointsWithoutNoise) {
   const Board board = read_board("chessboard:9x6:30mm").value();

@@ -21,7 +21,7 @@ struct ForceInput {
 /// Poses at rest, and how the input was recognised.
 struct ForceReadings {
   std::vector<ForceReading> readings = {};
-  std::string format;
+  std::string format = {};
   std::vector<std::string> notes = {};  ///< for the user
 };
 

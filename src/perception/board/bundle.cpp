@@ -7,6 +7,8 @@
 
 #include "pcavr/base/core/solvers.hpp"
 
+#include "perception/board/lens_slope.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -14,7 +16,6 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
 constexpr double kHuberStds = 2.5;        ///< beyond, a point counts linearly
-constexpr double kLensStep = 1e-6;        ///< of a coefficient, for its derivative
 constexpr double kMinPixel = 1e-3;        ///< [px] no picture is more exact
 constexpr double kMinArmPosition = 1e-7;  // [m]
 constexpr double kMinArmRotation = 1e-7;  // [rad]
@@ -32,10 +33,6 @@ struct ViewBlock {
   Vector6d own_gradient = Vector6d::Zero();
   Vector shared_gradient;
   double cost = 0.0;
-};
-
-struct Lenses {
-  std::vector<LensDistortion> moved;  ///< by kLensStep, of each estimated coefficient
 };
 
 class Bundle {
@@ -76,19 +73,8 @@ class Bundle {
  private:
   [[nodiscard]] Eigen::Index count() const { return static_cast<Eigen::Index>(active_.size()); }
 
-  [[nodiscard]] Lenses lenses_of(const BundleModel& model) const {
-    Lenses lenses;
-    const auto given = model.camera.distortion.coefficients();
-    for (const int i : options_.lens) {
-      std::vector<double> moved(given.begin(), given.end());
-      moved[static_cast<std::size_t>(i)] += kLensStep;
-      lenses.moved.emplace_back(model.camera.distortion.model(), moved);
-    }
-    return lenses;
-  }
-
   /// Derivatives of a pixel by the camera's parameters.
-  void fill_camera(const BundleModel& model, const Lenses& lenses, const Eigen::Vector3d& p_camera,
+  void fill_camera(const BundleModel& model, const Eigen::Vector3d& p_camera,
                    Eigen::Ref<Matrix> row) const {
     const Eigen::Vector2d normal = p_camera.head<2>() / p_camera.z();
     const CameraModel& camera = model.camera;
@@ -97,10 +83,9 @@ class Bundle {
     row(1, 14) = bent.y();
     row(0, 15) = 1.0;
     row(1, 16) = 1.0;
-    for (std::size_t i = 0; i < lenses.moved.size(); ++i) {
-      const Eigen::Vector2d slope = (lenses.moved[i].distort(normal) - bent) / kLensStep;
-      row.col(kLensParameter + options_.lens[i]) =
-          slope.cwiseProduct(Eigen::Vector2d(camera.fx, camera.fy));
+    for (const int i : options_.lens) {
+      row.col(kLensParameter + i) = lens_slope(camera.distortion, normal, i)
+                                        .cwiseProduct(Eigen::Vector2d(camera.fx, camera.fy));
     }
   }
 
@@ -161,8 +146,7 @@ class Bundle {
     return sum;
   }
 
-  [[nodiscard]] ViewBlock block_of(std::size_t index, const BundleModel& model,
-                                   const Lenses& lenses) const {
+  [[nodiscard]] ViewBlock block_of(std::size_t index, const BundleModel& model) const {
     const BundleView& view = views_[index];
     const auto points = static_cast<Eigen::Index>(view.pixels.size());
     const Pose T_camera_board = model.T_camera_board(model.T_base_flange[index]);
@@ -183,7 +167,7 @@ class Bundle {
       fill_point(model, model.T_base_flange[index], p_board, by_own, by_rig);
       row.setZero();
       row.leftCols<13>() = by_point * by_rig;
-      fill_camera(model, lenses, p_camera, row);
+      fill_camera(model, p_camera, row);
       own.middleRows<2>(2 * i) = weight * by_point * by_own;
       for (Eigen::Index j = 0; j < count(); ++j) {
         shared.block<2, 1>(2 * i, j) = weight * row.col(active_[static_cast<std::size_t>(j)]);
@@ -203,9 +187,8 @@ class Bundle {
   }
 
   [[nodiscard]] std::vector<ViewBlock> blocks_of(const BundleModel& model) const {
-    const Lenses lenses = lenses_of(model);
     std::vector<ViewBlock> blocks;
-    for (std::size_t i = 0; i < views_.size(); ++i) blocks.push_back(block_of(i, model, lenses));
+    for (std::size_t i = 0; i < views_.size(); ++i) blocks.push_back(block_of(i, model));
     return blocks;
   }
 

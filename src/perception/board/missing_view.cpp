@@ -10,6 +10,8 @@
 
 #include "pcavr/base/core/solvers.hpp"
 
+#include "perception/board/lens_slope.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -21,20 +23,16 @@ constexpr double kNear = 0.6, kFar = 0.35;  ///< of the image's width that the b
 /// Derivatives of the pixel of a ray by the camera's parameters, those that are estimated.
 Eigen::MatrixXd pixel_jacobian(const CameraModel& camera, const Eigen::Vector2d& ray,
                                const std::vector<int>& lens) {
-  constexpr double kStep = 1e-6;
   const Eigen::Vector2d bent = camera.distortion.distort(ray);
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2, 4 + static_cast<Eigen::Index>(lens.size()));
   jacobian(0, 0) = bent.x();
   jacobian(1, 1) = bent.y();
   jacobian(0, 2) = 1.0;
   jacobian(1, 3) = 1.0;
-  const auto given = camera.distortion.coefficients();
   for (std::size_t i = 0; i < lens.size(); ++i) {
-    std::vector<double> moved(given.begin(), given.end());
-    moved[static_cast<std::size_t>(lens[i])] += kStep;
-    const LensDistortion changed(camera.distortion.model(), moved);
     jacobian.col(4 + static_cast<Eigen::Index>(i)) =
-        (changed.distort(ray) - bent).cwiseProduct(Eigen::Vector2d(camera.fx, camera.fy)) / kStep;
+        lens_slope(camera.distortion, ray, lens[i])
+            .cwiseProduct(Eigen::Vector2d(camera.fx, camera.fy));
   }
   return jacobian;
 }

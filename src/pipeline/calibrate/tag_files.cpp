@@ -21,7 +21,10 @@ namespace {
 constexpr int kMaxTagId = 1'000'000;
 
 MarkerEntry placed_tag(const YamlValue& tag, const std::string& family, double size) {
-  return {.id = {family, tag.at("id").integer(0, kMaxTagId)}, .size = size};
+  MarkerEntry placed;
+  placed.id = {family, tag.at("id").integer(0, kMaxTagId)};
+  placed.size = size;
+  return placed;
 }
 
 double size_of(const YamlValue& tag) { return tag.at("size").number_in(ranges::kTagSize); }
