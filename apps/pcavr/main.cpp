@@ -19,7 +19,7 @@
 #include "pcavr/base/core/parallel.hpp"
 #include "pcavr/base/core/signal_cleanup.hpp"
 #include "pcavr/base/core/utf8.hpp"
-#include "pcavr/base/report/report_origin.hpp"
+#include "pcavr/base/report/report_command.hpp"
 #include "pcavr/recordings/recording/camera_file.hpp"
 #include "pcavr/recordings/recording/option_file.hpp"
 
@@ -182,7 +182,7 @@ int run_command_line(int argc, char** argv) {
     return print(print_options(configuration.sections_of_command(full_name(invoked_command(app)))));
   }
   if (const auto empty = find_empty_value(app)) return report_error(*empty, as_json);
-  set_report_origin(origin_of_command(given));
+  set_report_command(command_of(given));
   return run(action, as_json);
 }
 

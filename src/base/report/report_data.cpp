@@ -7,7 +7,7 @@
 
 #include "pcavr/base/core/base64.hpp"
 #include "pcavr/base/core/json_text.hpp"
-#include "pcavr/base/report/report_origin.hpp"
+#include "pcavr/base/report/report_command.hpp"
 #include "pcavr/base/report/report_page.hpp"
 
 #include "decimation.hpp"
@@ -166,9 +166,7 @@ std::string format_report_data(const ReportPage& page) {
   for (const PageSection& section : page.sections) {
     json["sections"].push_back(section_json(section));
   }
-  const ReportOrigin& origin = report_origin();
-  if (!origin.command.empty()) json["command"] = origin.command;
-  if (!origin.date.empty()) json["date"] = origin.date;
+  if (!report_command().empty()) json["command"] = report_command();
   return without_markup(json_text(json));
 }
 

@@ -318,8 +318,10 @@ class Bundle {
     if (options_.with_rig) {
       const Eigen::Vector2d freedom = (Eigen::Vector2d::Constant(3.0 * views) - tied).cwiseMax(0.3);
       fit.arm_freedom = freedom.sum();
-      noise_.arm_position = std::max(std::sqrt(arm[0] / freedom[0]), kMinArmPosition);
-      noise_.arm_rotation = std::max(std::sqrt(arm[1] / freedom[1]), kMinArmRotation);
+      if (options_.with_arm_noise) {
+        noise_.arm_position = std::max(std::sqrt(arm[0] / freedom[0]), kMinArmPosition);
+        noise_.arm_rotation = std::max(std::sqrt(arm[1] / freedom[1]), kMinArmRotation);
+      }
     }
     fit.noise = noise_;
   }

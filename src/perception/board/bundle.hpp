@@ -45,6 +45,7 @@ struct BundleOptions {
   bool with_camera = false;
   std::vector<int> lens = {};  ///< indices of the coefficients that are estimated
   bool with_noise = true;      ///< estimates the noise, else keeps the given one
+  bool with_arm_noise = true;  ///< also the arm's
 };
 
 /// Standard deviations.

@@ -22,6 +22,11 @@ constexpr std::size_t kMinLeftOut = 5;  ///< views: of fewer the others are no c
 /// [m] Industrial arms are this exact or better [ISO 9283 data sheets: accuracy to 1 mm, or a few
 /// without calibration]: more is another cause than the arm.
 constexpr double kMaxArmError = 3e-3;
+/// Of an arm whose poses are taken as they are: less than any board's points would move.
+constexpr double kExactPosition = 1e-6;  // [m] a coordinate
+constexpr double kExactRotation = 1e-6;  // [rad] an axis
+/// Of the error of views by the others: less is the better explanation, not a draw of the noise.
+constexpr double kClearlyBetter = 0.8;
 
 /// The views with poses of the board, and how the bundle sees them.
 struct PosedViews {
@@ -211,9 +216,65 @@ RigBundle bundle_of(const PosedViews& posed, const Board& board, const HandEyeRe
   return bundle;
 }
 
+struct RigFit {
+  RigBundle bundle = {};
+  BundleFit fit = {};
+  DistanceSpread left_out = {};
+
+  explicit RigFit(RigBundle given)
+      : bundle(std::move(given)),
+        fit(fit_bundle(bundle.views, bundle.start, bundle.noise, bundle.options)),
+        left_out(left_out_spread(bundle, fit)) {}
+};
+
+/// Covariance of the shared parameters, not less than the scatter of the views shows.
+void widen_by_scatter(BundleFit& fit) {
+  const Eigen::VectorXd ratio =
+      fit.scatter.diagonal().cwiseQuotient(fit.covariance.diagonal().cwiseMax(1e-300));
+  const Eigen::VectorXd factor = ratio.cwiseMax(1.0).cwiseSqrt();
+  fit.covariance = factor.asDiagonal() * fit.covariance * factor.asDiagonal();
+}
+
+/// The same views with an arm that is exact: what is left is the pictures', whose errors are not
+/// independent from point to point where a lens or a board is not what it is taken for. Then a fit
+/// that weighs each point for itself blames the arm.
+RigFit with_exact_arm(const RigFit& free) {
+  RigBundle bundle = free.bundle;
+  bundle.start.camera = free.fit.model.camera;
+  bundle.options.with_scale = false;
+  bundle.start.board_scale = 1.0;
+  bundle.options.with_arm_noise = false;
+  bundle.noise = {.arm_position = kExactPosition, .arm_rotation = kExactRotation};
+  RigFit exact(std::move(bundle));
+  widen_by_scatter(exact.fit);
+  return exact;
+}
+
+/// The explanation by which the arm's poses predict unseen views better.
+RigFit better_explanation(RigFit free) {
+  if (free.left_out.mean <= 0.0) return free;
+  RigFit exact = with_exact_arm(free);
+  return exact.left_out.mean < kClearlyBetter * free.left_out.mean ? exact : free;
+}
+
+/// What the poses of single pictures showed about the arm and the board's size does not hold.
+void describe_exact_arm(const RigFit& explained, HandEyeResult& found) {
+  found.is_board_scale_used = false;
+  found.notes.clear();
+  for (const HandEyeResidual& view : found.residuals) {
+    if (view.is_outlier) found.notes.push_back(view.view + " does not fit, and is left out");
+  }
+  found.notes.push_back(fmt::format(
+      "unseen views are predicted to {:.1f} mm where the arm's poses count as exact, and "
+      "not as well where they have errors of their own: what is left, {:.2f} px, is the "
+      "pictures' (lens, board that is not flat, stamps)",
+      1e3 * explained.left_out.mean, explained.fit.noise.pixel));
+}
+
 PictureRig rig_of(const PosedViews& posed, const Board& board, HandEyeResult found,
-                  const RigBundle& bundle) {
-  const BundleFit fit = fit_bundle(bundle.views, bundle.start, bundle.noise, bundle.options);
+                  const RigFit& explained) {
+  const auto& [bundle, fit, left_out] = explained;
+  if (!bundle.options.with_arm_noise) describe_exact_arm(explained, found);
   PictureRig rig{.camera = fit.model.camera,
                  .is_camera_estimated = bundle.options.with_camera,
                  .pixel_noise = fit.noise.pixel,
@@ -245,7 +306,7 @@ PictureRig rig_of(const PosedViews& posed, const Board& board, HandEyeResult fou
     distances.insert(distances.end(), errors.begin(), errors.end());
   }
   rig.fitted = spread_of(distances);
-  rig.left_out = left_out_spread(bundle, fit);
+  rig.left_out = left_out;
   rig.hand_eye = std::move(found);
   add_picture_notes(board, posed, rig);
   return rig;
@@ -270,8 +331,9 @@ Expected<PictureRig> calibrate_picture_rig(const std::vector<ArmPicture>& views,
   const PosedViews posed = pose_views(views, board, camera);
   Expected<HandEyeResult> found = calibrate_hand_eye(posed.views, options.hand_eye);
   if (!found) return found.error();
-  const RigBundle bundle = bundle_of(posed, board, *found, camera, options);
-  return rig_of(posed, board, *std::move(found), bundle);
+  const RigFit explained =
+      better_explanation(RigFit(bundle_of(posed, board, *found, camera, options)));
+  return rig_of(posed, board, *std::move(found), explained);
 }
 
 }  // namespace pcavr

@@ -59,10 +59,12 @@ function block(data: Block, section: string, isOnly: boolean): HTMLElement {
   }
 }
 
-/// The command and the date that made the report, where they are known.
-function origin({ command = '', date = '' }: ReportData): HTMLElement[] {
+/// The command that made the report, where it is known, and the date of the file, which has none in
+/// its bytes: the same input gives the same report.
+function origin({ command = '' }: ReportData): HTMLElement[] {
   if (command === '') return [];
-  const made = date === '' ? 'Made by ' : `Made on ${date} by `;
+  const date = new Date(document.lastModified).toISOString().slice(0, 16).replace('T', ' ');
+  const made = `Made on ${date} UTC by `;
   return [create('p', { className: 'origin' }, made, create('code', { textContent: command }))];
 }
 

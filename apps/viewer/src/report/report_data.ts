@@ -74,7 +74,6 @@ export interface ReportData {
   sections: { title: string; blocks: Block[] }[];
   footer: string;
   command?: string; // that made the report
-  date?: string;
 }
 
 const format = 'pcavr-report-data/1';

@@ -155,8 +155,7 @@ export const sample = {
     },
   ],
   footer: 'pcavr',
-  command: "pcavr evaluate 'my & run' -o report",
-  date: '2026-01-02 03:04 UTC',
+  command: "pcavr evaluate 'my & run'",
 };
 
 /// Writes a report into a temporary folder; `url` opens it.

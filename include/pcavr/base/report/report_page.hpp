@@ -76,7 +76,7 @@ inline constexpr char kReportDataFile[] = "report_data.json";
 /// One line for the user: which file of a report to open, or why there is none.
 [[nodiscard]] std::string how_to_open(const std::filesystem::path& report_folder);
 
-/// The page's content as JSON. The same page and origin (report_origin.hpp) give the same bytes.
+/// The page's content as JSON. The same page and command (report_command.hpp) give the same bytes.
 /// Coordinates are rounded to a hundred-thousandth of their axis' range or less.
 [[nodiscard]] std::string format_report_data(const ReportPage& page);
 
