@@ -5,7 +5,9 @@
 //   10_identify_your_arrays
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -25,22 +27,28 @@ struct Log {
   std::vector<std::array<double, 3>> box;    // position of its centre, which does not turn
 };
 
-/// Where the tip is: it pushes by 60 mm in 2 s and goes back, six times.
+/// Where the tip is: it touches slowly, pushes by 60 mm and goes back a little, six times, at up to
+/// 31, 63 and 126 mm/s, since one speed does not show Coulomb and viscous friction apart.
 double commanded_tip(double t) {
   const int push = static_cast<int>(t / 5.0);
-  const double begin = -0.08 + 0.05 * push, s = t - 5.0 * push;
-  return begin + 0.06 * std::min(s / 2.0, 1.0) - 0.01 * std::clamp(s - 3.0, 0.0, 1.0);
+  const double begin = -0.0605 + 0.0595 * push, s = t - 5.0 * push;
+  const double duration = 3.0 / (1 << push % 3);
+  const double pushed = 0.5 - 0.5 * std::cos(std::numbers::pi * std::min(s / duration, 1.0));
+  return begin + 0.06 * pushed - 0.0005 * std::clamp(s - 3.5, 0.0, 1.0);
 }
 
 Log pushed_box() {
   Log log;
   std::mt19937 random(1);  // NOLINT(cert-msc32-c,cert-msc51-cpp): the same arrays each time
   std::normal_distribution<double> noise;
-  double x = 0.0, v = 0.0;
+  double x = 0.0, v = 0.0, last_depth = 0.0;
   constexpr double kStep = 1e-4;
   for (int i = 0; i < 300000; ++i) {
     const double t = kStep * i, tip = commanded_tip(t);
-    const double force = std::max(10000.0 * (tip + kTipRadius - (x - kHalfEdge)), 0.0);
+    const double depth = std::max(tip + kTipRadius - (x - kHalfEdge), 0.0);
+    const double force =
+        depth > 0.0 ? std::max(10000.0 * depth + 100.0 * (depth - last_depth) / kStep, 0.0) : 0.0;
+    last_depth = depth;
     const double friction = kMu * kMass * kGravity;
     const bool rests = v <= 0.0 && force <= friction;
     v = rests ? 0.0 : std::max(v + kStep / kMass * (force - friction), 0.0);

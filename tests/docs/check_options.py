@@ -16,7 +16,7 @@ FLAG = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]+")
 DOTTED = re.compile(r"`([a-z]\w*(?:\.[a-z]\w*)+)`")
 # Commands of other programs: in a block, and scripts of this repository in a text.
 OTHER_COMMAND = re.compile(r"^ {4}(?:sudo )?(?:\S*/)?(?:cmake|docker|pip|python3) .*$|`scripts/[^`]*`", re.MULTILINE)
-FILE_SUFFIXES = set("csv glb jsonl json mcap mp4 ply png sdf svg txt urdf usda xml yaml".split())
+FILE_SUFFIXES = set("csv glb jsonl json mcap mp4 ply png scene sdf svg txt urdf usda xml yaml".split())
 
 
 def output_of(command, *arguments):

@@ -123,10 +123,11 @@ TEST_F(ExportCommand, WritesAnIdentifiedArmWithAndWithoutAScene) {
   }
   EXPECT_NE(files.at("robot.urdf").find("friction=\"0.456789\""), std::string::npos);
   bool is_stated = false;
-  for (const nlohmann::json& number : manifest("with_arm")["numbers"]) {
+  const nlohmann::json stated = manifest("with_arm");
+  for (const nlohmann::json& number : stated["numbers"]) {
     is_stated |= number["object"] == "j1" && number["key"] == "damping" && number["std"] == 0.1;
   }
-  EXPECT_TRUE(is_stated);
+  EXPECT_TRUE(is_stated) << stated["numbers"].dump(1);
   alone[2] = "sdf";
   EXPECT_EQ(run_pcavr(alone).exit_code, 2);
   EXPECT_EQ(run_pcavr({"export", "--to", "urdf", "-o", path_of("refused")}).exit_code, 2);
