@@ -301,10 +301,13 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     measurement_.advance(now, *start_, robot_, site_, log_);
     if (measurement_.has_fault()) {
       safety_.hold();
-      const std::string fault = measurement_.failure()
-                                    ? "the robot can't be read: " + measurement_.failure()->message
-                                    : "the robot reports values that are not valid";
-      warn(fault + ": the tool holds until it is resumed", now);
+      if (const auto& failure = measurement_.failure()) {
+        warn("the robot can't be read: the tool holds until it is resumed", now,
+             " (" + failure->message + ')');
+      } else {
+        warn("the robot reports values that are not valid: the tool holds until it is resumed",
+             now);
+      }
     }
     if (!session()) site_.idle(now - *start_);
   }
@@ -368,11 +371,12 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     send(packet.peer, session, LinkReject{reason, std::move(text)});
   }
 
-  void warn(const std::string& line, double now) {
+  /// `detail` may differ from cycle to cycle: it does not make another line of it.
+  void warn(const std::string& line, double now, const std::string& detail = {}) {
     if (line == last_notice_ && now < last_notice_at_ + kMinNoticeInterval) return;
     last_notice_ = line;
     last_notice_at_ = now;
-    reporter_.warn(now, line);
+    reporter_.warn(now, line + detail);
   }
 
   RobotTransport& server_;
