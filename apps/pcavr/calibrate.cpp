@@ -91,9 +91,23 @@ Error with_file(Error error, const CalibrateArguments& arguments) {
   return error;
 }
 
+/// Options that are about poses of the board, which pictures have none of.
+std::optional<Error> unused_for_pictures(const CalibrateArguments& arguments) {
+  const char* option = names(arguments.inverted, "camera")  ? "--invert camera"
+                       : names(arguments.w_first, "camera") ? "--w-first camera"
+                       : !arguments.left_handed.empty()     ? "--left-handed"
+                                                            : nullptr;
+  if (option == nullptr) return std::nullopt;
+  return Error{
+      .message = std::string(option) + " is about poses of the board, and CAMERA are pictures",
+      .file = arguments.second,
+      .hint = "leave it out, or leave out --board"};
+}
+
 Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observer& observer) {
   arguments.hand_eye.mount = arguments.camera_on == "base" ? CameraMount::base : CameraMount::arm;
   if (!arguments.board.empty()) {
+    if (const auto error = unused_for_pictures(arguments)) return *error;
     return run_picture_rig({.robot = input_of(arguments, true, "robot"),
                             .pictures = arguments.second,
                             .board = arguments.board,
@@ -126,12 +140,10 @@ Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observe
   result.json["notes"] = found->notes;
   result.summary += hand_eye_summary(*found) + arguments.output.written_lines();
   result.summary += describe_cause(*found) + '\n';
-  if (outputs->report) {
-    const Expected<void> written =
-        write_hand_eye_report(*found, *paired, json_text(result.json, 2), outputs->report->path());
-    if (!written) return written.error();
-  }
-  const Expected<void> done = outputs->commit(format_hand_eye(*found, robot, camera));
+  const Expected<void> done = outputs->commit(
+      format_hand_eye(*found, robot, camera), [&](const std::filesystem::path& folder) {
+        return write_hand_eye_report(*found, *paired, json_text(result.json, 2), folder);
+      });
   if (!done) return done.error();
   return result;
 }
@@ -164,12 +176,10 @@ Expected<CommandResult> run_clocks(const CalibrateArguments& arguments, const Ob
   result.summary = fmt::format("a: {}\nb: {}\nto add to b's stamps: {}", found->formats[0],
                                found->formats[1], clock_line(found->clock));
   result.summary += arguments.output.written_lines();
-  if (outputs->report) {
-    const Expected<void> written =
-        write_clock_report(*found, json_text(result.json, 2), outputs->report->path());
-    if (!written) return written.error();
-  }
-  const Expected<void> done = outputs->commit(format_clock(*found));
+  const Expected<void> done =
+      outputs->commit(format_clock(*found), [&](const std::filesystem::path& folder) {
+        return write_clock_report(*found, json_text(result.json, 2), folder);
+      });
   if (!done) return done.error();
   return result;
 }

@@ -68,7 +68,7 @@ Expected<CommandResult> run_camera(CameraArguments arguments, const Observer& ob
   if (arguments.lens == "rational") arguments.options.lens = LensModel::rational;
   if (arguments.lens == "fisheye") arguments.options.lens = LensModel::fisheye;
   Expected<CalibrationOutputs> outputs =
-      CalibrationOutputs::create(arguments.output, {arguments.pictures});
+      CalibrationOutputs::create(arguments.output, {arguments.pictures, board_file(*board)});
   if (!outputs) return outputs.error();
   const Expected<BoardViews> views =
       read_board_views(arguments.pictures, *board, Parallelism::max());
@@ -91,12 +91,9 @@ Expected<CommandResult> run_camera(CameraArguments arguments, const Observer& ob
   result.summary = fmt::format("{} pictures of {} x {} pixels show a {}\n", views->views.size(),
                                views->width, views->height, describe(*board));
   result.summary += calibration_summary(*found) + arguments.output.written_lines();
-  if (outputs->report) {
-    const Expected<void> written = write_camera_report(
-        *found, *views, *board, json_text(result.json, 2), outputs->report->path());
-    if (!written) return written.error();
-  }
-  const Expected<void> done = outputs->commit(*text);
+  const Expected<void> done = outputs->commit(*text, [&](const std::filesystem::path& folder) {
+    return write_camera_report(*found, *views, *board, json_text(result.json, 2), folder);
+  });
   if (!done) return done.error();
   return result;
 }

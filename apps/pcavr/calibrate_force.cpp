@@ -117,12 +117,10 @@ Expected<CommandResult> run_force(const CalibrateForceArguments& arguments,
   result.summary = "input: " + readings->format + '\n' + force_summary(*found) +
                    arguments.output.written_lines() + "the readings are " +
                    describe_force_axes(*found) + '\n';
-  if (outputs->report) {
-    const Expected<void> written =
-        write_force_report(*found, *readings, json_text(result.json, 2), outputs->report->path());
-    if (!written) return written.error();
-  }
-  const Expected<void> done = outputs->commit(format_force_sensor(*found, input));
+  const Expected<void> done =
+      outputs->commit(format_force_sensor(*found, input), [&](const std::filesystem::path& folder) {
+        return write_force_report(*found, *readings, json_text(result.json, 2), folder);
+      });
   if (!done) return done.error();
   return result;
 }

@@ -75,6 +75,11 @@ CLI::Option* add_board_option(CLI::App& command, std::string& board) {
       "or Kalibr's file of a target");
 }
 
+std::filesystem::path board_file(const Board& board) {
+  std::error_code ignored;
+  return std::filesystem::exists(board.source, ignored) ? board.source : "";
+}
+
 nlohmann::ordered_json camera_json(const CameraModel& camera, const std::vector<double>& stds) {
   nlohmann::ordered_json json{{"width", camera.width}, {"height", camera.height},
                               {"fx", camera.fx},       {"fy", camera.fy},
@@ -113,8 +118,9 @@ Expected<CommandResult> run_picture_rig(const PictureRigArguments& arguments,
     if (!camera) return camera.error();
     options.camera = camera->camera;
   }
-  Expected<CalibrationOutputs> outputs =
-      CalibrationOutputs::create(arguments.output, {arguments.robot.path, arguments.pictures});
+  Expected<CalibrationOutputs> outputs = CalibrationOutputs::create(
+      arguments.output,
+      {arguments.robot.path, arguments.pictures, arguments.camera_file, board_file(*board)});
   if (!outputs) return outputs.error();
   const Expected<PairedPictures> paired =
       read_paired_pictures(arguments.robot, arguments.pictures, *board, Parallelism::max());
@@ -140,13 +146,11 @@ Expected<CommandResult> run_picture_rig(const PictureRigArguments& arguments,
                                paired->views.size(), describe(*board));
   result.summary += rig_summary(*found) + arguments.output.written_lines();
   result.summary += describe_cause(found->hand_eye) + '\n';
-  if (outputs->report) {
-    const Expected<void> written = write_picture_rig_report(
-        *found, *paired, *board, json_text(result.json, 2), outputs->report->path());
-    if (!written) return written.error();
-  }
-  const Expected<void> done =
-      outputs->commit(format_picture_rig(*found, arguments.robot, arguments.pictures, *board));
+  const Expected<void> done = outputs->commit(
+      format_picture_rig(*found, arguments.robot, arguments.pictures, *board),
+      [&](const std::filesystem::path& folder) {
+        return write_picture_rig_report(*found, *paired, *board, json_text(result.json, 2), folder);
+      });
   if (!done) return done.error();
   return result;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -27,6 +28,8 @@ struct PictureRigArguments {
 
 /// Adds --board.
 CLI::Option* add_board_option(CLI::App& command, std::string& board);
+/// The file that the board was read from; empty where it was none.
+[[nodiscard]] std::filesystem::path board_file(const Board& board);
 
 /// A camera's parameters with stds, by name.
 [[nodiscard]] nlohmann::ordered_json camera_json(const CameraModel& camera,

@@ -122,13 +122,11 @@ Expected<CommandResult> run_tags(CalibrateTagsArguments arguments, const Observe
   if (!found) return found.error();
   for (const std::string& note : found->notes) observer.on_warning(note);
   CommandResult result = describe_result(arguments, *walk, *found);
-  if (outputs->report) {
-    const Expected<void> written =
-        write_tags_report(*found, *walk, json_text(result.json, 2), outputs->report->path());
-    if (!written) return written.error();
-  }
   const Expected<void> done =
-      outputs->commit(format_tags(*found, input, format_named(arguments.format)));
+      outputs->commit(format_tags(*found, input, format_named(arguments.format)),
+                      [&](const std::filesystem::path& folder) {
+                        return write_tags_report(*found, *walk, json_text(result.json, 2), folder);
+                      });
   if (!done) return done.error();
   return result;
 }

@@ -69,12 +69,10 @@ Expected<CommandResult> run_touch(const CalibrateTouchArguments& arguments,
   }
   for (const std::string& note : found->notes) observer.on_warning(note);
   CommandResult result = describe_touch(arguments, *found);
-  if (outputs->report) {
-    const Expected<void> written =
-        write_touch_report(*found, json_text(result.json, 2), outputs->report->path());
-    if (!written) return written.error();
-  }
-  const Expected<void> done = outputs->commit(format_touch(*found, arguments.points));
+  const Expected<void> done = outputs->commit(
+      format_touch(*found, arguments.points), [&](const std::filesystem::path& folder) {
+        return write_touch_report(*found, json_text(result.json, 2), folder);
+      });
   if (!done) return done.error();
   return result;
 }

@@ -42,8 +42,11 @@ Expected<CalibrationOutputs> CalibrationOutputs::create(
   return created;
 }
 
-Expected<void> CalibrationOutputs::commit(const std::string& text) {
-  Expected<void> done = file.write(text);
+Expected<void> CalibrationOutputs::commit(
+    const std::string& text,
+    const std::function<Expected<void>(const std::filesystem::path&)>& write_report) {
+  Expected<void> done = report ? write_report(report->path()) : Expected<void>();
+  if (done) done = file.write(text);
   if (done) done = file.commit();
   if (!done || !report) return done;
   done = report->commit();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,8 +33,11 @@ struct CalibrationOutputs {
   /// Fails where an output overlaps an input, or can't be written.
   [[nodiscard]] static Expected<CalibrationOutputs> create(
       const CalibrationOutputOption& output, const std::vector<std::filesystem::path>& inputs);
-  /// Writes the calibration, and commits both or none.
-  [[nodiscard]] Expected<void> commit(const std::string& text);
+  /// Writes the calibration, and by `write_report` the report where one is wanted, to a folder;
+  /// commits both or none.
+  [[nodiscard]] Expected<void> commit(
+      const std::string& text,
+      const std::function<Expected<void>(const std::filesystem::path&)>& write_report);
 };
 
 }  // namespace pcavr::app

@@ -80,7 +80,7 @@ std::optional<BoardKind> kind_of(const std::string& name) {
 
 /// Refuses what no detector could find.
 Expected<Board> checked(const Board& board) {
-  const int min_side = board.kind == BoardKind::tags ? 1 : board.kind == BoardKind::charuco ? 3 : 2;
+  const int min_side = board.kind == BoardKind::tags ? 1 : board.kind == BoardKind::dots ? 2 : 3;
   if (board.columns < min_side || board.rows < min_side) {
     return board_error(fmt::format("a board of {} x {} is too small: {} along each side are needed",
                                    board.columns, board.rows, min_side));
@@ -88,7 +88,8 @@ Expected<Board> checked(const Board& board) {
   if (board.kind == BoardKind::charuco && board.tag_side >= board.pitch) {
     return board_error("the markers of a ChArUco board are smaller than its squares");
   }
-  if (!board.family.empty() && !is_family(board.family)) {
+  const bool has_tags = board.kind == BoardKind::charuco || board.kind == BoardKind::tags;
+  if (has_tags && !is_family(board.family)) {
     return board_error("'" + board.family + "' is no family of tags that is known");
   }
   return board;
@@ -136,8 +137,8 @@ Expected<Board> read_kalibr_target(const std::string& text, const std::string& f
       target.pitch = target.tag_side * (1.0 + root.at("tagSpacing").positive_number());
       target.family = "tag36h11";
     } else if (type == "checkerboard") {
-      target.columns = root.at("targetCols").integer(2, kMaxSide);
-      target.rows = root.at("targetRows").integer(2, kMaxSide);
+      target.columns = root.at("targetCols").integer(3, kMaxSide);
+      target.rows = root.at("targetRows").integer(3, kMaxSide);
       target.pitch = root.at("colSpacingMeters").positive_number();
       if (std::abs(root.at("rowSpacingMeters").positive_number() - target.pitch) > 1e-9) {
         root.at("rowSpacingMeters").fail("differs from colSpacingMeters", "use square squares");

@@ -61,8 +61,16 @@ void place_tags(const std::vector<NumberedPicture>& files, const Board& board,
   parallel_for(parallelism, files.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (tags[i].tags.empty()) continue;
+      if (board.kind == BoardKind::tags) {
+        pictures[i].points = points_of_tags({}, tags[i], board, layout);
+        continue;
+      }
       const Expected<ColorImage> image = read_picture(files[i].file);
-      if (image) pictures[i].points = points_of_tags(to_gray(*image), tags[i], board, layout);
+      if (image) {
+        pictures[i].points = points_of_tags(to_gray(*image), tags[i], board, layout);
+      } else {
+        pictures[i].error = image.error();
+      }
     }
   });
 }
@@ -157,10 +165,16 @@ Expected<BoardViews> read_board_views(const std::string& pictures, const Board& 
   parallel_for(parallelism, files->size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) search((*files)[i], board, searched[i]);
   });
-  for (const SearchedPicture& picture : searched) {
-    if (picture.error) return *picture.error;
+  const auto first_error = [&] {
+    const auto found = std::ranges::find_if(
+        searched, [](const SearchedPicture& picture) { return picture.error.has_value(); });
+    return found == searched.end() ? std::nullopt : found->error;
+  };
+  if (const auto error = first_error()) return *error;
+  if (has_tags(board)) {
+    place_tags(*files, board, parallelism, searched);
+    if (const auto error = first_error()) return *error;
   }
-  if (has_tags(board)) place_tags(*files, board, parallelism, searched);
   return collect(pictures, *files, board, std::move(searched));
 }
 

@@ -326,6 +326,13 @@ class Bundle {
     fit.noise = noise_;
   }
 
+  /// Not less than the scatter of the views shows.
+  static Matrix widened(const Matrix& by_noise, const Matrix& scatter) {
+    const Vector ratio = scatter.diagonal().cwiseQuotient(by_noise.diagonal().cwiseMax(1e-300));
+    const Vector factor = ratio.cwiseMax(1.0).cwiseSqrt();
+    return factor.asDiagonal() * by_noise * factor.asDiagonal();
+  }
+
   void finish(BundleFit& fit) const {
     const std::vector<ViewBlock> blocks = blocks_of(fit.model);
     Matrix square = Matrix::Zero(count(), count());
@@ -341,14 +348,14 @@ class Bundle {
       by_pixels.diagonal() -= arm_information();
       fit.camera_board_covariance.push_back(inverse_of_own(by_pixels, 0.0));
     }
-    fit.covariance = expanded(inverse_of(square));
+    const Matrix by_noise = inverse_of(square);
     Matrix scatter = Matrix::Zero(count(), count());
     const auto views = static_cast<double>(blocks.size());
     for (std::size_t i = 0; i < blocks.size() && blocks.size() > 2; ++i) {
       const Vector change = inverse_of(square - reduced[i]) * gradients[i];
       scatter += (views - 1.0) / views * change * change.transpose();
     }
-    fit.scatter = expanded(scatter);
+    fit.covariance = expanded(widened(by_noise, scatter));
     double sum = 0.0, points = 0.0;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       double of_view = 0.0;

@@ -58,9 +58,9 @@ struct BundleNoise {
 struct BundleFit {
   BundleModel model = {};
   BundleNoise noise = {};
-  Eigen::MatrixXd covariance = {};  ///< of all shared parameters; 0 where not estimated
-  /// The same by the scatter of the views, each left out in turn [Efron 1982, jackknife].
-  Eigen::MatrixXd scatter = {};
+  /// Of all shared parameters, 0 where not estimated: by the noise, but not less than the scatter
+  /// of the views shows, each left out in turn [Efron 1982, jackknife].
+  Eigen::MatrixXd covariance = {};
   std::vector<Matrix6d> camera_board_covariance = {};  ///< of each picture alone, by its pixels
   double arm_freedom = 0.0;  ///< [1] coordinates that show the arm's noise
   double pixel_rms = 0.0;    ///< [px] of distances, all points

@@ -76,19 +76,6 @@ std::optional<double> held_out_rms(const CameraBundle& all, const std::vector<st
   return std::sqrt(sum / points);
 }
 
-/// Covariance of the camera's parameters, fx to the last coefficient: by noise, but not less than
-/// the views' scatter shows.
-Eigen::MatrixXd camera_covariance(const BundleFit& fit, std::size_t coefficients) {
-  const auto count = static_cast<Eigen::Index>(4 + coefficients);
-  Eigen::MatrixXd by_noise = fit.covariance.block(kCameraParameter, kCameraParameter, count, count);
-  const Eigen::MatrixXd by_views =
-      fit.scatter.block(kCameraParameter, kCameraParameter, count, count);
-  const Eigen::VectorXd ratio =
-      by_views.diagonal().cwiseQuotient(by_noise.diagonal().cwiseMax(1e-300));
-  const Eigen::VectorXd factor = ratio.cwiseMax(1.0).cwiseSqrt();
-  return factor.asDiagonal() * by_noise * factor.asDiagonal();
-}
-
 void count_coverage(const BoardViews& views, const std::vector<std::size_t>& used,
                     CameraCalibration& result) {
   for (const std::size_t index : used) {
@@ -154,7 +141,8 @@ Expected<CameraCalibration> calibrate_camera(const BoardViews& views, const Boar
   }
   CameraCalibration result{.camera = fit.model.camera};
   const std::size_t coefficients = coefficient_count(options.lens);
-  result.covariance = camera_covariance(fit, coefficients);
+  const auto count = static_cast<Eigen::Index>(4 + coefficients);
+  result.covariance = fit.covariance.block(kCameraParameter, kCameraParameter, count, count);
   for (Eigen::Index i = 0; i < result.covariance.rows(); ++i) {
     result.stds.push_back(std::sqrt(std::max(result.covariance(i, i), 0.0)));
   }

@@ -227,14 +227,6 @@ struct RigFit {
         left_out(left_out_spread(bundle, fit)) {}
 };
 
-/// Covariance of the shared parameters, not less than the scatter of the views shows.
-void widen_by_scatter(BundleFit& fit) {
-  const Eigen::VectorXd ratio =
-      fit.scatter.diagonal().cwiseQuotient(fit.covariance.diagonal().cwiseMax(1e-300));
-  const Eigen::VectorXd factor = ratio.cwiseMax(1.0).cwiseSqrt();
-  fit.covariance = factor.asDiagonal() * fit.covariance * factor.asDiagonal();
-}
-
 /// The same views with an arm that is exact: what is left is the pictures', whose errors are not
 /// independent from point to point where a lens or a board is not what it is taken for. Then a fit
 /// that weighs each point for itself blames the arm.
@@ -245,9 +237,7 @@ RigFit with_exact_arm(const RigFit& free) {
   bundle.start.board_scale = 1.0;
   bundle.options.with_arm_noise = false;
   bundle.noise = {.arm_position = kExactPosition, .arm_rotation = kExactRotation};
-  RigFit exact(std::move(bundle));
-  widen_by_scatter(exact.fit);
-  return exact;
+  return RigFit(std::move(bundle));
 }
 
 /// The explanation by which the arm's poses predict unseen views better.
@@ -257,13 +247,14 @@ RigFit better_explanation(RigFit free) {
   return exact.left_out.mean < kClearlyBetter * free.left_out.mean ? exact : free;
 }
 
-/// What the poses of single pictures showed about the arm and the board's size does not hold.
+/// What the poses of single pictures showed of the board's size, and with it of the next pose, does
+/// not hold.
 void describe_exact_arm(const RigFit& explained, HandEyeResult& found) {
-  found.is_board_scale_used = false;
-  found.notes.clear();
-  for (const HandEyeResidual& view : found.residuals) {
-    if (view.is_outlier) found.notes.push_back(view.view + " does not fit, and is left out");
+  if (found.is_board_scale_used) {
+    found.is_board_scale_used = false;
+    std::erase(found.notes, board_scale_note(found));
   }
+  found.next.reset();
   found.notes.push_back(fmt::format(
       "unseen views are predicted to {:.1f} mm where the arm's poses count as exact, and "
       "not as well where they have errors of their own: what is left, {:.2f} px, is the "

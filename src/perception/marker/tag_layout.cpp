@@ -117,29 +117,70 @@ void reject_outliers(FittedLayout& fitted) {
   problem.views.erase(kept, problem.views.end());
 }
 
-bool can_be_fitted(const LayoutProblem& problem) {
+/// The tags that are used in no view, which the fit does not determine.
+std::vector<std::size_t> unused_tags(const LayoutProblem& problem) {
   std::vector<std::size_t> views(problem.sizes.size(), 0);
   for (const LayoutView& view : problem.views) {
     for (const SeenCorners& seen : view.seen) views[seen.tag] += seen.is_used ? 1 : 0;
   }
-  return !problem.views.empty() && *std::min_element(views.begin(), views.end()) > 0;
+  std::vector<std::size_t> unused;
+  for (std::size_t tag = 0; tag < views.size(); ++tag) {
+    if (views[tag] == 0) unused.push_back(tag);
+  }
+  return unused;
 }
+
+/// Without tags that fit in no image, such as those of another size than is stated; the first of
+/// the rest is then the datum.
+LayoutStart without(const LayoutStart& start, const std::vector<std::size_t>& unused) {
+  LayoutStart rest;
+  for (std::size_t i = 0; i < start.tags.size(); ++i) {
+    if (std::find(unused.begin(), unused.end(), i) != unused.end()) continue;
+    rest.tags.push_back(start.tags[i]);
+    rest.T_datum_tag.push_back(start.T_datum_tag[i]);
+  }
+  if (rest.tags.empty()) return rest;
+  const Pose T_new_old = rest.T_datum_tag.front().inverse();
+  for (Pose& T_datum_tag : rest.T_datum_tag) T_datum_tag = T_new_old * T_datum_tag;
+  return rest;
+}
+
+/// A layout of the tags of `start`; the tags that have no image left, where it can't be fitted.
+struct LayoutTrial {
+  std::optional<FittedLayout> fitted = {};
+  std::vector<std::size_t> unused = {};
+};
+
+LayoutTrial try_layout(const LayoutInput& input, const LayoutStart& start);
 
 /// Nothing where the images do not determine the layout.
 std::optional<FittedLayout> fitted_layout(const LayoutInput& input) {
-  FittedLayout fitted{start_layout(input), {}};
-  if (fitted.start.tags.size() < 2) return std::nullopt;
+  LayoutStart start = start_layout(input);
+  while (start.tags.size() >= 2) {
+    LayoutTrial trial = try_layout(input, start);
+    if (trial.fitted || trial.unused.empty()) return std::move(trial.fitted);
+    start = without(start, trial.unused);
+  }
+  return std::nullopt;
+}
+
+LayoutTrial try_layout(const LayoutInput& input, const LayoutStart& start) {
+  FittedLayout fitted{start, {}};
+  const auto fits = [&] {
+    return unused_tags(fitted.problem).empty() && !fitted.problem.views.empty() &&
+           fit_layout(fitted.problem);
+  };
   for (int round = 0; round < kRounds; ++round) {
     fitted.left_out.clear();
     fitted.problem = place_cameras(input, fitted.start);
-    if (!can_be_fitted(fitted.problem) || !fit_layout(fitted.problem)) return std::nullopt;
+    if (!fits()) return {{}, unused_tags(fitted.problem)};
     for (int i = 0; i < 2; ++i) {
       reject_outliers(fitted);
-      if (!can_be_fitted(fitted.problem) || !fit_layout(fitted.problem)) return std::nullopt;
+      if (!fits()) return {{}, unused_tags(fitted.problem)};
     }
     fitted.start.T_datum_tag = fitted.problem.T_layout_tag;
   }
-  return fitted;
+  return {std::move(fitted), {}};
 }
 
 /// Whether the tag fits, image by image, in order of time.

@@ -14,6 +14,7 @@
 #include "pcavr/base/report/report_page.hpp"
 #include "pcavr/pipeline/calibrate_force.hpp"
 
+#include "calibration_report.hpp"
 #include "yaml_text.hpp"
 
 namespace pcavr {
@@ -130,13 +131,9 @@ Expected<void> write_force_report(const ForceSensorResult& found, const ForceRea
   section.blocks.emplace_back(std::vector<ReportTable>{parameter_table(found), gain_table(found)});
   section.blocks.emplace_back(PlotGroup{"", {force_plot(found)}});
   page.sections.push_back(std::move(section));
-  page.footer = std::string(
-                    "Std: standard deviation, by the noise that the residuals show. The "
-                    "same figures in SI units are in report.json. pcavr ") +
-                PCAVR_VERSION;
-  const Expected<void> written = write_report_page(page, folder);
-  if (!written) return written;
-  return write_file(folder / "report.json", report_json);
+  return write_calibration_report(std::move(page),
+                                  "Std: standard deviation, by the noise that the residuals show.",
+                                  report_json, folder);
 }
 
 }  // namespace pcavr

@@ -13,6 +13,7 @@
 #include "pcavr/base/report/report_page.hpp"
 #include "pcavr/pipeline/calibrate.hpp"
 
+#include "calibration_report.hpp"
 #include "pipeline/calibrate/calibration_tables.hpp"
 
 namespace pcavr {
@@ -107,18 +108,6 @@ ReportTable headline(const HandEyeResult& found) {
   return table;
 }
 
-std::string version_footer(const char* text) {
-  return std::string(text) + " The same figures in SI units are in report.json. pcavr " +
-         PCAVR_VERSION;
-}
-
-Expected<void> write_page(const ReportPage& page, const std::string& json,
-                          const std::filesystem::path& folder) {
-  const Expected<void> written = write_report_page(page, folder);
-  if (!written) return written;
-  return write_file(folder / "report.json", json);
-}
-
 }  // namespace
 
 ReportPage hand_eye_page(const HandEyeResult& found) {
@@ -145,8 +134,9 @@ Expected<void> write_hand_eye_report(const HandEyeResult& found, const PairedPos
   ReportPage page = hand_eye_page(found);
   page.inputs = {{{"robot: "}, {input.formats[0], true}}, {{"camera: "}, {input.formats[1], true}}};
   page.notes.insert(page.notes.begin(), input.notes.begin(), input.notes.end());
-  page.footer = version_footer("Std: standard deviation, by the noise that the residuals show.");
-  return write_page(page, report_json, folder);
+  return write_calibration_report(std::move(page),
+                                  "Std: standard deviation, by the noise that the residuals show.",
+                                  report_json, folder);
 }
 
 Expected<void> write_clock_report(const ComparedClocks& found, const std::string& report_json,
@@ -169,8 +159,9 @@ Expected<void> write_clock_report(const ComparedClocks& found, const std::string
   PageSection section{.title = "Residuals"};
   section.blocks.emplace_back(PlotGroup{"", {std::move(plot)}});
   page.sections.push_back(std::move(section));
-  page.footer = version_footer("Std: standard deviation, by the scatter of parts of the record.");
-  return write_page(page, report_json, folder);
+  return write_calibration_report(std::move(page),
+                                  "Std: standard deviation, by the scatter of parts of the record.",
+                                  report_json, folder);
 }
 
 }  // namespace pcavr

@@ -14,6 +14,8 @@
 #include "pcavr/base/report/report_page.hpp"
 #include "pcavr/pipeline/calibrate_tags.hpp"
 
+#include "calibration_report.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -131,15 +133,10 @@ Expected<void> write_tags_report(const CalibratedTags& found, const TagWalk& wal
     section.blocks.emplace_back(PlotGroup{"", {map_of(body, walk), std_plot(body)}});
     page.sections.push_back(std::move(section));
   }
-  page.footer =
-      std::string(
-          "Std: standard deviation in the worst direction, by the corners' residuals, "
-          "against the frame that the reference tags define. The same figures in SI units "
-          "are in report.json. pcavr ") +
-      PCAVR_VERSION;
-  const Expected<void> written = write_report_page(page, folder);
-  if (!written) return written;
-  return write_file(folder / "report.json", report_json);
+  return write_calibration_report(std::move(page),
+                                  "Std: standard deviation in the worst direction, by the corners' "
+                                  "residuals, against the frame that the reference tags define.",
+                                  report_json, folder);
 }
 
 }  // namespace pcavr

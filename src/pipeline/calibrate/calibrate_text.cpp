@@ -86,9 +86,13 @@ std::string format_clock(const ComparedClocks& found) {
 }
 
 bool is_calibration_file(const std::filesystem::path& file) {
+  constexpr int kFirstLines = 2;  // OpenCV's files begin with a line of their own
   std::ifstream stream(file);
   std::string line;
-  return std::getline(stream, line) && line == kCalibrationFormat;
+  for (int i = 0; i < kFirstLines && std::getline(stream, line); ++i) {
+    if (line == kCalibrationFormat || line == kForeignCalibration) return true;
+  }
+  return false;
 }
 
 }  // namespace pcavr

@@ -16,6 +16,7 @@
 #include "pcavr/recordings/recording/csv_dialect.hpp"
 #include "pcavr/recordings/recording/text_rows.hpp"
 
+#include "calibration_report.hpp"
 #include "yaml_text.hpp"
 
 namespace pcavr {
@@ -135,13 +136,8 @@ Expected<void> write_touch_report(const TouchResult& found, const std::string& r
   section.blocks.emplace_back(std::vector<ReportTable>{std::move(table)});
   section.blocks.emplace_back(PlotGroup{"", {std::move(plot)}});
   page.sections.push_back(std::move(section));
-  page.footer = std::string(
-                    "Std: standard deviation, by the points' residuals. The same figures "
-                    "in SI units are in report.json. pcavr ") +
-                PCAVR_VERSION;
-  const Expected<void> written = write_report_page(page, folder);
-  if (!written) return written;
-  return write_file(folder / "report.json", report_json);
+  return write_calibration_report(
+      std::move(page), "Std: standard deviation, by the points' residuals.", report_json, folder);
 }
 
 }  // namespace pcavr

@@ -70,6 +70,40 @@ std::optional<std::array<NumberColumn, 3>> vector_columns(const std::vector<std:
   return columns;
 }
 
+/// Whether tx, ty, tz are where the flange is, as in a list of TUM's: a rotation, and no x, y, z.
+bool is_position(const std::vector<std::string>& header, const std::string& word) {
+  const auto has = [&](const std::string& name) {
+    return std::ranges::any_of(
+        header, [&](const std::string& one) { return parse_column(one).name == name; });
+  };
+  return has(word + 'x') && (has("qx") || has("rx")) && !has("x");
+}
+
+struct StampColumn {
+  std::size_t column = 0;
+  std::optional<TimeUnit> unit = {};  ///< of the header
+};
+
+std::optional<StampColumn> stamp_column(const std::vector<std::string>& header) {
+  for (std::size_t i = 0; i < header.size(); ++i) {
+    const CsvColumn column = parse_column(header[i]);
+    if (column.name == "t" || column.name == "time" || column.name == "timestamp") {
+      return StampColumn{i, parse_time_unit(column.unit)};
+    }
+  }
+  return std::nullopt;
+}
+
+/// Without a unit in the header, in that in which the number is a time.
+std::optional<Stamp> stamp_of(const std::string& field, const StampColumn& column) {
+  const std::optional<double> number = parse_number(field);
+  if (!number) return std::nullopt;
+  const std::optional<TimeUnit> unit = column.unit ? column.unit : unit_of_stamp(*number);
+  if (!unit) return std::nullopt;
+  const Expected<Stamp> stamp = parse_stamp(field, *unit);
+  return stamp ? std::optional(*stamp) : std::nullopt;
+}
+
 std::optional<Eigen::Vector3d> vector_of(const std::vector<std::string>& fields,
                                          const std::array<NumberColumn, 3>& columns) {
   Eigen::Vector3d vector;
@@ -95,19 +129,16 @@ Expected<ForceTable> read_force_table(const std::filesystem::path& file, bool sk
   const char separator = separator_of(header);
   const std::vector<std::string> names = split_fields(separator, header);
   const auto force = vector_columns(names, {"f", "f_", "force", "force_"});
-  const auto torque =
-      vector_columns(names, {"t", "t_", "m", "m_", "tau", "tau_", "torque", "torque_"});
+  std::vector<std::string> torque_words{"m", "m_", "tau", "tau_", "torque", "torque_"};
+  if (!is_position(names, "t")) torque_words.insert(torque_words.end(), {"t", "t_"});
+  const auto torque = vector_columns(names, torque_words);
   if (!force) {
     return Error{.message = "has no columns of a force, in N",
                  .file = file.string(),
                  .line = 1,
                  .hint = "name them fx, fy, fz, and tx, ty, tz where there are torques"};
   }
-  std::optional<std::size_t> stamp;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::string name = parse_column(names[i]).name;
-    if (name == "t" || name == "time" || name == "timestamp") stamp = i;
-  }
+  const std::optional<StampColumn> stamp = stamp_column(names);
   ForceTable table{.has_torque = torque.has_value()};
   while (const std::optional<std::string_view> line = lines.next()) {
     if (trimmed(*line).empty() || trimmed(*line).starts_with('#')) continue;
@@ -122,10 +153,7 @@ Expected<ForceTable> read_force_table(const std::filesystem::path& file, bool sk
     }
     ForceRow row{.line = lines.line(), .force = *value};
     if (torque) row.torque = vector_of(fields, *torque);
-    if (stamp && *stamp < fields.size()) {
-      const std::optional<double> seconds = parse_number(fields[*stamp]);
-      if (seconds) row.stamp = Stamp::from_seconds(*seconds);
-    }
+    if (stamp && stamp->column < fields.size()) row.stamp = stamp_of(fields[stamp->column], *stamp);
     table.rows.push_back(std::move(row));
   }
   return table;

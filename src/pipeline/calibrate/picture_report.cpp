@@ -16,6 +16,7 @@
 #include "pcavr/pipeline/calibrate_pictures.hpp"
 #include "pcavr/recordings/recording/image_codec.hpp"
 
+#include "calibration_report.hpp"
 #include "pipeline/calibrate/calibration_tables.hpp"
 
 namespace pcavr {
@@ -112,18 +113,6 @@ ReportTable camera_headline(const CameraCalibration& found) {
   return table;
 }
 
-std::string page_footer(const char* text) {
-  return std::string(text) + " The same figures in SI units are in report.json. pcavr " +
-         PCAVR_VERSION;
-}
-
-Expected<void> write_with_json(const ReportPage& page, const std::string& json,
-                               const std::filesystem::path& folder) {
-  const Expected<void> written = write_report_page(page, folder);
-  if (!written) return written;
-  return write_file(folder / "report.json", json);
-}
-
 ReportTable picture_table(const PictureRig& found) {
   ReportTable table{.title = "Pictures",
                     .columns = {"view", "pixels, rms (px)", "points on the board (mm)",
@@ -173,9 +162,10 @@ Expected<void> write_camera_report(const CameraCalibration& found, const BoardVi
                 {view_plot("Residuals", "rms (px)", std::move(rms)),
                  view_plot("Tilt of the board", "tilt (deg)", std::move(tilts))}});
   page.sections.push_back(std::move(section));
-  page.footer = page_footer(
-      "Std: standard deviation, by the pixels' noise or the views' scatter, the larger.");
-  return write_with_json(page, report_json, folder);
+  return write_calibration_report(
+      std::move(page),
+      "Std: standard deviation, by the pixels' noise or the views' scatter, the larger.",
+      report_json, folder);
 }
 
 Expected<void> write_picture_rig_report(const PictureRig& found, const PairedPictures& input,
@@ -201,8 +191,9 @@ Expected<void> write_picture_rig_report(const PictureRig& found, const PairedPic
        view_plot("Flange, from where the arm said", "distance (mm)", std::move(arm_errors))}});
   section.blocks.emplace_back(std::vector<ReportTable>{picture_table(found)});
   page.sections.push_back(std::move(section));
-  page.footer = page_footer("Std: standard deviation, by the noise that the residuals show.");
-  return write_with_json(page, report_json, folder);
+  return write_calibration_report(std::move(page),
+                                  "Std: standard deviation, by the noise that the residuals show.",
+                                  report_json, folder);
 }
 
 }  // namespace pcavr

@@ -86,8 +86,8 @@ std::string ros_camera(const CameraModel& camera) {
   const std::array<double, 12> p{camera.fx, 0.0, camera.cx, 0.0, 0.0, camera.fy,
                                  camera.cy, 0.0, 0.0,       0.0, 1.0, 0.0};
   const auto coefficients = camera.distortion.coefficients();
-  std::string text = fmt::format("image_width: {}\nimage_height: {}\ncamera_name: camera\n",
-                                 camera.width, camera.height);
+  std::string text = fmt::format("{}\nimage_width: {}\nimage_height: {}\ncamera_name: camera\n",
+                                 kForeignCalibration, camera.width, camera.height);
   text += matrix("camera_matrix", 3, 3, decimals(k));
   text += fmt::format("distortion_model: {}\n", name);
   text += matrix("distortion_coefficients", 1, static_cast<int>(coefficients.size()),
@@ -106,8 +106,8 @@ std::string opencv_camera(const CameraCalibration& found) {
   const std::array<double, 9> k{camera.fx, 0.0, camera.cx, 0.0, camera.fy,
                                 camera.cy, 0.0, 0.0,       1.0};
   const auto coefficients = camera.distortion.coefficients();
-  std::string text = fmt::format("%YAML:1.0\n---\nimage_width: {}\nimage_height: {}\n",
-                                 camera.width, camera.height);
+  std::string text = fmt::format("%YAML:1.0\n{}\n---\nimage_width: {}\nimage_height: {}\n",
+                                 kForeignCalibration, camera.width, camera.height);
   if (camera.distortion.model() == LensModel::fisheye) text += "fisheye_model: 1\n";
   text += matrix("camera_matrix", 3, 3, decimals(k));
   text += matrix("distortion_coefficients", static_cast<int>(coefficients.size()), 1,
@@ -125,9 +125,9 @@ Expected<std::string> kalibr_camera(const CameraModel& camera) {
   }
   const std::array<double, 4> pinhole{camera.fx, camera.fy, camera.cx, camera.cy};
   return fmt::format(
-      "cam0:\n  camera_model: pinhole\n  intrinsics: [{}]\n  distortion_model: {}\n"
+      "{}\ncam0:\n  camera_model: pinhole\n  intrinsics: [{}]\n  distortion_model: {}\n"
       "  distortion_coeffs: [{}]\n  resolution: [{}, {}]\n  rostopic: /camera/image_raw\n",
-      decimals(pinhole), lens == LensModel::fisheye ? "equidistant" : "radtan",
+      kForeignCalibration, decimals(pinhole), lens == LensModel::fisheye ? "equidistant" : "radtan",
       decimals(coefficients.subspan(0, 4)), camera.width, camera.height);
 }
 

@@ -144,9 +144,9 @@ std::string number_text(const char* key, double number) {
 }
 
 std::string apriltag_ros_text(const CalibratedTags& found) {
-  std::string text =
-      "# apriltag_ros, config/tags.yaml: poses of the tags in their bundle [m]\n"
-      "standalone_tags: []\ntag_bundles:\n";
+  std::string text = std::string(kForeignCalibration) +
+                     "\n# apriltag_ros, config/tags.yaml: poses of the tags in their bundle [m]\n"
+                     "standalone_tags: []\ntag_bundles:\n";
   for (const CalibratedBody& body : found.bodies) {
     text += fmt::format("  - name: {}\n    layout:\n", body.name.empty() ? "base" : body.name);
     for (const LaidOutTag& tag : body.layout.tags) {
@@ -168,7 +168,9 @@ std::string vector_text(const char* key, const Eigen::Vector3d& v) {
 }
 
 std::string tagslam_text(const CalibratedTags& found) {
-  std::string text = "# TagSLAM, tagslam.yaml: poses of the tags in their body [m, rad]\nbodies:\n";
+  std::string text =
+      std::string(kForeignCalibration) +
+      "\n# TagSLAM, tagslam.yaml: poses of the tags in their body [m, rad]\nbodies:\n";
   for (const CalibratedBody& body : found.bodies) {
     const bool is_base = body.name.empty();
     text += fmt::format("  - {}:\n      is_static: {}\n      type: simple\n",

@@ -10,6 +10,9 @@ namespace pcavr {
 
 // Values of the calibration files.
 
+/// Marks a calibration in another program's format, so that it may be replaced.
+inline constexpr char kForeignCalibration[] = "# written by pcavr calibrate";
+
 /// A text in YAML's double quotes.
 [[nodiscard]] std::string quoted(const std::string& text);
 

@@ -31,6 +31,17 @@ DepthNoise read_noise(const YamlValue& noise) {
   return result;
 }
 
+/// What `calibrate camera` writes.
+CameraFile read_calibrated_camera(const YamlValue& root) {
+  const YamlValue kind = root.at("kind");
+  if (kind.text() != "camera") {
+    kind.fail("is '" + kind.text() + "'", "give what `pcavr calibrate camera` wrote");
+  }
+  CameraFile result;
+  result.camera = camera_of(root.at("camera"));
+  return result;
+}
+
 CameraFile read_pcavr_camera(const YamlValue& root) {
   root.expect_keys({"name", "source", "camera", "depth_scale", "depth_noise"});
   CameraFile result;
@@ -86,7 +97,8 @@ CameraFile read_camera_info(const YamlValue& root) {
 
 Expected<CameraFile> parse_camera_file(const std::string& text, const std::string& file) {
   return parse_yaml<CameraFile>(text, file, [](const YamlValue& root) {
-    return root.find("camera_matrix") ? read_camera_info(root) : read_pcavr_camera(root);
+    if (root.find("camera_matrix")) return read_camera_info(root);
+    return root.find("format") ? read_calibrated_camera(root) : read_pcavr_camera(root);
   });
 }
 

@@ -3,6 +3,7 @@
 #include "pcavr/robots/calibration/force_sensor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -25,8 +26,6 @@ constexpr double kMinScatter = 0.1;
 constexpr double kMaxOutlierRatio = 5.0;
 /// A load below this does not show how a sensor is turned, over the noise of its readings.
 constexpr double kMinWeightRatio = 3.0;
-/// F distribution of 5 and some 100 degrees of freedom: chance exceeds it once in 1000.
-constexpr double kMaxGainRatio = 4.5;
 constexpr double kUnclearRatio = 1.2;  ///< of the residuals in the two axes: the choice is unclear
 constexpr int kFitIterations = 20;
 
@@ -176,7 +175,7 @@ struct ForceCandidate {
   Hypothesis hypothesis;
   ForceSamples samples = {};
   RigidFit fit = {};
-  double rms = 0.0;  ///< [N] per axis, robust: over the samples that are not outliers
+  double rms = 0.0;  ///< [N] per axis, of the used samples, with the freedom that the fit leaves
 };
 
 ForceCandidate candidate_of(const std::vector<ForceReading>& readings, const Hypothesis& hypothesis,
@@ -184,15 +183,13 @@ ForceCandidate candidate_of(const std::vector<ForceReading>& readings, const Hyp
   ForceCandidate candidate{hypothesis, force_samples_of(readings, hypothesis, options)};
   candidate.fit = rigid_fit(candidate.samples, start_of(linear_fit(candidate.samples)));
   for (int round = 0; round < 3; ++round) {
-    mark_outliers(candidate.samples, candidate.fit);
-    if (used_count(candidate.samples) < kMinPoses) break;
+    ForceSamples marked = candidate.samples;
+    mark_outliers(marked, candidate.fit);
+    if (used_count(marked) < kMinPoses) break;  // of so few, which one is wrong is not shown
+    candidate.samples = std::move(marked);
     candidate.fit = rigid_fit(candidate.samples, start_of(linear_fit(candidate.samples)));
   }
-  std::vector<double> norms;
-  for (const ForceSample& sample : candidate.samples) {
-    norms.push_back(candidate.fit.residual(sample).norm());
-  }
-  candidate.rms = median(std::move(norms)) / 1.538;
+  candidate.rms = std::sqrt(candidate.fit.squares / candidate.fit.freedoms());
   return candidate;
 }
 
@@ -269,6 +266,25 @@ void set_centre(const ForceCandidate& found, ForceSensorResult& result) {
   result.torque_rms = std::sqrt(squares / (3.0 * static_cast<double>(count)));
 }
 
+/// What the ratio of variances of 5 and `freedoms` degrees of freedom exceeds by chance once in
+/// 1000 times: the F distribution, between its tabulated values linear in 1 / freedoms.
+double chance_limit(double freedoms) {
+  constexpr std::array<std::pair<double, double>, 7> kLimits{{{1.0 / 6.0, 20.8},
+                                                              {1.0 / 8.0, 13.5},
+                                                              {1.0 / 12.0, 8.89},
+                                                              {1.0 / 18.0, 6.81},
+                                                              {1.0 / 30.0, 5.53},
+                                                              {1.0 / 60.0, 4.76},
+                                                              {0.0, 4.10}}};
+  const double inverse = 1.0 / freedoms;
+  for (std::size_t i = 0; i + 1 < kLimits.size(); ++i) {
+    const auto& [high, at_high] = kLimits[i];
+    const auto& [low, at_low] = kLimits[i + 1];
+    if (inverse >= low) return at_low + (at_high - at_low) * (inverse - low) / (high - low);
+  }
+  return kLimits.back().second;
+}
+
 void set_gain(const ForceCandidate& found, ForceSensorResult& result) {
   const LinearFit linear = linear_fit(found.samples);
   const RigidFit& fit = found.fit;
@@ -282,7 +298,7 @@ void set_gain(const ForceCandidate& found, ForceSensorResult& result) {
     result.gain_std.row(row) = std * spread.diagonal().cwiseSqrt().transpose();
   }
   const double ratio = (fit.squares - linear.squares) / 5.0 / (linear.squares / freedoms);
-  result.has_cross_talk = linear.squares > 0.0 && ratio > kMaxGainRatio;
+  result.has_cross_talk = linear.squares > 0.0 && ratio > chance_limit(freedoms);
 }
 
 /// [N] per axis, each pose by the fit of the others.

@@ -225,11 +225,7 @@ void add_notes(const ChosenFit& chosen, HandEyeResult& result) {
         residual.partner ? "; its arm pose fits the board pose of " + *residual.partner : ""));
   }
   if (result.is_board_scale_used) {
-    result.notes.push_back(
-        fmt::format("by the arm's motion the board is {:.4f} +- {:.4f} of the size that the poses "
-                    "were computed "
-                    "with: used so",
-                    result.board_scale, result.board_scale_std));
+    result.notes.push_back(board_scale_note(result));
   }
   if (chosen.fit.used.size() < kMinHeldOut) {
     result.notes.push_back(fmt::format("{} views are few: errors on unseen poses are not judged",
@@ -287,6 +283,13 @@ HandEyeResult result_of(const std::vector<HandEyeView>& named, const ChosenFit& 
 }
 
 }  // namespace
+
+std::string board_scale_note(const HandEyeResult& result) {
+  return fmt::format(
+      "by the arm's motion the board is {:.4f} +- {:.4f} of the size that the poses were computed "
+      "with: used so",
+      result.board_scale, result.board_scale_std);
+}
 
 Expected<HandEyeResult> calibrate_hand_eye(const std::vector<HandEyeView>& views,
                                            const HandEyeOptions& options) {

@@ -27,6 +27,7 @@ struct CameraTrackerOptions {
   DepthNoise depth_noise;
   BodyPoseOptions body_pose;
   bool trust_poses = false;         ///< use groundtruth.txt as exact, not as measurements
+  bool states_pose_stds = false;    ///< the next two hold for all poses (stated_poses.hpp)
   double groundtruth_position_std;  ///< [m]
   double groundtruth_rotation_std;  ///< [rad]
   double max_fixed_camera_motion;   ///< [m]

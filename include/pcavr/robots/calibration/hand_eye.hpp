@@ -116,6 +116,9 @@ struct HandEyeResult {
 [[nodiscard]] double board_rms(const HandEyeResult& result, const std::vector<HandEyeView>& views,
                                const Eigen::Vector3d& point_board);
 
+/// The note that the board's scale was found by the arm's motion, and used.
+[[nodiscard]] std::string board_scale_note(const HandEyeResult& result);
+
 /// One sentence of cause: whose the residuals are, and what would help.
 [[nodiscard]] std::string describe_cause(const HandEyeResult& result);
 
