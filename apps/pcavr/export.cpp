@@ -49,13 +49,15 @@ struct ExportArguments {
   std::uint64_t seed = 1;
 };
 
+constexpr char kPlanningFormat[] = "moveit";
+
 struct Writer {
   const char* format;
   Expected<void> (*write)(ExportedWorld& world, const std::filesystem::path& folder);
 };
 constexpr std::array kWriters{Writer{"mjcf", &write_mjcf}, Writer{"urdf", &write_urdf},
                               Writer{"sdf", &write_sdf}, Writer{"usd", &write_usd},
-                              Writer{"moveit", &write_moveit}};
+                              Writer{kPlanningFormat, &write_moveit}};
 
 /// Formats of geometry alone.
 struct PlainName {
@@ -114,6 +116,7 @@ Expected<void> write_robot(const RobotInput& input, const std::filesystem::path&
   if (auto written = write_robot_mjcf(robot, folder); !written) return written;
   world.numbers.insert(world.numbers.end(), robot.numbers.begin(), robot.numbers.end());
   world.residuals.insert(world.residuals.end(), robot.residuals.begin(), robot.residuals.end());
+  world.warnings.insert(world.warnings.end(), robot.warnings.begin(), robot.warnings.end());
   return {};
 }
 
@@ -218,7 +221,7 @@ CommandResult describe(const ExportedWorld& world, const ExportArguments& argume
         fmt::format("{} worlds drawn from the parameters' distribution\n", arguments.samples);
     result.json["samples"] = arguments.samples;
   }
-  if (!world.bodies.empty()) {
+  if (!world.bodies.empty() && arguments.format != kPlanningFormat) {
     result.summary += fmt::format("friction holds at {:.4g} m/s\n", world.reference_speed);
   }
   result.summary += fmt::format("wrote {}\n", arguments.output);
@@ -254,6 +257,13 @@ Expected<CommandResult> export_plain(const ExportArguments& arguments, PlainForm
   return result;
 }
 
+/// A planning scene has neither mass nor friction: nothing is said of them.
+void leave_geometry(ExportedWorld& world) {
+  world.numbers.clear();
+  world.residuals.clear();
+  world.warnings.clear();
+}
+
 Expected<CommandResult> export_world(const ExportArguments& arguments, const SceneManifest& scene,
                                      const std::optional<RobotInput>& robot,
                                      const Configuration& configuration, const Observer& observer,
@@ -261,13 +271,15 @@ Expected<CommandResult> export_world(const ExportArguments& arguments, const Sce
   const Expected<ParameterTable> parameters = table_of(arguments, scene);
   if (!parameters) return parameters.error();
   ExportOptions options;
-  options.assumes = arguments.assumes;
+  const bool is_planning = arguments.format == kPlanningFormat;
+  options.assumes = arguments.assumes || is_planning;
   options.speed = arguments.speed;
   options.tool_radius = arguments.tool_radius;
   const Expected<Trajectory> motion = use_motion(arguments, configuration, observer, options);
   if (!motion) return motion.error();
   Expected<ExportedWorld> world = make_exported_world(scene, *parameters, options);
   if (!world) return world.error();
+  if (is_planning) leave_geometry(*world);
   for (const std::string& warning : world->warnings) observer.on_warning(warning);
   const std::filesystem::path& place = folder.path();
   if (auto written = write_world(arguments, *parameters, *motion, robot, place, *world); !written) {
@@ -322,9 +334,20 @@ void check_combination(const ExportArguments& arguments) {
   if (arguments.scene.empty() && format != "mjcf" && format != "urdf") {
     throw CLI::ValidationError("--to", "an arm without a scene is written as mjcf or urdf");
   }
+  const bool has_motion = !arguments.motion.empty() || arguments.samples > 0 || arguments.speed ||
+                          arguments.tool_radius;
+  const bool has_friction = !arguments.parameters.empty() || arguments.assumes;
+  if (arguments.scene.empty() && (has_motion || has_friction)) {
+    throw CLI::ValidationError(
+        "scene", "is missing: an arm alone takes --robot, --identified, --to and -o only");
+  }
+  if (format == kPlanningFormat && has_motion) {
+    throw CLI::ValidationError("--to", format +
+                                           " has neither friction nor motion: leave out "
+                                           "--motion, --sample, --speed and --tool-radius");
+  }
   if (!plain_format_of(format)) return;
-  if (!arguments.parameters.empty() || !arguments.motion.empty() || !arguments.robot.empty() ||
-      arguments.samples > 0 || arguments.assumes || arguments.speed || arguments.tool_radius) {
+  if (has_motion || has_friction || !arguments.robot.empty()) {
     throw CLI::ValidationError("--to", format + " has geometry alone: give scene and -o only");
   }
 }

@@ -95,6 +95,21 @@ TEST_F(IdentifyRunsCommand, AreIdentifiedByGroupToo) {
   EXPECT_TRUE(std::filesystem::exists(path_of("support.report/groups.csv")));
 }
 
+TEST_F(IdentifyRunsCommand, HaveAGroupForEachSupport) {
+  std::filesystem::create_directories(path_of("floor"));
+  std::filesystem::copy(path_of("lab/b"), path_of("floor/b"),
+                        std::filesystem::copy_options::recursive);
+  identified({path_of("lab/a"), path_of("floor/b"), "--group-by", "support"}, "two");
+  const auto report = nlohmann::json::parse(read_file(path_of("two.report/report.json")).value());
+  const auto& groups = report["objects"][0]["groups"];
+  ASSERT_EQ(groups.size(), 2U);
+  EXPECT_EQ(groups[0]["name"], "floor");
+  EXPECT_EQ(groups[1]["name"], "lab");
+  EXPECT_EQ(groups[0]["runs"].size(), 1U);
+  EXPECT_EQ(groups[1]["runs"].size(), 1U);
+  EXPECT_NE(groups[0]["runs"], groups[1]["runs"]);
+}
+
 TEST_F(IdentifyRunsCommand, MayHaveASceneEach) {
   for (const std::string name : {"a", "b"})
     run_json({"build", path_of("lab/" + name), "-o", path_of("scene-" + name)});

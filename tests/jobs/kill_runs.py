@@ -44,6 +44,7 @@ def kill(pid):
 
 class Trials:
     def __init__(self, pcavr, folder, recordings):
+        self.killed = self.named = 0
         self.pcavr, self.plan = pcavr, folder / "plan.json"
         self.results = folder / "plan"
         lab.call(pcavr, "plan", lab.record(pcavr, folder, recordings), "--chain", "build,identify,replay,evaluate",
@@ -61,7 +62,7 @@ class Trials:
         return lab.call(self.pcavr, "status", self.plan)["done"]
 
     def kill_once(self, kind, delay, choice):
-        """Starts what is not done, and kills. Returns the faults."""
+        """Starts what is not done, and kills. Returns the faults; counts the tasks that were killed and named."""
         before = self.done()
         runs = [self.start() for _ in range(2 if kind == "both" else 1)]
         time.sleep(delay)
@@ -80,6 +81,8 @@ class Trials:
             if runs[0].returncode not in (0, 1):
                 faults.append(f"run ended with {runs[0].returncode}")
             # A child that had already ended, and was not yet collected, can't be killed.
+            self.killed += len(killed)
+            self.named += sum("signal 9" in task["reason"] for task in failed)
             if any("signal 9" not in task["reason"] for task in failed):
                 faults.append(f"a task failed otherwise: {failed}")
         time.sleep(0.2)  # SIGTERM reaches the children of a killed one
@@ -123,6 +126,9 @@ def main():
             failed += bool(faults)
             if faults:
                 print(f"FAILED {i}: {kind} after {delay:.3f} s: {'; '.join(faults[:4])}", flush=True)
+        if trials.killed > 0 and trials.named == 0:
+            failed += 1
+            print(f"FAILED: of {trials.killed} tasks that were killed none was named", flush=True)
     print(f"seed {arguments.seed}: {arguments.count} kills in {rounds} rounds of {trials.tasks} tasks, {failed} failed")
     return 1 if failed else 0
 

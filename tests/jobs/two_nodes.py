@@ -12,6 +12,7 @@ what was killed is started again. Exit code 77, skipped: Slurm is not installed.
 slurm-wlm; all is in a temporary folder, on the loopback interface.
 """
 import argparse
+import contextlib
 import os
 import pathlib
 import random
@@ -50,11 +51,18 @@ def kill(nodes, kind, rng):
         nodes.kill(name)
         nodes.declare_lost(name)
         return lambda: nodes.start_node(name)
-    tasks = [pid for pid in cluster.descendants(nodes.processes[name].pid)
-             if b"--task" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()]
+    tasks = [pid for pid in cluster.descendants(nodes.processes[name].pid) if is_task(pid)]
     if tasks:
-        os.kill(rng.choice(tasks), 9)
+        with contextlib.suppress(ProcessLookupError):  # it has ended meanwhile
+            os.kill(rng.choice(tasks), 9)
     return lambda: None
+
+
+def is_task(pid):
+    try:
+        return b"--task" in pathlib.Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return False
 
 
 def run_with_kills(pcavr, nodes, file, kills, rng, timeout):

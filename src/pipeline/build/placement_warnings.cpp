@@ -82,16 +82,17 @@ std::vector<MovedPose> moved_by_more_than(double max_stds, const CameraTrack& tr
 std::string contradicted_poses(const CameraTrack& track, const Trajectory& given,
                                const CameraTrackerOptions& options) {
   std::vector<std::size_t> frames;
-  double worst = 0.0;
+  double offset = 0.0, angle = 0.0;
   for (const MovedPose& one : moved_by_more_than(kWarningStds, track, given, options)) {
     frames.push_back(one.frame->frame);
-    worst = std::max(worst, one.offset);
+    offset = std::max(offset, one.offset);
+    angle = std::max(angle, one.angle);
   }
   if (frames.empty()) return {};
   return fmt::format(
-      "groundtruth.txt: its poses of {} are up to {:.0f} mm off what the images show with the "
-      "others, and are outweighed; --trust-poses takes them as they are",
-      frames_text(frames), 1e3 * worst);
+      "groundtruth.txt: its poses of {} are up to {:.0f} mm and {:.1f} deg off what the images "
+      "show with the others, and are outweighed; --trust-poses takes them as they are",
+      frames_text(frames), 1e3 * offset, angle * 180.0 / std::numbers::pi);
 }
 
 }  // namespace
@@ -133,8 +134,8 @@ std::optional<Error> moved_poses(const CameraTrack& track, const Trajectory& giv
   }
   if (moved.size() > kMaxRanges) list += fmt::format(" and {} more", moved.size() - kMaxRanges);
   return Error{
-      .message = fmt::format("{} of its {} poses are contradicted by more than {:.0f} stds: {}",
-                             moved.size(), given.size(), kMaxStatedStds, list),
+      .message = fmt::format("its poses of {} frames are contradicted by more than {:.0f} stds: {}",
+                             moved.size(), kMaxStatedStds, list),
       .file = (recording / "groundtruth.txt").string(),
       .place = {},
       .hint = "remove them, state a larger --pose-std, or take them as they are: --trust-poses"};

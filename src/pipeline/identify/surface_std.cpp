@@ -40,13 +40,15 @@ std::optional<Coefficients> surface_std_of(const ObjectIdentification& found, co
     prior = surface_of_support(model, T_base_object, radius);
   }
   std::array<std::vector<double>, 15> without;
-  for (std::size_t group = 0; group < jackknife_groups(samples.size()); ++group) {
+  const std::size_t pushes = samples.empty() ? 0 : samples.back().push + 1;
+  for (std::size_t group = 0; group < jackknife_groups(pushes); ++group) {
     std::vector<PushSample> others;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (jackknife_group(i, samples.size()) != group) others.push_back(samples[i]);
+    for (const PushSample& sample : samples) {
+      if (jackknife_group(sample.push, pushes) != group) others.push_back(sample);
     }
     const LimitSurfaceFit fit = fit_limit_surface(others, options, prior);
-    if (fit.status != LimitSurfaceFitStatus::fitted) continue;
+    // The surface rests on this group alone: how well is not shown.
+    if (fit.status != LimitSurfaceFitStatus::fitted) return std::nullopt;
     const Coefficients coefficients = in_scales_of(found.surface.surface, fit.surface);
     for (std::size_t i = 0; i < without.size(); ++i) without[i].push_back(coefficients[i]);
   }

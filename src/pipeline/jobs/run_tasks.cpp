@@ -27,6 +27,8 @@ using Clock = std::chrono::steady_clock;
 
 /// Between two looks at the children: short against a task, long against a look.
 constexpr std::chrono::milliseconds kPollInterval{2};
+/// Between two tries of a task that another process has: each is work of a shared disk.
+constexpr std::chrono::milliseconds kBusyInterval{200};
 
 struct RunningTask {
   std::size_t index;
@@ -63,7 +65,8 @@ class TaskRunner {
         observer_(observer),
         states_(graph.tasks.size()),
         is_pending_(graph.tasks.size(), !options.only),
-        was_busy_(graph.tasks.size(), false) {}
+        was_busy_(graph.tasks.size(), false),
+        busy_until_(graph.tasks.size()) {}
 
   Expected<TasksRun> run() {
     if (options_.only) {
@@ -100,7 +103,7 @@ class TaskRunner {
     bool has_changed = false;
     for (std::size_t i = 0; i < graph_.tasks.size(); ++i) {
       if (running_.size() >= static_cast<std::size_t>(options_.jobs)) break;
-      if (!is_pending_[i]) continue;
+      if (!is_pending_[i] || Clock::now() < busy_until_[i]) continue;
       const std::optional<TaskStatus> blocked = blocked_status(graph_, graph_.tasks[i], states_);
       if (blocked && blocked->state == TaskState::waiting) continue;
       has_changed |= blocked ? finish(i, *blocked) : try_start(i);
@@ -118,6 +121,7 @@ class TaskRunner {
     if (!lock) return finish(i, failed(lock.error().to_string()));
     if (!*lock) {
       was_busy_[i] = true;
+      busy_until_[i] = Clock::now() + kBusyInterval;
       return false;
     }
     const std::string key = key_of(graph_, task, states_);
@@ -205,6 +209,7 @@ class TaskRunner {
   std::vector<TaskStatus> states_;
   std::vector<bool> is_pending_;
   std::vector<bool> was_busy_;  ///< another process had it
+  std::vector<Clock::time_point> busy_until_;
   std::vector<RunningTask> running_ = {};
   std::ptrdiff_t total_ = 0;
   std::size_t finished_ = 0;

@@ -23,31 +23,37 @@ JointValue equivalent_of(const JointFit& fit, FrictionTerm term) {
   return {.value = found->value, .std = found->std};
 }
 
+/// Of a viscous, a Coulomb or a constant term, by the joint's kind.
+const char* unit_in(const RobotJoint& joint, FrictionTerm term) {
+  if (joint.kind != JointKind::kPrismatic) return unit_of(term);
+  return term == FrictionTerm::viscous ? "N s/m" : "N";
+}
+
 /// Records a value of a joint; engines have no negative friction.
-double add_friction(const std::string& joint, FrictionTerm term, const std::string& key,
+double add_friction(const RobotJoint& joint, FrictionTerm term, const std::string& key,
                     const JointFit& fit, ExportedRobot& robot) {
   const JointValue found = equivalent_of(fit, term);
   const double written = std::max(found.value, 0.0);
-  robot.numbers.push_back({.object = joint,
+  robot.numbers.push_back({.object = joint.name,
                            .key = key,
                            .value = written,
                            .std = found.std,
-                           .unit = unit_of(term),
+                           .unit = unit_in(joint, term),
                            .origin = "measured"});
   if (written != found.value) {
     robot.warnings.push_back(fmt::format("{}: identified with a negative {} friction: written as 0",
-                                         joint, name_of(term)));
-    robot.residuals.push_back({.object = joint,
+                                         joint.name, name_of(term)));
+    robot.residuals.push_back({.object = joint.name,
                                .what = fmt::format("{} friction", name_of(term)),
                                .wanted = found.value,
                                .written = written,
-                               .unit = unit_of(term)});
+                               .unit = unit_in(joint, term)});
   }
   return written;
 }
 
 /// What a joint of engines does not have: the constant torque, and what was fitted beyond it.
-void add_joint_residuals(const std::string& joint, const JointFit& fit, ExportedRobot& robot) {
+void add_joint_residuals(const RobotJoint& joint, const JointFit& fit, ExportedRobot& robot) {
   std::string others;
   for (const FittedTerm& term : fit.friction) {
     const bool is_written = term.term == FrictionTerm::viscous ||
@@ -57,11 +63,12 @@ void add_joint_residuals(const std::string& joint, const JointFit& fit, Exported
     others += (others.empty() ? "fitted, and projected on these two: " : ", ") +
               std::string(name_of(term.term));
   }
-  robot.residuals.push_back({.object = joint,
-                             .what = "constant torque",
+  const bool is_prismatic = joint.kind == JointKind::kPrismatic;
+  robot.residuals.push_back({.object = joint.name,
+                             .what = is_prismatic ? "constant force" : "constant torque",
                              .wanted = equivalent_of(fit, FrictionTerm::offset).value,
                              .written = 0.0,
-                             .unit = unit_of(FrictionTerm::offset),
+                             .unit = unit_in(joint, FrictionTerm::offset),
                              .remark = others});
 }
 
@@ -111,10 +118,10 @@ Expected<ExportedRobot> make_exported_robot(const RobotModel& described,
                    .hint = "it rests in the log: identify the arm with a log in which it moves"};
     }
     ExportedJoint exported{.name = joint.name};
-    exported.damping = add_friction(joint.name, FrictionTerm::viscous, "damping", fit, robot);
-    exported.friction = add_friction(joint.name, FrictionTerm::coulomb, "friction", fit, robot);
+    exported.damping = add_friction(joint, FrictionTerm::viscous, "damping", fit, robot);
+    exported.friction = add_friction(joint, FrictionTerm::coulomb, "friction", fit, robot);
     robot.joints.push_back(exported);
-    add_joint_residuals(joint.name, fit, robot);
+    add_joint_residuals(joint, fit, robot);
   }
   warn_of_relative_meshes(described, robot);
   return robot;

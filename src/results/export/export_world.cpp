@@ -105,13 +105,17 @@ struct CompletedBody {
 /// [N] Friction at a speed: what pushes at such speeds have shown, else Coulomb and viscous
 /// friction, which lack what a slow speed adds.
 double friction_at(double speed, const ObjectParameters& known, const FrictionParameters& law) {
+  // A mean of equal speeds differs from them by rounding.
+  constexpr double kSameSpeed = 1e-9;
   const std::vector<SlidingForce>& rows = known.sliding_force;
+  for (const SlidingForce& row : rows) {
+    if (std::abs(row.speed - speed) <= kSameSpeed * speed) return row.force;
+  }
   const auto next = std::find_if(rows.begin(), rows.end(),
                                  [&](const SlidingForce& row) { return row.speed >= speed; });
-  if (next == rows.end() || (next == rows.begin() && next->speed > speed)) {
+  if (next == rows.end() || next == rows.begin()) {
     return law.coulomb_force + law.viscous * speed;
   }
-  if (next->speed == speed) return next->force;
   const SlidingForce& before = *std::prev(next);
   const double share = (speed - before.speed) / (next->speed - before.speed);
   return before.force + share * (next->force - before.force);

@@ -86,11 +86,14 @@ PlanningJson objects_json(const ExportedWorld& world) {
   return objects;
 }
 
-/// Whether a cube meets a closed mesh: conservative, by the sphere about the cube.
+/// Whether a cube meets a body's closed mesh where it is written: conservative, by the sphere about
+/// the cube.
 class BodySpace {
  public:
   explicit BodySpace(const ExportedBody& body)
-      : T_object_base_(body.T_base_object.inverse()), surface_object_(body.mesh_object) {}
+      : T_object_base_(
+            (body.T_base_object * Pose::from_translation(body.surface_offset_object)).inverse()),
+        surface_object_(body.mesh_object) {}
 
   [[nodiscard]] bool meets(const Eigen::Vector3d& centre_base, double edge) const {
     const Eigen::Vector3f centre = (T_object_base_ * centre_base).cast<float>();

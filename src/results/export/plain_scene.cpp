@@ -81,6 +81,10 @@ std::string coloured_obj(const std::vector<NamedMesh>& meshes) {
   return text;
 }
 
+Error nothing_in(const SceneManifest& scene) {
+  return {.message = "has neither a scan nor bodies", .file = scene.folder.string()};
+}
+
 /// A file of the scene under another name. `count` is of its triangles or points.
 Expected<PlainScene> copied(const std::filesystem::path& source, const std::string& name,
                             std::size_t count, const std::filesystem::path& folder) {
@@ -95,6 +99,7 @@ Expected<PlainScene> write_gltf(const SceneManifest& scene, const std::filesyste
   if (!content) return content.error();
   std::size_t triangles = 0;
   for (const GlbNode& node : content->nodes) triangles += node.triangles;
+  if (triangles == 0) return nothing_in(scene);
   return copied(scene.folder / kDisplayFile, "scene.glb", triangles, folder);
 }
 
@@ -118,9 +123,7 @@ Expected<PlainScene> write_plain_scene(const SceneManifest& scene, PlainFormat f
   const Expected<std::vector<NamedMesh>> meshes = meshes_of(scene);
   if (!meshes) return meshes.error();
   const TriangleMesh all = merged(*meshes);
-  if (all.triangles.empty()) {
-    return Error{.message = "has neither a scan nor bodies", .file = scene.folder.string()};
-  }
+  if (all.triangles.empty()) return nothing_in(scene);
   const bool is_ply = format == PlainFormat::ply, is_obj = format == PlainFormat::obj;
   PlainScene written{.file = is_ply   ? "scene.ply"
                              : is_obj ? "scene.obj"

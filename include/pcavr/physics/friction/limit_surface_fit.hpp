@@ -20,6 +20,7 @@ struct PushSample {
   /// [m] From the centre of mass, where a push above the support has moved the pressure: what the
   /// moment and the motion are about. Not used by the fit.
   Eigen::Vector2d centre_of_pressure = Eigen::Vector2d::Zero();
+  std::size_t push = 0;  ///< samples of one push share errors. Not used by the fit
 };
 
 enum class SurfaceShape {
