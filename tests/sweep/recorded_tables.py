@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of a recording as rows of numbers, read, changed and written: what wrong_rigs, wrong_files and
-wrong_logs change. Poses are rows t x y z qx qy qz qw, wrenches t fx fy fz tx ty tz."""
+"""The tables of a recording as rows of numbers, read, changed and written: what wrong_recordings,
+wrong_scenes and wrong_arms change. Poses are rows t x y z qx qy qz qw, wrenches t fx fy fz tx ty tz."""
 import math
 import re
 
@@ -9,7 +9,7 @@ from faults import replace_file
 
 
 class Table:
-    """A .csv with a header, or a TUM list. `save` unlinks first: a copy's files are hard links."""
+    """A .csv with a header, or a TUM list. `save` replaces the file."""
 
     def __init__(self, path):
         self.path = path

@@ -87,10 +87,10 @@ ScaleFindings check_force_scale(std::span<const WeighedObject> objects) {
   }
   const std::vector<Factor> factors = factors_of(objects);
   if (factors.empty()) {
-    findings.notes.push_back(
-        std::string("the force's scale is not compared with a mass: no push excited that of a "
-                    "weighed object; ") +
-        kForceScaleEffect);
+    findings.notes.push_back(std::string("the force's scale is not compared with a mass: ") +
+                             (objects.empty() ? "no object was weighed; "
+                                              : "no push excited that of a weighed object; ") +
+                             kForceScaleEffect);
   }
   if (const std::optional<CommonFactor> common = common_factor(factors)) {
     std::string message = fmt::format(

@@ -24,7 +24,7 @@ void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters&
       std::array{&ObjectParameters::inertial_mass, &ObjectParameters::limiting_static_friction,
                  &ObjectParameters::sliding_friction_coefficient,
                  &ObjectParameters::viscous_friction, &ObjectParameters::contact_stiffness,
-                 &ObjectParameters::contact_damping},
+                 &ObjectParameters::contact_damping, &ObjectParameters::loading_rate},
       share, known, result.parameters);
   for (SlidingForce& sliding : result.parameters.sliding_force) {
     sliding.std = std::hypot(sliding.std, share * sliding.force);

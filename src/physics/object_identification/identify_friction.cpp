@@ -185,7 +185,11 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   SlidesPosterior sliding = infer_sliding();
   if (!body.tracked.empty()) {
     const FrictionPosterior& first = sliding.joint;
-    const ParameterValue viscous = first.is_valid ? as_value(first.viscous) : ParameterValue{};
+    // Unknown, it has its prior: it biases the friction radius by up to 15 %.
+    const ParameterValue viscous =
+        first.is_valid
+            ? as_value(first.viscous)
+            : ParameterValue{0.5 * priors.max_viscous, priors.max_viscous / std::sqrt(12.0)};
     identify_turning_of(contacts, object, body, tip, tool_radius, viscous, options, result);
     if (result.friction_radius) sliding = infer_sliding();
   }

@@ -174,8 +174,11 @@ std::vector<PushSample> turning_samples(const AttributedContact& push, const Bod
 
 std::vector<PushSample> joined(const SamplesOfPushes& pushes) {
   std::vector<PushSample> samples;
-  for (const std::vector<PushSample>& push : pushes) {
-    samples.insert(samples.end(), push.begin(), push.end());
+  for (std::size_t push = 0; push < pushes.size(); ++push) {
+    for (const PushSample& sample : pushes[push]) {
+      samples.push_back(sample);
+      samples.back().push = push;
+    }
   }
   return samples;
 }

@@ -252,7 +252,9 @@ class Ros2Robot final : public RobotInterface, private PictureSource {
         measured = measured_;
       }
       if (newest && is_allowed(*newest, measured)) {
-        succeeds(setup_.command->name, [&] { publish(*newest, measured); });
+        const bool is_published =
+            succeeds(setup_.command->name, [&] { publish(*newest, measured); });
+        if (!is_published) q_base_command_.reset();  // as after a silence
       } else if (boot_clock() - last_published_ > kMaxSetpointAge) {
         q_base_command_.reset();  // the next one begins at the measured tool
       }

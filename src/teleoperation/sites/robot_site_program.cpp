@@ -302,8 +302,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     if (measurement_.has_fault()) {
       safety_.hold();
       if (const auto& failure = measurement_.failure()) {
-        warn("the robot can't be read: the tool holds until it is resumed", now,
-             " (" + failure->message + ')');
+        warn("the robot can't be read: the tool holds until it is resumed", now, failure->message);
       } else {
         warn("the robot reports values that are not valid: the tool holds until it is resumed",
              now);
@@ -371,12 +370,15 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
     send(packet.peer, session, LinkReject{reason, std::move(text)});
   }
 
-  /// `detail` may differ from cycle to cycle: it does not make another line of it.
-  void warn(const std::string& line, double now, const std::string& detail = {}) {
+  /// `detail` may differ from cycle to cycle: it does not make another line of it. A repeated line
+  /// allocates nothing.
+  void warn(std::string_view line, double now, std::string_view detail = {}) {
     if (line == last_notice_ && now < last_notice_at_ + kMinNoticeInterval) return;
     last_notice_ = line;
     last_notice_at_ = now;
-    reporter_.warn(now, line + detail);
+    std::string text(line);
+    if (!detail.empty()) text.append(" (").append(detail).append(")");
+    reporter_.warn(now, text);
   }
 
   RobotTransport& server_;

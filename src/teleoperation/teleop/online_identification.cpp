@@ -106,23 +106,31 @@ bool OnlineIdentification::learn(const ContactRecord& record, double begin,
   ContactEpisode episode = *nearest;
   if (facts.has_slid && !is_press(episode)) check_breakaway(episode);
   auto contact = observed(record, found, episode, facts);
-  return !contact->t_tool.empty() && add(std::move(contact), facts.has_slid);
+  if (!contact->t_tool.empty()) store(std::move(contact), facts.has_slid);
+  return has_changed_;
 }
 
 bool OnlineIdentification::add(std::shared_ptr<const ObservedContact> contact, bool has_slid) {
   has_changed_ = false;
+  store(std::move(contact), has_slid);
+  return has_changed_;
+}
+
+void OnlineIdentification::store(std::shared_ptr<const ObservedContact> contact, bool has_slid) {
   const ContactEpisode& episode = contact->contact.episode;
   if (!contacts_.empty() &&
       std::abs(contacts_.back()->contact.episode.begin - episode.begin) < kSameContact)
     contacts_.pop_back();
   contacts_.push_back(contact);
   forget_old_contacts();
+  // A press that goes on as a push is no press any more.
+  is_law_of_presses_ &= std::ranges::any_of(
+      contacts_, [this](const auto& one) { return is_press(one->contact.episode); });
   const bool shows_friction = has_slid && !is_press(episode);
   has_slid_ = has_slid_ || shows_friction;
   is_search_due_ = has_slid_;
   learn_contact();
   if (shows_friction) assume_friction(episode);
-  return has_changed_;
 }
 
 bool OnlineIdentification::is_usable(const ContactEpisode& contact, const ContactRecord& record,
@@ -296,7 +304,7 @@ ObjectIdentification OnlineIdentification::identify_law() const {
   }
   if (of_presses.size() > 0) {
     ObjectIdentification found = of_presses.result().object;
-    if (found.presses.best().is_valid) return found;
+    if (found.presses.best().is_valid || of_presses.size() == contacts_.size()) return found;
   }
   return identifier(without_law, IdentificationGoal::contact).result().object;
 }

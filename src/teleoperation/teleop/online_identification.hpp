@@ -98,6 +98,8 @@ class OnlineIdentification {
                                                                 const Segmentation& found,
                                                                 const ContactEpisode& episode,
                                                                 const ContactFacts& facts) const;
+  /// In place of an earlier state of the same contact.
+  void store(std::shared_ptr<const ObservedContact> contact, bool has_slid);
   void forget_old_contacts();
   /// The identification from the contacts so far.
   [[nodiscard]] ObjectIdentifier identifier(const ObjectParameters& known,
@@ -128,6 +130,8 @@ class OnlineIdentification {
   /// Accepts mass, mu and B together: only all three give the friction at the speeds of the pushes.
   void accept_sliding(const ObjectIdentification& found);
   void accept_radius(const ObjectIdentification& found);
+  /// The object as it was first tracked in the contacts: the face that it stands on.
+  [[nodiscard]] Pose first_pose() const;
   void accept_tool_friction(const ObjectIdentification& found);
   void discard_learned_limit();
   bool accept(std::optional<ParameterValue> ObjectParameters::*field, const ParameterValue& found);

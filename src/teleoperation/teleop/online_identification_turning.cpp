@@ -25,22 +25,31 @@ void OnlineIdentification::accept_tool_friction(const ObjectIdentification& foun
     accept(&ObjectParameters::tool_friction_coefficient, *friction);
   } else if (suspected_turn_ > 0.0) {
     // A force that is turned looks like it: what was learned before that was seen is withdrawn.
+    has_changed_ |= known_.tool_friction_coefficient.has_value();
     known_.tool_friction_coefficient = friction;
   }
 }
 
+Pose OnlineIdentification::first_pose() const {
+  for (const auto& contact : contacts_) {
+    if (!contact->tracked.empty()) return contact->tracked.front().T_base_object;
+  }
+  return object_->T_base_object;
+}
+
 void OnlineIdentification::accept_radius(const ObjectIdentification& found) {
-  const std::optional<ParameterValue>& radius = found.friction_radius;
-  if (!radius || *radius->std > options_.max_radius_std * radius->value) return;
+  if (!found.friction_radius) return;
+  const ParameterValue& radius = *found.parameters.friction_radius;
+  if (*radius.std > options_.max_radius_std * radius.value) return;
   const auto pushes = found.parameters.sources.pushes.find("friction_radius");
   if (pushes == found.parameters.sources.pushes.end() || pushes->second < kMinTurningPushes) return;
-  const Pose& T_base_object = object_->T_base_object;
+  const Pose T_base_object = first_pose();
   const double even = Support(object_->model, T_base_object).radius();
-  if (std::abs(radius->value - even) <= kSameRadius * *radius->std) return;
-  if (!accept(&ObjectParameters::friction_radius, *found.parameters.friction_radius)) return;
+  if (std::abs(radius.value - even) <= kSameRadius * *radius.std) return;
+  if (!accept(&ObjectParameters::friction_radius, radius)) return;
   known_.limit_surface = found.surface.status == LimitSurfaceFitStatus::fitted
                              ? found.parameters.limit_surface
-                             : surface_of_support(object_->model, T_base_object, radius->value);
+                             : surface_of_support(object_->model, T_base_object, radius.value);
 }
 
 }  // namespace pcavr

@@ -77,8 +77,7 @@ class PendingSearch {
   static constexpr char kTask[] = "the search for friction";
 
  private:
-  /// [s] of the data, until the result applies: twice the longest CPU time of 583 searches. One
-  /// push takes 17 ms, at most 44; six take 78, at most 206.
+  /// [s] of the data, until the result applies: a site waits for one that takes longer.
   static double duration(std::size_t contacts) {
     return 0.1 + 0.05 * static_cast<double>(contacts);
   }

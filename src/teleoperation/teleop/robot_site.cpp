@@ -255,9 +255,6 @@ void RobotSite::examine_inputs_at(double t) {
     for (RobotObject& object : objects_) object.forget_learned();
     return;
   }
-  for (RobotObject& object : objects_) {
-    object.knowledge.set_suspected_turn(watch_.suspected_turn());
-  }
   const double change = watch_.force().offset - offset;
   force_.set_offset(watch_.force().offset);
   if (change != 0.0) learn_again(change);

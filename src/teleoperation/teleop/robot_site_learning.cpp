@@ -121,6 +121,8 @@ void RobotSite::accept(RobotObject& object,
 void RobotSite::search_friction(RobotObject& object, double t) {
   if (object.search && object.search->pending.is_due(t)) apply_search(object);
   if (object.search) return;
+  // An identification that was applied meanwhile had the suspicion of its begin.
+  object.knowledge.set_suspected_turn(watch_.suspected_turn());
   if (std::optional<ObjectIdentifier> search = object.knowledge.next_search())
     object.search.emplace(RobotObject::Search{PendingSearch(background_, t, std::move(*search))});
 }
@@ -169,7 +171,6 @@ const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
 ContactRecord RobotSite::record_of(RobotObject& object,
                                    const RobotObject::IdentifiedOnline& contact) {
   object.knowledge.set_force_ceiling(force_.ceiling());
-  object.knowledge.set_suspected_turn(watch_.suspected_turn());
   const ForceStream::Record force = force_.between(contact.begin - kBefore, contact.until);
   const std::span<const double> t = tip_.t();
   const auto from = std::lower_bound(t.begin(), t.end(), contact.begin - kBefore);
