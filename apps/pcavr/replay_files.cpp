@@ -87,7 +87,9 @@ Expected<void> make_html(const ReplayFiles& files, const ReplayInput& input, con
   const Expected<fs::path> page = find_replay_page();
   if (!page) return page.error();
   const ReplayPageOptions options{
-      .max_bytes = static_cast<std::size_t>(files.html_size * kMegabyte), .replace = files.replace};
+      .max_bytes = static_cast<std::size_t>(files.html_size * kMegabyte),
+      .replace = files.replace,
+      .skip_bad = input.options.skip_bad};
   const Expected<ReplayPage> html = write_replay_page(
       files.html, *page, *scene, *replay, scene_name(input.scene), PCAVR_VERSION, options);
   if (!html) return html.error();

@@ -19,12 +19,13 @@
 #include "pcavr/base/core/json_text.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/core/output_file.hpp"
-#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/recordings/rosbag/cdr_camera_info.hpp"
 #include "pcavr/recordings/rosbag/cdr_messages.hpp"
 #include "pcavr/recordings/rosbag/cdr_scene_messages.hpp"
 #include "pcavr/recordings/rosbag/mcap_writer.hpp"
 #include "pcavr/teleoperation/sites/black_box.hpp"
+
+#include "viewer_messages.hpp"
 
 namespace pcavr {
 namespace {
@@ -36,7 +37,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
 constexpr char kCameraFrame[] = "camera";
 constexpr double kStampRounding = 1e-6;  ///< [s] of times since 1970 as double
-constexpr std::array<float, 4> kReplayedBodyColor{0.55F, 0.65F, 0.8F, 1.0F};
 
 bool is_mcap_file(const fs::path& file) {
   std::array<char, kMcapMagic.size()> start{};
@@ -128,50 +128,32 @@ class ReplayMessages {
                          }});
   }
 
-  /// What does not change: geometry, the arm, parameters as they are known at the end.
+  /// What does not change: geometry, and parameters as they are known at the end.
   Expected<void> write_scene(Stamp start) {
-    std::vector<cdr::MeshMarker> markers;
-    if (!scene_.scan_base.triangles.empty()) {
-      markers.push_back({.name = "scan", .frame = "base", .mesh = &scene_.scan_base});
-    }
-    for (std::size_t i = 0; i < std::min(frames_.size(), scene_.bodies_object.size()); ++i) {
-      markers.push_back({.name = names_[i],
-                         .frame = frames_[i] + kPredictedFrame,
-                         .mesh = &scene_.bodies_object[i],
-                         .color = kReplayedBodyColor});
-    }
+    // Without a prediction the bodies are where they were tracked.
+    std::vector<std::string> frames = frames_;
+    for (std::string& frame : frames) frame += replay_.teleop ? kPredictedFrame : "";
     const auto put = [&](const char* topic, std::string_view type, const std::string& schema,
                          const Bytes& bytes) {
       return file_.write(cdr_channel(topic, type, schema), start, bytes);
     };
     Expected<void> written = put("/scene", cdr::kMarkerArrayType, cdr::marker_array_definition(),
-                                 cdr::marker_array(start, markers));
+                                 cdr::marker_array(start, scene_markers(scene_, names_, frames)));
     if (!written) return written;
     written = put("/points", cdr::kPointCloudType, cdr::point_cloud_definition(),
                   cdr::point_cloud(start, scene_.points_base));
     if (!written) return written;
-    written = put("/parameters", cdr::kParametersType, cdr::parameters_definition(),
-                  cdr::parameters(start, parameters()));
-    if (!written || scene_.urdf.empty()) return written;
-    return put("/robot_description", cdr::kStringType, cdr::string_definition(),
-               cdr::text_message(scene_.urdf));
+    return put("/parameters", cdr::kParametersType, cdr::parameters_definition(),
+               cdr::parameters(start, parameter_rows(parameters())));
   }
 
-  [[nodiscard]] std::vector<cdr::Parameter> parameters() const {
-    std::vector<cdr::Parameter> values;
-    const auto add_all = [&](const std::string& object, const ObjectParameters& known) {
-      for (const auto& [key, parameter] : list_parameters(known)) {
-        values.push_back({object, key, parameter.value, parameter.std});
-      }
-    };
-    if (!replay_.teleop) {
-      for (const auto& [object, known] : scene_.parameters) add_all(object, known);
-      return values;
-    }
+  [[nodiscard]] ParameterTable parameters() const {
+    if (!replay_.teleop) return scene_.parameters;
+    ParameterTable table;
     for (std::size_t i = 0; i < std::min(names_.size(), replay_.teleop->parameters.size()); ++i) {
-      add_all(names_[i], replay_.teleop->parameters[i]);
+      table[names_[i]] = replay_.teleop->parameters[i];
     }
-    return values;
+    return table;
   }
 
   /// Tool, force and the camera's images.

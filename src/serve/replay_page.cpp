@@ -96,8 +96,9 @@ Expected<Json> read_json(const ContentSource& source, const std::string& path) {
 /// Collects what a page has of one scene and one replay.
 class PageFill {
  public:
-  PageFill(const ContentSource& scene, const ContentSource& replay, std::size_t max_bytes)
-      : scene_(&scene), replay_(&replay), max_bytes_(max_bytes) {}
+  PageFill(const ContentSource& scene, const ContentSource& replay, std::size_t max_bytes,
+           bool skips_bad)
+      : scene_(&scene), replay_(&replay), max_bytes_(max_bytes), skips_bad_(skips_bad) {}
 
   Expected<void> fill(ReplayPage& page) {
     Expected<Json> scene = read_json(*scene_, kScenePath);
@@ -186,6 +187,7 @@ class PageFill {
     std::size_t total = 0;
     for (const std::size_t i : evenly(times.size(), room / *size)) {
       const Expected<SharedContent> image = required_content(*replay_, image_path(i));
+      if (!image && skips_bad_) continue;
       if (!image) return image.error();
       total += carried_size(**image);
       if (total > room) break;  // later images are larger than the sampled ones
@@ -205,6 +207,7 @@ class PageFill {
     std::size_t largest = 1;
     for (const std::size_t i : evenly(count, kSampledImages)) {
       const Expected<SharedContent> image = required_content(*replay_, image_path(i));
+      if (!image && skips_bad_) continue;
       if (!image) return image.error();
       largest = std::max(largest, carried_size(**image));
     }
@@ -224,6 +227,7 @@ class PageFill {
   const ContentSource* scene_;
   const ContentSource* replay_;
   std::size_t max_bytes_;
+  bool skips_bad_;
   CarriedFiles files_;
 };
 
@@ -262,7 +266,8 @@ Expected<ReplayPage> write_replay_page(const fs::path& file, const fs::path& pag
                  .hint = "run scripts/build-page"};
   }
   ReplayPage written;
-  PageFill fill(scene, replay, options.max_bytes - std::min(options.max_bytes, html->size()));
+  PageFill fill(scene, replay, options.max_bytes - std::min(options.max_bytes, html->size()),
+                options.skip_bad);
   fill.files().add("/api/session", session_content(name, version));
   const Expected<void> filled = fill.fill(written);
   if (!filled) return filled.error();

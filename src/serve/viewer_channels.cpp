@@ -10,18 +10,17 @@
 
 #include <fmt/format.h>
 
-#include "pcavr/physics/object/parameters_file.hpp"
 #include "pcavr/physics/prediction/predicted_world.hpp"
 #include "pcavr/recordings/rosbag/cdr_messages.hpp"
 #include "pcavr/recordings/rosbag/cdr_scene_messages.hpp"
 #include "pcavr/teleoperation/sites/black_box.hpp"
 
+#include "viewer_messages.hpp"
+
 namespace pcavr {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-
-constexpr std::array<float, 4> kBodyColor{0.55F, 0.65F, 0.8F, 1.0F};
 
 Pose pose_of(const LinkTrackedObject& object) {
   return {object.orientation.cast<double>().normalized(), object.position.cast<double>()};
@@ -61,17 +60,9 @@ void ViewerChannels::add(std::string topic, std::string_view schema_name, std::s
 void ViewerChannels::add_scene() {
   add("/scene", cdr::kMarkerArrayType, cdr::marker_array_definition(), Rate::once,
       [this](const WorldSnapshot&) {
-        std::vector<cdr::MeshMarker> markers;
-        if (!scene_.scan_base.triangles.empty()) {
-          markers.push_back({.name = "scan", .frame = "base", .mesh = &scene_.scan_base});
-        }
-        for (std::size_t i = 0; i < std::min(frames_.size(), scene_.bodies_object.size()); ++i) {
-          markers.push_back({.name = world_.names()[i],
-                             .frame = frames_[i] + kPredictedFrame,
-                             .mesh = &scene_.bodies_object[i],
-                             .color = kBodyColor});
-        }
-        return cdr::marker_array(stamp_, markers);
+        std::vector<std::string> frames;
+        for (const std::string& frame : frames_) frames.push_back(frame + kPredictedFrame);
+        return cdr::marker_array(stamp_, scene_markers(scene_, world_.names(), frames));
       });
   add("/points", cdr::kPointCloudType, cdr::point_cloud_definition(), Rate::once,
       [this](const WorldSnapshot&) { return cdr::point_cloud(stamp_, scene_.points_base); });
@@ -175,13 +166,7 @@ Bytes ViewerChannels::encode_transforms(const WorldSnapshot& snapshot) const {
 }
 
 Bytes ViewerChannels::encode_parameters() const {
-  std::vector<cdr::Parameter> values;
-  for (const auto& [object, known] : scene_.parameters) {
-    for (const auto& [key, parameter] : list_parameters(known)) {
-      values.push_back({object, key, parameter.value, parameter.std});
-    }
-  }
-  return cdr::parameters(stamp_, values);
+  return cdr::parameters(stamp_, parameter_rows(scene_.parameters));
 }
 
 Bytes ViewerChannels::encode_phases(const WorldSnapshot& snapshot) const {

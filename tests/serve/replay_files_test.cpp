@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <string>
 
@@ -192,6 +193,11 @@ TEST_F(ReplayLogTest, HasTheChannelsOfALiveSiteInTheOrderOfTime) {
 }
 
 TEST_F(ReplayLogTest, HasTheCameraAndItsImagesAsRecorded) {
+  std::size_t images = 0;
+  for (const FrameFiles& frame : recording_.frames) {  // each another
+    std::ofstream(recording_.folder / frame.color_path, std::ios::app) << images++;
+  }
+  images = 0;
   ASSERT_TRUE(write_replay_log(file_, recording_, a_pushed_body(), scene_));
   const test::ReadBag bag = test::read_all(open_bag(file_));
   for (const test::ReadMessage& message : bag.messages) {
@@ -212,9 +218,11 @@ TEST_F(ReplayLogTest, HasTheCameraAndItsImagesAsRecorded) {
     if (message.topic != "/camera/image/compressed") continue;
     ASSERT_TRUE(decoded) << decoded.error().to_string();
     const auto& image = std::get<RosCompressedImage>(*decoded);
-    const std::string file = *read_file(recording_.folder / recording_.frames[0].color_path);
-    EXPECT_EQ(std::string(image.data.begin(), image.data.end()), file);
+    const FrameFiles& frame = recording_.frames.at(images++);
+    EXPECT_EQ(std::string(image.data.begin(), image.data.end()),
+              *read_file(recording_.folder / frame.color_path));
   }
+  EXPECT_EQ(images, recording_.frames.size());
 }
 
 TEST_F(ReplayLogTest, IsTheSameAtEachRunAndReplacesNothingElse) {

@@ -86,7 +86,7 @@ test('a report shows its headings, tables and plots without a network', limit, a
   await screenshot(page, 'report');
   assert.match(
     await page.locator('footer .origin').textContent(),
-    /^Made on \d{4}-\d\d-\d\d \d\d:\d\d UTC by pcavr evaluate 'my & run'$/,
+    /^Made by pcavr evaluate 'my & run'; file of \d{4}-\d\d-\d\d \d\d:\d\d UTC$/,
   );
   assert.deepEqual(seen.errors, []);
 });

@@ -17,6 +17,7 @@ inline constexpr char kReplayPageFile[] = "replay/index.html";
 struct ReplayPageOptions {
   std::size_t max_bytes = 8'000'000;  ///< of the file: what mail and issue trackers still accept
   bool replace = false;               ///< an existing file that is such a page
+  bool skip_bad = false;              ///< leave out images that don't decode
 };
 
 /// What was written, and what of the scene and the images had room.

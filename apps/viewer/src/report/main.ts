@@ -64,8 +64,8 @@ function block(data: Block, section: string, isOnly: boolean): HTMLElement {
 function origin({ command = '' }: ReportData): HTMLElement[] {
   if (command === '') return [];
   const date = new Date(document.lastModified).toISOString().slice(0, 16).replace('T', ' ');
-  const made = `Made on ${date} UTC by `;
-  return [create('p', { className: 'origin' }, made, create('code', { textContent: command }))];
+  const code = create('code', { textContent: command });
+  return [create('p', { className: 'origin' }, 'Made by ', code, `; file of ${date} UTC`)];
 }
 
 /// Links to the sections; none for a report that fits a screen.

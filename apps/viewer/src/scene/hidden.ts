@@ -21,9 +21,10 @@ export function isHidden(body: Body, others: readonly Body[], eye: Vector3): boo
 function blocks(body: Body, eye: Vector3, point: Vector3): boolean {
   if (body.box.isEmpty()) return false;
   const box = body.box.clone().expandByScalar(-margin);
-  if (box.isEmpty()) return false;
-  const from = body.solid.worldToLocal(eye.clone());
   const to = body.solid.worldToLocal(point.clone());
+  // Inside of a tray's or a shelf's box: that says nothing.
+  if (box.isEmpty() || box.containsPoint(to)) return false;
+  const from = body.solid.worldToLocal(eye.clone());
   const hit = new Ray(from, to.clone().sub(from).normalize()).intersectBox(box, new Vector3());
   return hit !== null && hit.distanceTo(from) < to.distanceTo(from);
 }

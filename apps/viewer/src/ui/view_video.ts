@@ -41,10 +41,19 @@ export class ViewVideo {
     // H.264 needs even sides.
     Object.assign(this.canvas, { width: width & ~1, height: height & ~1 });
     const options = { mimeType: kind.type, videoBitsPerSecond: bitRate };
-    const recorder = new MediaRecorder(this.canvas.captureStream(rate), options);
+    const stream = this.canvas.captureStream(rate);
+    const recorder = new MediaRecorder(stream, options);
     const parts: Blob[] = [];
     recorder.addEventListener('dataavailable', ({ data }) => parts.push(data));
-    recorder.addEventListener('stop', () => this.save(new Blob(parts, { type: kind.type }), kind));
+    recorder.addEventListener('error', () =>
+      this.app.notify({ level: 'error', text: 'The browser could not record the video.' }),
+    );
+    recorder.addEventListener('stop', () => {
+      for (const track of stream.getTracks()) track.stop();
+      if (this.recorder === recorder) this.stop(); // it has ended by itself
+      const video = new Blob(parts, { type: kind.type });
+      if (video.size > 0) this.save(video, kind);
+    });
     recorder.start();
     this.recorder = recorder;
     this.showButton();
@@ -52,7 +61,7 @@ export class ViewVideo {
   }
 
   private stop(): void {
-    this.recorder?.stop();
+    if (this.recorder?.state === 'recording') this.recorder.stop();
     this.recorder = null;
     this.showButton();
   }
