@@ -7,7 +7,11 @@ set(pcavr_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pcavr)
 execute_process(COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/scripts/public-headers OUTPUT_VARIABLE public_headers
                 OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE "\n" ";" public_headers "${public_headers}")
+# The list is made anew where what it follows from has changed.
+file(GLOB_RECURSE public_header_users CONFIGURE_DEPENDS samples/*.cpp python/bindings/*.[ch]pp tests/package/*.cpp)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS scripts/public-headers ${public_header_users})
 foreach(header IN LISTS public_headers)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS include/${header})
   cmake_path(GET header PARENT_PATH folder)
   install(FILES include/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder} COMPONENT development)
 endforeach()

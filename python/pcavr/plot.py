@@ -28,10 +28,10 @@ def _distances(positions: _Array) -> _Array:
 
 def push(recording: Recording, axes: Sequence[Any] | None = None) -> Sequence[Any]:
     """Force and motion of a recording over time, in two axes: the force's components [N]; the distance of the
-    tip and of each tracked object from where it was first [mm]. t is in s from the tool's first pose."""
+    tip and of each tracked object from where it was first [mm]. t is in s from the first sample."""
     axes = _new_axes(2, 5.0) if axes is None else axes
     series = [recording.tool.t, recording.wrench.t, *(each.t for each in recording.tracked.values())]
-    start = min(t[0] for t in series if len(t))
+    start = min((t[0] for t in series if len(t)), default=0.0)
     for i, name in enumerate("xyz"):
         if len(recording.wrench):
             axes[0].plot(recording.wrench.t - start, recording.wrench.forces[:, i], label=f"force {name}", lw=0.8)

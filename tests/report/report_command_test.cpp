@@ -14,8 +14,9 @@ namespace pcavr {
 namespace {
 
 TEST(ReportCommand, IsAsAShellTakesItWithoutItsOutput) {
-  std::vector<std::string> given{"/a/pcavr", "eval",   "it's mine", "-o",        "there",
-                                 "--force",  "--seed", "3",         "--threads", "2"};
+  std::vector<std::string> given{"/a/pcavr",   "eval",   "it's mine", "-o",        "there",
+                                 "--force",    "--seed", "3",         "--threads", "2",
+                                 "--output=x", "-ox",    "--report=y"};
   std::vector<char*> words;
   for (std::string& word : given) words.push_back(word.data());
   EXPECT_EQ(command_of(words), "pcavr eval 'it'\\''s mine' --seed 3");

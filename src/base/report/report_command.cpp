@@ -32,7 +32,12 @@ std::string quoted(std::string_view word) {
 
 /// Options that say where a report goes or how it is made, and not what is in it: their values,
 /// too.
-bool is_left_out(std::string_view word) { return word == "--force" || word == "--json"; }
+bool is_left_out(std::string_view word) {
+  const bool has_joined_value = word.starts_with("--output=") || word.starts_with("--report=") ||
+                                word.starts_with("--threads=") ||
+                                (word.starts_with("-o") && word.size() > 2);
+  return word == "--force" || word == "--json" || has_joined_value;
+}
 bool is_left_out_with_value(std::string_view word) {
   return word == "-o" || word == "--output" || word == "--report" || word == "--threads";
 }
