@@ -91,7 +91,8 @@ ConsistencyFinding focal_finding(const Manifest& manifest, const Hypothesis& hyp
                              .message = {},
                              .hint = {},
                              .factor = factor,
-                             .frames = frames};
+                             .frames = frames,
+                             .displacement = 1.0 - 1.0 / factor};
   const bool has_both = hypothesis.has_x && hypothesis.has_y;
   finding.place = has_both ? "camera.fx, camera.fy" : hypothesis.has_x ? "camera.fx" : "camera.fy";
   const auto values = [&](double divisor) {
