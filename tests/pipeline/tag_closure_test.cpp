@@ -57,7 +57,8 @@ TEST(TagClosure, IsUsualWhereDepthIsOffByAPerCent) {
   EXPECT_FALSE(closure->is_significant()) << closure->offset << " of " << closure->expected;
   EXPECT_EQ(doubt_of(*closure, {}).position, 0.0);
   ConsistencyFinding lens;
-  lens.displacement = 0.04;
+  lens.place = "camera.cx, camera.cy";
+  lens.factor = 1.04;
   EXPECT_NEAR(doubt_of(*closure, {lens}).position, 0.04 * closure->distance, 1e-9);
   EXPECT_NEAR(doubt_of(*closure, {lens}).rotation, 0.04, 1e-9);
 }

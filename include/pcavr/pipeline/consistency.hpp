@@ -26,8 +26,6 @@ struct ConsistencyFinding {
   std::string hint;        ///< what to check
   double factor = 1.0;     ///< >= 1, by which they disagree; 1 where it is no ratio
   std::size_t frames = 0;  ///< that show it; 0 where the files alone show it
-  /// By which a wrong camera displaces what it sees, as a share of its distance; 0 for others.
-  double displacement = 0.0;
 
   /// "markers[0].size: ...; check ...", in one line.
   [[nodiscard]] std::string to_string() const { return input() + ": " + message + "; " + hint; }

@@ -18,18 +18,18 @@ namespace {
 
 /// [s] 5 Hz. Faster filters look like a delay, which is corrected.
 constexpr double kMinTimeConstant = 0.03;
-constexpr double kHalfWidth = 0.010;  // [s] of the force's smoothing, short beside that
+constexpr double kFallHalfWidth = 0.010;  // [s] of the force's smoothing, short beside that
 /// Levels of the fall, as shares of the peak: an exponential passes both steps in the same time;
 /// F = k d^n of a tip that retreats steadily the second one in 0.4 (n = 1) to 0.7 (n = 3) of it.
-constexpr std::array<double, 3> kLevels{0.4, 0.16, 0.064};
-constexpr double kMinStepRatio = 0.8;
-constexpr double kMaxStepRatio = 1.25;
+constexpr std::array<double, 3> kFallLevels{0.4, 0.16, 0.064};
+constexpr double kMinFallRatio = 0.8;
+constexpr double kMaxFallRatio = 1.25;
 constexpr double kMinLevelStds = 4.0;  // of the force's noise, at the lowest level
-constexpr std::size_t kMinContacts = 2;
-constexpr double kMinShare = 2.0 / 3.0;  // of the contacts that fall far enough to show it
-constexpr double kMaxScatter = 0.2;      // of the time constants [median deviation, relative]
-constexpr double kMinCorrelation = 0.3;  // after half a time constant: 0.6 behind such a filter
-constexpr double kFreeMargin = 0.5;      // [s] from contacts, for what follows them to fade
+constexpr std::size_t kMinFilteredFalls = 2;
+constexpr double kMinFilteredShare = 2.0 / 3.0;  // of the contacts that fall far enough to show it
+constexpr double kMaxFallScatter = 0.2;      // of the time constants [median deviation, relative]
+constexpr double kMinFreeCorrelation = 0.3;  // after half a time constant: 0.6 behind such a filter
+constexpr double kFreeAround = 0.5;          // [s] from contacts, for what follows them to fade
 constexpr std::size_t kMinFreePairs = 200;
 
 struct Fall {
@@ -40,22 +40,22 @@ struct Fall {
 /// The fall at the end of a contact; nothing where noise hides it.
 std::optional<Fall> fall_of(const ContactEpisode& contact, double noise) {
   if (contact.impact || contact.t.empty()) return std::nullopt;
-  const std::vector<SmoothedSample> f = smooth(contact.t, contact.force, contact.t, kHalfWidth);
+  const std::vector<SmoothedSample> f = smooth(contact.t, contact.force, contact.t, kFallHalfWidth);
   double peak = 0.0;
   for (const SmoothedSample& sample : f) {
     if (sample.is_valid) peak = std::max(peak, sample.value);
   }
-  if (kLevels.back() * peak < kMinLevelStds * noise) return std::nullopt;
-  std::array<double, kLevels.size()> passed{};
-  for (std::size_t level = 0; level < kLevels.size(); ++level) {
+  if (kFallLevels.back() * peak < kMinLevelStds * noise) return std::nullopt;
+  std::array<double, kFallLevels.size()> passed{};
+  for (std::size_t level = 0; level < kFallLevels.size(); ++level) {
     std::size_t i = f.size();
-    while (i > 0 && !(f[i - 1].is_valid && f[i - 1].value >= kLevels[level] * peak)) --i;
+    while (i > 0 && !(f[i - 1].is_valid && f[i - 1].value >= kFallLevels[level] * peak)) --i;
     if (i == 0) return std::nullopt;
     passed[level] = contact.t[i - 1];
   }
   const double first = passed[1] - passed[0], second = passed[2] - passed[1];
   if (!(first > 0.0)) return std::nullopt;
-  return Fall{(passed[2] - passed[0]) / std::log(kLevels[0] / kLevels[2]), second / first};
+  return Fall{(passed[2] - passed[0]) / std::log(kFallLevels[0] / kFallLevels[2]), second / first};
 }
 
 /// Correlation of the force without contact with itself `delay` later; nothing where there is too
@@ -66,7 +66,7 @@ std::optional<double> free_correlation(const Segmentation& found, std::span<cons
   const auto lag = static_cast<std::size_t>(std::llround(delay / interval));
   const auto is_free = [&](double at) {
     return std::none_of(found.contacts.begin(), found.contacts.end(), [&](const auto& contact) {
-      return at > contact.begin - kFreeMargin && at < contact.end + kFreeMargin;
+      return at > contact.begin - kFreeAround && at < contact.end + kFreeAround;
     });
   };
   double squares = 0.0, products = 0.0;
@@ -92,22 +92,22 @@ std::optional<InputFault> force_filter_fault(const Segmentation& found,
     const std::optional<Fall> fall = fall_of(contact, found.noise);
     if (!fall) continue;
     ++falls;
-    if (fall->step_ratio < kMinStepRatio || fall->step_ratio > kMaxStepRatio) continue;
+    if (fall->step_ratio < kMinFallRatio || fall->step_ratio > kMaxFallRatio) continue;
     time_constants.push_back(fall->time_constant);
   }
-  if (time_constants.size() < kMinContacts ||
-      static_cast<double>(time_constants.size()) < kMinShare * static_cast<double>(falls)) {
+  if (time_constants.size() < kMinFilteredFalls ||
+      static_cast<double>(time_constants.size()) < kMinFilteredShare * static_cast<double>(falls)) {
     return std::nullopt;
   }
   const double time_constant = median(time_constants);
   if (time_constant < kMinTimeConstant) return std::nullopt;
   std::vector<double> deviations;
   for (const double one : time_constants) deviations.push_back(std::abs(one / time_constant - 1.0));
-  if (median(std::move(deviations)) > kMaxScatter) return std::nullopt;
+  if (median(std::move(deviations)) > kMaxFallScatter) return std::nullopt;
   const std::optional<double> correlation = free_correlation(found, t_force, 0.5 * time_constant);
-  if (!correlation || *correlation < kMinCorrelation) return std::nullopt;
+  if (!correlation || *correlation < kMinFreeCorrelation) return std::nullopt;
   return InputFault{
-      InputFaultKind::force_filter,
+      InputFaultKind::force_unit,  // like another unit: the tool can be replayed without it
       {.message = fmt::format(
            "the force is behind a low pass of about {:.1f} Hz: after {} contacts it falls with a "
            "time constant of {:.0f} ms, and its noise is as slow (correlation {:.2f} after half of "

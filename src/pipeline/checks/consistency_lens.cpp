@@ -91,8 +91,7 @@ ConsistencyFinding focal_finding(const Manifest& manifest, const Hypothesis& hyp
                              .message = {},
                              .hint = {},
                              .factor = factor,
-                             .frames = frames,
-                             .displacement = 1.0 - 1.0 / factor};
+                             .frames = frames};
   const bool has_both = hypothesis.has_x && hypothesis.has_y;
   finding.place = has_both ? "camera.fx, camera.fy" : hypothesis.has_x ? "camera.fx" : "camera.fy";
   const auto values = [&](double divisor) {

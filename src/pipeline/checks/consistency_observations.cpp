@@ -148,7 +148,9 @@ constexpr double kFirstStep = 0.032;
 constexpr double kLastStep = 0.004;
 constexpr double kMaxShift = 0.1;
 
-bool fits(const OutlineCounts& counts) { return counts.behind <= kMaxBehind * counts.outline; }
+bool is_fitting(const OutlineCounts& counts) {
+  return counts.behind <= kMaxBehind * counts.outline;
+}
 
 /// Where depth has the body, relative to this pose, in its own axes: a pattern search over
 /// translations [Hooke & Jeeves 1961]. Zero where it fits here, or nowhere near.
@@ -157,7 +159,7 @@ Eigen::Vector3d shift_of(const OutlineView& view, const Pose& T_camera_object) {
     return view.count(T_camera_object * Pose::from_translation(shift), 1.0);
   };
   const OutlineCounts given = at(Eigen::Vector3d::Zero());
-  if (fits(given)) return Eigen::Vector3d::Zero();
+  if (is_fitting(given)) return Eigen::Vector3d::Zero();
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   OutlineCounts best_counts = given;
   for (double step = kFirstStep; step >= kLastStep;) {
@@ -172,7 +174,7 @@ Eigen::Vector3d shift_of(const OutlineView& view, const Pose& T_camera_object) {
     if (best == from) step *= 0.5;
   }
   const bool is_decisive =
-      fits(best_counts) && best_counts.explained > kShiftFactor * given.explained;
+      is_fitting(best_counts) && best_counts.explained > kShiftFactor * given.explained;
   return is_decisive ? best : Eigen::Vector3d::Zero();
 }
 

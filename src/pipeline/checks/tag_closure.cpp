@@ -18,20 +18,26 @@ namespace {
 /// Depth cameras are off by this share of the distance, the same in all frames [one std].
 constexpr double kDepthShare = 0.005;
 /// A tag is glued on and measured to a millimetre [m, one std].
-constexpr double kPlacementStd = 1e-3;
+constexpr double kTagCentreStd = 1e-3;
 constexpr double kSignificantStds = 3.0;
 /// Offset from which on nothing of the scene is where it is drawn: as for the stds of cameras, and
 /// as the share of the distance that a factor of 1.5 makes.
-constexpr double kMaxOffset = 0.25;  // [m]
-constexpr double kMaxShare = 1.0 / 3.0;
+constexpr double kMaxTagOffset = 0.25;  // [m]
+constexpr double kMaxTagShare = 1.0 / 3.0;
 
-std::map<std::size_t, const FramePlacement*> placed_frames(const CameraTrack& track) {
+std::map<std::size_t, const FramePlacement*> certain_frames(const CameraTrack& track) {
   std::map<std::size_t, const FramePlacement*> placed;
   for (const FramePlacement& frame : track.frames) {
     const bool is_known = std::isfinite(frame.position_std) && std::isfinite(frame.rotation_std);
     if (frame.status == PlacementStatus::placed && is_known) placed[frame.frame] = &frame;
   }
   return placed;
+}
+
+/// Whether a finding's factor is by how much the camera displaces what it sees: focal lengths,
+/// principal point and distortion.
+bool is_about_the_lens(const ConsistencyFinding& finding) {
+  return finding.place.starts_with("camera.") && finding.place != "camera.depth_scale";
 }
 
 }  // namespace
@@ -42,7 +48,7 @@ std::optional<TagClosure> close_tags(const Manifest& manifest,
                                      const std::vector<TagMeasurement>& measurements,
                                      const CameraTrack& track, const DepthNoise& noise,
                                      std::size_t min_frames) {
-  const std::map<std::size_t, const FramePlacement*> placed = placed_frames(track);
+  const std::map<std::size_t, const FramePlacement*> placed = certain_frames(track);
   std::vector<double> offsets, distances, expected;
   std::set<std::size_t> frames;
   for (const TagMeasurement& tag : measurements) {
@@ -57,7 +63,7 @@ std::optional<TagClosure> close_tags(const Manifest& manifest,
     distances.push_back(distance);
     expected.push_back(std::hypot(
         std::hypot(placement.position_std, placement.rotation_std * distance),
-        std::hypot(noise.depth_std(centre_camera.z()), kDepthShare * distance, kPlacementStd)));
+        std::hypot(noise.depth_std(centre_camera.z()), kDepthShare * distance, kTagCentreStd)));
     frames.insert(tag.frame);
   }
   if (frames.empty() || frames.size() < min_frames) return std::nullopt;
@@ -70,7 +76,8 @@ std::optional<TagClosure> close_tags(const Manifest& manifest,
 CameraDoubt doubt_of(const TagClosure& closure, const std::vector<ConsistencyFinding>& findings) {
   double offset = closure.is_significant() ? closure.offset : 0.0;
   for (const ConsistencyFinding& finding : findings) {
-    offset = std::hypot(offset, finding.displacement * closure.distance);
+    if (!is_about_the_lens(finding)) continue;
+    offset = std::hypot(offset, (finding.factor - 1.0) * closure.distance);
   }
   return {offset, offset / closure.distance};
 }
@@ -84,7 +91,8 @@ void widen_by(const CameraDoubt& doubt, CameraTrack& track) {
 }
 
 ConsistencyFinding finding_of(const TagClosure& closure) {
-  const bool is_meaningless = closure.offset > std::min(kMaxOffset, kMaxShare * closure.distance);
+  const bool is_meaningless =
+      closure.offset > std::min(kMaxTagOffset, kMaxTagShare * closure.distance);
   return {.severity = is_meaningless ? FindingSeverity::contradiction : FindingSeverity::warning,
           .file = "recording.yaml",
           .place = "camera, markers",

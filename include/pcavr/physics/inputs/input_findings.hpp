@@ -20,8 +20,7 @@ enum class InputFaultKind {
   mesh_size,
   force_sign,
   force_axes,
-  force_unit,
-  force_filter
+  force_unit
 };
 
 /// A fault that the data show positively: another interpretation (another sign, other axes, another
@@ -34,7 +33,7 @@ struct InputFault {
   /// The tool's motion is usable: the tool can be replayed without the force.
   [[nodiscard]] bool is_of_force_only() const {
     return kind == InputFaultKind::force_sign || kind == InputFaultKind::force_axes ||
-           kind == InputFaultKind::force_unit || kind == InputFaultKind::force_filter;
+           kind == InputFaultKind::force_unit;
   }
 };
 
