@@ -48,6 +48,7 @@ from trial import Trial, run_shell
 
 MAX_STDS = 4.0
 MAX_FACTOR = 1.5  # contradictions from here on have to be named
+NOT_COMPARED = "the force's scale is not compared"  # a note of the command
 LEFT_AS_IT_IS = 0.125  # share of the trials
 ARM_COULOMB, ARM_VISCOUS = 1.5, 0.8  # of sources.arm_torques
 SIMULATED = (("push", ()), ("probe", ()), ("push", ("--wide",)), ("turn", ()), ("press", ()))
@@ -201,6 +202,8 @@ def faults_of(pcavr, recording, wrong, outcome):
     if outcome.exit_code == 1:
         return [] if wrong else ["refused, although nothing is wrong"]
     is_named = wrong is not None and any(word in outcome.said for word in wrong.words)
+    if wrong and wrong.unchecked and NOT_COMPARED in outcome.said:
+        return []  # and what a wrong one would do to the result
     if wrong and wrong.unchecked and not is_named:
         row = wrong.unchecked
         return [] if row in not_checked(pcavr, recording) else [f"doctor does not say that {row} was not checked"]
