@@ -17,7 +17,7 @@
 namespace pcavr::app {
 namespace {
 
-constexpr std::size_t kMostFrames = 100'000;
+constexpr std::size_t kMaxFramesUsed = 100'000;
 
 struct CalibrateDepthArguments {
   std::string recording;
@@ -107,7 +107,7 @@ void add_calibrate_depth(CLI::App& calibrate, Action& action) {
                    "Recording with depth images of tags at several distances")
       ->required();
   add_calibration_output(*command, arguments->output);
-  add_whole<std::size_t>(*command, "--frames", arguments->depth.max_frames, 1, kMostFrames,
+  add_whole<std::size_t>(*command, "--frames", arguments->depth.max_frames, 1, kMaxFramesUsed,
                          "Images to use at most, evenly spaced")
       ->capture_default_str();
   command->add_flag("--skip-bad", arguments->depth.skip_bad,

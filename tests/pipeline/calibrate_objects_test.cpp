@@ -57,7 +57,7 @@ Pose a_pose(double degrees, const Eigen::Vector3d& p) {
 }
 
 TEST(CalibrateObjects, FindsATurnedAndShiftedFrameWithStdsThatHold) {
-  constexpr int kRigs = 100;
+  constexpr int kRigs = 60;
   const BoxRig rig{.T_tracked_object = a_pose(-40.0, {0.012, -0.020, 0.0})};
   int within = 0;
   double largest = 0.0;
@@ -98,7 +98,7 @@ TEST(CalibrateObjects, SaysWhatOneSideDoesNotShow) {
   EXPECT_FALSE(found->is_observable[1]);  // along the face
   EXPECT_FALSE(found->is_observable[6]);
   EXPECT_NE(parameter_names(*found, false).find("y, z"), std::string::npos);
-  EXPECT_NEAR(found->T_tracked_object.translation().z(), 0.0, 1e-12);
+  EXPECT_NEAR(found->T_tracked_object.translation().z(), 0.0, 1e-6);
 }
 
 TEST(CalibrateObjects, NeedsSeveralContacts) {

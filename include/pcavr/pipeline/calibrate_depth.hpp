@@ -57,8 +57,8 @@ struct DepthViews {
 [[nodiscard]] Expected<DepthViews> read_depth_views(const DepthInput& input,
                                                     const Observer& observer);
 
-/// True depth = scale * measured + offset, both by the tags' sizes and the focal length, which the
-/// scale cannot be told from.
+/// True depth = scale * measured + offset. An error of the tags' sizes or of the focal length looks
+/// like one of the scale: both are taken as right.
 struct DepthCalibration {
   double scale = 1.0, scale_std = 0.0;
   bool has_offset = false;  ///< the distances differ enough to show it; else it is taken as 0

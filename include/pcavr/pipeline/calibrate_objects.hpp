@@ -74,7 +74,8 @@ struct CalibratedObject {
 /// Moves (and scales) the mesh until the tip's surface touches it in all points, with Huber's loss
 /// (point to plane [Chen and Medioni 1991]), from stated pose and from turns of it about the
 /// vertical. A parameter that the contacts do not show to 5 mm, 3 degrees or 3 % stays as it is
-/// stated. Stds by the jackknife over contacts [Efron and Tibshirani 1993, ch. 11]. An Error where
+/// stated. Stds by the jackknife over contacts [Efron and Tibshirani 1993, ch. 11] and by
+/// all residuals, the mean of both variances. An Error where
 /// there are fewer than four contacts, or none of the parameters is shown.
 [[nodiscard]] Expected<CalibratedObject> calibrate_object(const TouchedObject& object);
 

@@ -22,7 +22,7 @@ namespace {
 
 /// Fewer places leave no residual that would say how good the fit is.
 constexpr std::size_t kMinPlaces = 5;
-/// The farthest tag over the nearest one from which on an offset is told from a scale.
+/// The farthest tag over the nearest one, from which on an offset does not look like a scale.
 constexpr double kMinDistanceRatio = 1.2;
 /// Huber's threshold in standard deviations, 95 % efficient [Huber 1981].
 constexpr double kHuber = 1.345;
@@ -148,11 +148,13 @@ void name_wrong_tags(const std::vector<PlaceRow>& rows, const Correction& correc
     by_tag[row.tag].push_back(error_left(row, correction) / row.depth);
   if (by_tag.size() < 3) return;
   for (const auto& [tag, errors] : by_tag) {
-    const double error = median(errors);
     std::vector<double> others;
-    for (const PlaceRow& row : rows) {
-      if (row.tag != tag) others.push_back(std::abs(error_left(row, correction) / row.depth));
+    for (const auto& [other, more] : by_tag) {
+      if (other != tag) others.insert(others.end(), more.begin(), more.end());
     }
+    const double middle = median(others);
+    for (double& one : others) one = std::abs(one - middle);
+    const double error = median(errors) - middle;
     const double limit = std::max(kMinTagError, kMinTagStds * kStdOverMad * median(others));
     if (std::abs(error) <= limit) continue;
     found.notes.push_back(

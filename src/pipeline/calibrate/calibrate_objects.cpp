@@ -30,7 +30,7 @@ constexpr std::array<const char*, kObjectParameters> kParameterNames{
 constexpr std::size_t kScale = 6;
 constexpr double kPerDegree = std::numbers::pi / 180.0;
 /// Stds beyond which a parameter is not observable: [m], [rad], 1.
-constexpr std::array<double, kObjectParameters> kLargestStd{
+constexpr std::array<double, kObjectParameters> kMaxStd{
     5e-3, 5e-3, 5e-3, 3.0 * kPerDegree, 3.0 * kPerDegree, 3.0 * kPerDegree, 0.03};
 /// Fewer contacts leave nothing by which others could be judged.
 constexpr std::size_t kMinContacts = 4;
@@ -39,8 +39,8 @@ constexpr int kTurns = 12;  ///< of the stated pose about the vertical, from whi
 constexpr double kScaleStds = 3.0;
 /// Huber's threshold in standard deviations, 95 % efficient [Huber 1981].
 constexpr double kHuberOfTouch = 1.345;
-/// [m] The rounding of a distance: below it no residual is told from another.
-constexpr double kSmallestGap = 1e-5;
+/// [m] The rounding of a distance: residuals below it are alike.
+constexpr double kMinGap = 1e-5;
 /// Another turn that fits within this factor of the best one's median error is as good.
 constexpr double kAsGood = 1.1;
 /// [rad] Turns closer than this are one.
@@ -100,7 +100,13 @@ double median_size(const std::vector<Gap>& gaps) {
 }
 
 double std_of(const std::vector<Gap>& gaps) {
-  return std::max(kSmallestGap, kStdOverMad * median_size(gaps));
+  return std::max(kMinGap, kStdOverMad * median_size(gaps));
+}
+
+double rms_of(const std::vector<Gap>& gaps) {
+  double squares = 0.0;
+  for (const Gap& gap : gaps) squares += gap.value * gap.value;
+  return gaps.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(gaps.size()));
 }
 
 /// Sum of the weighted squares of the slopes; 1 on the diagonal of parameters that are kept.
@@ -109,7 +115,7 @@ Information information_of(const std::vector<Gap>& gaps, const Parameters& free,
   Information information = Information::Zero();
   right.setZero();
   for (const Gap& gap : gaps) {
-    const double weight = std::min(1.0, threshold / std::max(std::abs(gap.value), kSmallestGap));
+    const double weight = std::min(1.0, threshold / std::max(std::abs(gap.value), kMinGap));
     Step slope = gap.slope;
     for (std::size_t i = 0; i < kObjectParameters; ++i) {
       if (!free[i]) slope[static_cast<Eigen::Index>(i)] = 0.0;
@@ -127,7 +133,7 @@ Information information_of(const std::vector<Gap>& gaps, const Parameters& free,
 /// Gauss-Newton, damped; a step is limited, so that the nearest faces stay those that were linked.
 Placement fitted(const Problem& problem, const Parameters& free, Placement placement) {
   constexpr int kRounds = 40;
-  constexpr double kDamping = 1e-6, kLargestStep = 0.02, kSmallestStep = 1e-9;
+  constexpr double kDamping = 1e-6, kMaxStep = 0.02, kMinStep = 1e-6;
   for (int round = 0; round < kRounds; ++round) {
     Step right;
     Information information = information_of(gaps_of(problem, placement), free, right);
@@ -136,10 +142,10 @@ Placement fitted(const Problem& problem, const Parameters& free, Placement place
     Step step = information.ldlt().solve(right);
     if (!step.allFinite()) break;
     const double size = std::max(step.head<3>().norm(), 0.1 * step.segment<3>(3).norm());
-    if (size > kLargestStep) step *= kLargestStep / size;
+    if (size > kMaxStep) step *= kMaxStep / size;
     placement = moved(placement, step);
     placement.scale = std::clamp(placement.scale, 0.1, 10.0);
-    if (step.norm() < kSmallestStep) break;
+    if (step.norm() < kMinStep) break;
   }
   return placement;
 }
@@ -150,8 +156,10 @@ std::array<double, kObjectParameters> expected_stds(const Problem& problem, cons
   const std::vector<Gap> gaps = gaps_of(problem, placement);
   Step unused;
   const Information information = information_of(gaps, free, unused);
-  const auto contacts = static_cast<double>(problem.object.contacts);
-  const double variance = std::pow(std_of(gaps), 2) * static_cast<double>(gaps.size()) / contacts;
+  const auto fitted = static_cast<double>(std::count(free.begin(), free.end(), true));
+  const double freedoms = std::max(1.0, static_cast<double>(problem.object.contacts) - fitted);
+  const double variance =
+      std::pow(std::max(kMinGap, rms_of(gaps)), 2) * static_cast<double>(gaps.size()) / freedoms;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd{information});
   std::array<double, kObjectParameters> stds{};
   for (std::size_t i = 0; i < kObjectParameters; ++i) {
@@ -167,7 +175,7 @@ std::array<double, kObjectParameters> expected_stds(const Problem& problem, cons
 
 bool are_observable(const std::array<double, kObjectParameters>& stds, const Parameters& free) {
   for (std::size_t i = 0; i < kObjectParameters; ++i) {
-    if (free[i] && !(stds[i] <= kLargestStd[i])) return false;
+    if (free[i] && !(stds[i] <= kMaxStd[i])) return false;
   }
   return true;
 }
@@ -214,7 +222,7 @@ Search search(const Problem& problem, const Parameters& plane) {
       std::min_element(candidates.begin(), candidates.end(),
                        [](const Candidate& a, const Candidate& b) { return a.error < b.error; })
           ->error;
-  const double limit = std::max(kAsGood * least, least + kSmallestGap);
+  const double limit = std::max(kAsGood * least, least + kMinGap);
   std::erase_if(candidates, [&](const Candidate& one) { return one.error > limit; });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.turn < b.turn; });
@@ -261,10 +269,16 @@ std::array<double, kObjectParameters> jackknife_stds(const Placement& placement,
   return stds;
 }
 
-double rms_of(const std::vector<Gap>& gaps) {
-  double squares = 0.0;
-  for (const Gap& gap : gaps) squares += gap.value * gap.value;
-  return gaps.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(gaps.size()));
+/// Of the mean variance. The jackknife's has as few freedoms as a side has contacts, which may
+/// agree by chance; that by all residuals takes all contacts as alike.
+std::array<double, kObjectParameters> mean_stds(
+    const std::array<double, kObjectParameters>& jackknife,
+    const std::array<double, kObjectParameters>& expected) {
+  std::array<double, kObjectParameters> stds{};
+  for (std::size_t i = 0; i < kObjectParameters; ++i) {
+    stds[i] = std::sqrt(0.5 * (jackknife[i] * jackknife[i] + expected[i] * expected[i]));
+  }
+  return stds;
 }
 
 /// [m] Of each contact's points by the fit without it.
@@ -308,6 +322,8 @@ Parameters shown_parameters(const Problem& problem) {
   for (const std::size_t parameter : order_of(vertical_axis(problem.object))) {
     Parameters more = free;
     more[parameter] = true;
+    // First as it is: along a flat face a step leads anywhere, and an edge there looks like a sign.
+    if (!are_observable(expected_stds(problem, more, placement), more)) continue;
     const Placement refined = fitted(problem, more, placement);
     if (!are_observable(expected_stds(problem, more, refined), more)) continue;
     free = more;
@@ -317,10 +333,10 @@ Parameters shown_parameters(const Problem& problem) {
 }
 
 /// The parameter whose std is largest against what is observable.
-std::size_t least_certain(const std::array<double, kObjectParameters>& stds) {
+std::size_t worst_parameter(const std::array<double, kObjectParameters>& stds) {
   std::size_t worst = 0;
   for (std::size_t i = 1; i < kObjectParameters; ++i) {
-    if (stds[i] / kLargestStd[i] > stds[worst] / kLargestStd[worst]) worst = i;
+    if (stds[i] / kMaxStd[i] > stds[worst] / kMaxStd[worst]) worst = i;
   }
   return worst;
 }
@@ -332,11 +348,12 @@ Search settle(const Problem& problem, CalibratedObject& found) {
     const Search best = placed(problem, free);
     const Placement& placement = best.placement;
     const std::vector<Placement> without = without_each(problem, free, placement);
-    found.stds = jackknife_stds(placement, without);
+    found.stds =
+        mean_stds(jackknife_stds(placement, without), expected_stds(problem, free, placement));
     found.held_out_rms = held_out_rms(problem, without);
     found.is_observable = free;
-    const std::size_t worst = least_certain(found.stds);
-    if (!(found.stds[worst] <= kLargestStd[worst])) {
+    const std::size_t worst = worst_parameter(found.stds);
+    if (!(found.stds[worst] <= kMaxStd[worst])) {
       free[worst] = false;
       continue;
     }

@@ -99,9 +99,9 @@ Expected<void> write_objects_report(const std::vector<CalibratedObject>& found,
     section.blocks.emplace_back(PlotGroup{"", {contact_map(found[i], objects[i])}});
     page.sections.push_back(std::move(section));
   }
-  return write_calibration_report(
-      std::move(page), "Std: standard deviation by the scatter between contacts (jackknife).",
-      report_json, folder);
+  return write_calibration_report(std::move(page),
+                                  "Std: standard deviation by the scatter between contacts.",
+                                  report_json, folder);
 }
 
 }  // namespace pcavr

@@ -23,7 +23,7 @@ namespace {
 constexpr double kUsualTipRadius = 0.01;
 /// A touch is not taken from less than this [N], nor from less than this share of the largest
 /// usual force: sensors drift, and a tip that leaves is pulled along.
-constexpr double kLeastForce = 0.5, kLeastShare = 0.15;
+constexpr double kMinForce = 0.5, kMinForceShare = 0.15;
 constexpr double kUsualLargest = 0.95;  ///< the quantile of the force that counts as the largest
 /// [s] From one point to the next, and between two contacts: a shorter release is a bounce.
 constexpr double kPointInterval = 0.05, kReleaseTime = 0.2;
@@ -37,7 +37,7 @@ double touching_force(const Recording& recording, const ObjectsInput& input) {
   for (const WrenchSample& sample : recording.wrench) sizes.push_back(sample.force.norm());
   const auto at = static_cast<std::size_t>(kUsualLargest * static_cast<double>(sizes.size() - 1));
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(at), sizes.end());
-  return std::max(kLeastForce, kLeastShare * sizes[at]);
+  return std::max(kMinForce, kMinForceShare * sizes[at]);
 }
 
 /// Stamps of each contact, as seconds from the recording's start.

@@ -25,7 +25,7 @@ constexpr char kGravity[] = "gravity of the tool by its orientation";
 constexpr char kJoints[] = "joints.csv against tool.csv through the URDF";
 constexpr double kToDegrees = 180.0 / std::numbers::pi;
 
-/// [rad] Orientations closer together than this do not tell a weight from a bias.
+/// [rad] In orientations closer together than this a weight and a bias look alike.
 constexpr double kMinTilt = 20.0 / kToDegrees;
 constexpr double kMaxLeftForce = 1.0;  ///< [N] as for the force at rest
 /// The tool's own axes explain the force where they leave this share of what the base's leave.
