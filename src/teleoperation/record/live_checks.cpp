@@ -26,7 +26,7 @@ constexpr double kMaxScatter = 0.5;    // [N] of a force on nothing that moves
 constexpr std::size_t kMinForces = 10;
 constexpr std::size_t kMaxForces = 10'000;  // of a peer that floods
 constexpr double kTagTime = 5.0;            // [s] without a tag
-constexpr std::size_t kMaxWarnings = 1000;  // that nobody has taken
+constexpr std::size_t kMaxWaitingWarnings = 1000;  // that nobody has taken
 
 bool may_pause(RecordRole role) {
   return role == RecordRole::transforms || role == RecordRole::camera_info;
@@ -54,6 +54,7 @@ void LiveChecks::on_message(std::size_t index, double t, std::span<const std::ui
   if (topic.is_silent) {
     if (topic.last) warn(topic, fmt::format("messages again after {:.1f} s", t - *topic.last));
     topic.is_silent = false;
+    topic.has_partial_window = true;
   }
   topic.last = t;
   ++topic.window_messages;
@@ -130,7 +131,8 @@ void LiveChecks::check_gap(Topic& topic, double t) {
 
 void LiveChecks::check_rate(Topic& topic, double window) {
   const double rate = static_cast<double>(std::exchange(topic.window_messages, 0)) / window;
-  if (!topic.rate || *topic.rate < kMinRate || topic.is_silent) return;
+  const bool is_partial = std::exchange(topic.has_partial_window, false);
+  if (!topic.rate || *topic.rate < kMinRate || topic.is_silent || is_partial) return;
   const bool is_slow = rate < kSlow * *topic.rate;
   if (is_slow && !topic.is_slow) {
     warn(topic, fmt::format("{:.0f} Hz, at first {:.0f} Hz", rate, *topic.rate));
@@ -147,7 +149,7 @@ void LiveChecks::on_time(double t) {
 }
 
 void LiveChecks::warn(const Topic& topic, const std::string& text) {
-  if (warnings_.size() < kMaxWarnings) warnings_.push_back(topic.type.name + ": " + text);
+  if (warnings_.size() < kMaxWaitingWarnings) warnings_.push_back(topic.type.name + ": " + text);
 }
 
 std::vector<std::string> LiveChecks::take_warnings() { return std::exchange(warnings_, {}); }

@@ -44,6 +44,7 @@ class LiveChecks {
     std::optional<double> rate = {};    ///< [Hz] of its first seconds, against which it is judged
     std::uint64_t window_messages = 0;  ///< in the current window
     bool is_silent = false;             ///< stated
+    bool has_partial_window = false;    ///< it was silent at the window's begin
     bool is_slow = false;               ///< stated
     bool is_undecodable = false;        ///< stated
     std::optional<double> last_tags = {};  ///< [s] when tags were seen; first: when it was searched

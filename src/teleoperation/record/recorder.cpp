@@ -40,7 +40,7 @@ constexpr double kCountsInterval = 1.0;          // [s] between two records of t
 constexpr double kChecksInterval = 0.1;          // [s]
 constexpr double kCameraInfoInterval = 1.0;      // [s]
 constexpr std::size_t kMaxPerTurn = 1000;  // messages of a source, before the others have theirs
-constexpr std::size_t kMaxWarnings = 1000;
+constexpr std::size_t kMaxUntaken = 1000;
 
 struct MessageHead {
   std::uint64_t topic = 0;
@@ -329,7 +329,7 @@ void Recorder::Content::note(const Expected<void>& written) {
 
 void Recorder::Content::warn(std::string line) {
   const std::lock_guard lock(mutex);
-  if (warnings.size() < kMaxWarnings) warnings.push_back(std::move(line));
+  if (warnings.size() < kMaxUntaken) warnings.push_back(std::move(line));
 }
 
 RecordStatus Recorder::Content::status() const {
