@@ -26,6 +26,7 @@ void add_export(CLI::App& app, Configuration& configuration, Action& action);
 void add_serve(CLI::App& app, Configuration& configuration, Action& action);
 void add_inspect(CLI::App& app, const Configuration& configuration, Action& action);
 void add_doctor(CLI::App& app, const Configuration& configuration, Action& action);
+void add_record(CLI::App& app, Configuration& configuration, Action& action);
 void add_tags(CLI::App& app, Action& action);
 void add_keygen(CLI::App& app, Action& action);
 void add_robot_site(CLI::App& app, Configuration& configuration, Action& action);

@@ -47,6 +47,7 @@ std::vector<OptionSection> Configuration::sections() {
   sections.push_back(section_of(robot_site.pictures));
   sections.push_back(section_of(operator_site));
   sections.push_back(section_of(black_box));
+  sections.push_back(section_of(recorder));
   return sections;
 }
 

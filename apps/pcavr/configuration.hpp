@@ -26,6 +26,7 @@
 #include "pcavr/serve/server.hpp"
 #include "pcavr/teleoperation/devices/open_device.hpp"
 #include "pcavr/teleoperation/devices/remote_device.hpp"
+#include "pcavr/teleoperation/record/recorder.hpp"
 #include "pcavr/teleoperation/sites/black_box.hpp"
 #include "pcavr/teleoperation/sites/link_sites.hpp"
 #include "pcavr/teleoperation/teleop/options.hpp"
@@ -55,6 +56,7 @@ struct Configuration {
   RobotSiteOptions robot_site;
   OperatorSiteOptions operator_site;
   BlackBoxOptions black_box;
+  RecorderOptions recorder;
 
   [[nodiscard]] PerceptionOptions& perception() { return build.perception; }
   [[nodiscard]] const PerceptionOptions& perception() const { return build.perception; }

@@ -153,6 +153,7 @@ int run_command_line(int argc, char** argv) {
   add_replay(app, configuration, action);
   add_evaluate(app, configuration, action);
   add_simulate(app, action);
+  add_record(app, configuration, action);
   add_import(app, action);
   add_export(app, configuration, action);
   add_serve(app, configuration, action);

@@ -54,6 +54,7 @@ const std::vector<std::pair<std::string_view, Names>>& used_sections() {
       {"pcavr export", {"recording"}},
       {"pcavr serve", joined({{"recording", "arm.drive"}, kPerception, kSites, kPage})},
       {"pcavr inspect", joined({{"recording"}, kPerception})},
+      {"pcavr record", {"record"}},
       {"pcavr robot-site", joined({{"recording", "robot_site", "black_box"}, kPerception, kSites})},
       {"pcavr operator-site",
        joined({{"recording", "robot_site.limits", "operator_site", "black_box"},

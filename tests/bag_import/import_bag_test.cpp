@@ -150,6 +150,51 @@ TEST_F(ImportBag, DepthAloneIsImportedWithGreyFrames) {
   EXPECT_NEAR((*frame)->depth(3, 3), 1e-3 * BagTwin::depth(0, 3, 3), 1e-6);
 }
 
+/// Imports the twin without the topics whose names contain one of `left_out`.
+class ImportBagOfColour : public ImportBag {
+ protected:
+  Expected<BagImportReport> import_without(const std::vector<std::string>& left_out,
+                                           BagImportOptions options = by_frame()) {
+    std::vector<BagTwin::Message> messages = BagTwin::messages(RosEncoder::Format::cdr);
+    std::erase_if(messages, [&](const BagTwin::Message& message) {
+      return std::any_of(left_out.begin(), left_out.end(), [&](const std::string& part) {
+        return message.topic.find(part) != std::string::npos;
+      });
+    });
+    BagTwin::write_mcap(folder_.path() / "colour.mcap", messages);
+    return import(folder_.path() / "colour.mcap", options);
+  }
+};
+
+TEST_F(ImportBagOfColour, AloneHasFramesWithoutDepth) {
+  const auto report = import_without({"depth"});
+  ASSERT_TRUE(report) << report.error().to_string();
+  EXPECT_EQ(stream_of(*report, "rgb").rows, std::size_t{BagTwin::kFrames});
+  const Expected<Recording> read = recording();
+  ASSERT_TRUE(read) << read.error().to_string();
+  EXPECT_FALSE(read->has_depth);
+  EXPECT_EQ(read->groundtruth.size(), std::size_t{BagTwin::kFrames});
+  ASSERT_EQ(read->frames.size(), std::size_t{BagTwin::kFrames});
+  FrameReader reader(*read);
+  const auto frame = reader.next();
+  ASSERT_TRUE(frame && *frame);
+  EXPECT_NEAR((*frame)->color(9, 9).r, BagTwin::color(9, 9).r, 12);
+}
+
+TEST_F(ImportBagOfColour, WithoutCameraInfoIsLeftOutWithANoteUnlessItIsNamed) {
+  const auto report = import_without({"depth", "camera_info"});
+  ASSERT_TRUE(report) << report.error().to_string();
+  ASSERT_EQ(report->notes.size(), 1U);
+  EXPECT_EQ(report->notes[0],
+            "/cam/color/image_raw has no camera info; give --camera with a calibration file");
+  EXPECT_TRUE(recording()->frames.empty());
+  BagImportOptions named = by_frame();
+  named.topics.color_topic = "/cam/color/image_raw";
+  const auto refused = import_without({"depth", "camera_info"}, named);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("has no camera info for /cam/color"), std::string::npos);
+}
+
 TEST_F(ImportBag, TheTipIsPlacedInTheToolsFrame) {
   BagImportOptions options = by_frame();
   options.topics.tool_frame = "flange";

@@ -95,6 +95,30 @@ TEST(Mcap, CutAnywhereIsReadUpToTheLastWholeMessage) {
   EXPECT_EQ(before, 40U);
 }
 
+TEST(Mcap, StatesWhatARecorderDroppedAtLast) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "a.mcap";
+  Expected<McapWriter> writer = McapWriter::create(file);
+  const std::uint16_t channel = writer->add_channel("/a", "json", 0);
+  ASSERT_TRUE(writer->write(channel, {1}, "{}"));
+  ASSERT_TRUE(writer->write_metadata("notes", {{"by", "a test"}}));
+  ASSERT_TRUE(writer->write_dropped({{"/a", 1}, {"/b", 2}}));
+  ASSERT_TRUE(writer->write(channel, {2}, "{}"));
+  ASSERT_TRUE(writer->write_dropped({{"/a", 3}, {"/b", 2}}));
+  const auto drops_of_a = [](const ReadBag& bag) {
+    return std::count_if(bag.warnings.begin(), bag.warnings.end(), [](const std::string& line) {
+      return line.find("3 messages of /a were dropped") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(drops_of_a(test::read_all(open_bag(file))), 1);  // as after a kill
+  ASSERT_TRUE(writer->close());
+  const ReadBag bag = test::read_all(open_bag(file));
+  EXPECT_EQ(bag.error, "");
+  EXPECT_EQ(bag.messages.size(), 2U);
+  EXPECT_EQ(bag.warnings.size(), 2U);
+  EXPECT_EQ(drops_of_a(bag), 1);
+}
+
 TEST(Mcap, ChangedBytesAreFoundByTheCrcs) {
   const TemporaryFolder folder;
   std::string bytes = write_mcap(folder.path() / "a.mcap");

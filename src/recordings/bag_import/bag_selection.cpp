@@ -146,8 +146,11 @@ class TopicSelector {
     });
     prefer(candidates, [](const SurveyedTopic& t) { return t.kind == RosMessageKind::image; });
     if (const auto done = select(depth, candidates, selection_.depth); !done) return done;
-    if (selection_.depth == nullptr) return {};
-    if (options_.color_topic == "none") return select_camera_info();
+    // Where several topics may be the depth, that is to be chosen first.
+    if (selection_.depth == nullptr && !candidates.empty()) return {};
+    if (options_.color_topic == "none") {
+      return selection_.depth != nullptr ? select_camera_info() : Expected<void>();
+    }
     const Wanted color{"--colour-topic", options_.color_topic,
                        "sensor_msgs/Image of rgb8, bgr8, rgba8, bgra8, mono8, bayer_*8 or yuv422, "
                        "or CompressedImage",
@@ -156,12 +159,13 @@ class TopicSelector {
     prefer(candidates, [](const SurveyedTopic& t) {
       return name_contains(t, {"rgb", "color", "colour"});
     });
-    prefer(candidates,
-           [&](const SurveyedTopic& t) { return t.frames == selection_.depth->frames; });
+    prefer(candidates, [&](const SurveyedTopic& t) {
+      return selection_.depth == nullptr || t.frames == selection_.depth->frames;
+    });
     prefer(candidates, [](const SurveyedTopic& t) { return t.kind == RosMessageKind::image; });
     prefer(candidates, [](const SurveyedTopic& t) { return !name_contains(t, {"mono", "infra"}); });
     if (const auto done = select(color, candidates, selection_.color); !done) return done;
-    return select_camera_info();
+    return selection_.images() != nullptr ? select_camera_info() : Expected<void>();
   }
 
   /// Selects the camera info whose name is nearest to the images'.
@@ -177,6 +181,7 @@ class TopicSelector {
                               "sensor_msgs/CameraInfo", is_camera_info},
                              candidates, selection_.camera_info);
     if (!done) return done;
+    if (selection_.depth == nullptr) return {};
     selection_.depth_info = own_depth_info("/");
     // Names without folders; depth_registered shares a word with the depth that it is not.
     const bool is_plain_depth = !name_contains(*selection_.depth, {"registered", "aligned"});
@@ -350,7 +355,7 @@ class TopicSelector {
 }  // namespace
 
 bool BagSelection::is_empty(const BagTopicOptions& options) const {
-  return depth == nullptr && tool == nullptr && wrench == nullptr && joints == nullptr &&
+  return images() == nullptr && tool == nullptr && wrench == nullptr && joints == nullptr &&
          camera_pose == nullptr && objects.empty() && options.tool_frame.empty();
 }
 

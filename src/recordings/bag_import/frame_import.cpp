@@ -31,16 +31,17 @@ std::vector<Stamp> sorted_stamps(const CollectedTopic<std::monostate>& topic) {
 /// Assembles frames from images in any order.
 class FrameAssembler {
  public:
-  FrameAssembler(const std::vector<FramePlan>& plan, bool has_color, const CameraModel& camera,
-                 double depth_scale, RecordingWriter& writer)
+  FrameAssembler(const std::vector<FramePlan>& plan, const BagSelection& selection,
+                 const CameraModel& camera, double depth_scale, RecordingWriter& writer)
       : plan_(plan),
-        has_color_(has_color),
+        has_color_(selection.color != nullptr),
+        has_depth_(selection.depth != nullptr),
         camera_(camera),
         depth_scale_(depth_scale),
         writer_(writer) {
     for (std::size_t i = 0; i < plan.size(); ++i) {
-      by_depth_[plan[i].depth] = i;
-      if (has_color) by_color_[plan[i].color] = i;
+      if (has_depth_) by_depth_[plan[i].depth] = i;
+      if (has_color_) by_color_[plan[i].color] = i;
     }
   }
 
@@ -112,8 +113,8 @@ class FrameAssembler {
   Expected<void> write_ready(bool may_skip) {
     for (; next_ < plan_.size(); ++next_) {
       const auto found = waiting_.find(next_);
-      const bool is_whole =
-          found != waiting_.end() && found->second.depth && (found->second.color || !has_color_);
+      const bool is_whole = found != waiting_.end() && (found->second.depth || !has_depth_) &&
+                            (found->second.color || !has_color_);
       const bool is_failed = found != waiting_.end() && found->second.is_failed;
       if (!is_whole && !is_failed && !std::exchange(may_skip, false)) return {};
       if (is_whole) {
@@ -130,6 +131,7 @@ class FrameAssembler {
   }
 
   Expected<void> write(const FramePlan& frame, Waiting& images) {
+    if (!has_depth_) return writer_.add_encoded_color(frame.color, *images.color);
     if (!images.color && !grey_) {
       const Expected<std::string> jpeg =
           encode_color(ColorImage(camera_.width, camera_.height, Rgb8{128, 128, 128}));
@@ -142,6 +144,7 @@ class FrameAssembler {
 
   const std::vector<FramePlan>& plan_;
   bool has_color_;
+  bool has_depth_;
   const CameraModel& camera_;
   double depth_scale_;
   RecordingWriter& writer_;
@@ -165,6 +168,8 @@ std::vector<FramePlan> plan_frames(const BagStreams& streams, const BagImportOpt
   std::vector<FramePlan> all;
   if (streams.color.topic == nullptr) {
     for (const Stamp stamp : depth) all.push_back({stamp, stamp});
+  } else if (streams.depth.topic == nullptr) {
+    for (const Stamp stamp : color) all.push_back({stamp, stamp});
   } else {
     for (const auto& [c, d] : pair_by_time(color, depth, kMaxFramePairGap)) {
       all.push_back({depth[d], color[c]});
@@ -181,7 +186,7 @@ Expected<FrameCounts> import_frames(const std::filesystem::path& bag, const BagS
                                     RecordingWriter& writer, const Observer& observer) {
   Expected<std::unique_ptr<BagReader>> reader = open_bag_or_csv(bag);
   if (!reader) return reader.error();
-  FrameAssembler assembler(plan, selection.color != nullptr, camera, depth_scale, writer);
+  FrameAssembler assembler(plan, selection, camera, depth_scale, writer);
   for (std::size_t done = 0;;) {
     const Expected<std::optional<BagMessage>> message = (*reader)->next();
     if (!message) return message.error();
@@ -196,7 +201,7 @@ Expected<FrameCounts> import_frames(const std::filesystem::path& bag, const BagS
     const std::optional<std::size_t> frame = assembler.frame_of(stamp, is_depth);
     if (!frame) continue;
     if (const auto added = assembler.add(*frame, is_depth, *decoded); !added) return added.error();
-    if (is_depth) observer.on_progress("images", ++done, plan.size());
+    if (is_topic(topic, selection.images())) observer.on_progress("images", ++done, plan.size());
   }
 }
 

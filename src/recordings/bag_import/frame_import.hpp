@@ -13,7 +13,7 @@
 
 namespace pcavr {
 
-/// A depth image, and the colour image that belongs to it.
+/// A depth image, and the colour image that belongs to it; without depth both stamps are colour's.
 struct FramePlan {
   Stamp depth, color;
 };
@@ -25,7 +25,7 @@ struct FrameCounts {
 };
 
 /// Depth and colour stamps that are mutual nearest neighbours at most 20 ms apart, by the options'
-/// stride. Without colour each depth image is paired with its own stamp.
+/// stride. Without colour, or without depth, each image is paired with its own stamp.
 [[nodiscard]] std::vector<FramePlan> plan_frames(const BagStreams& streams,
                                                  const BagImportOptions& options);
 

@@ -155,11 +155,12 @@ class BagImport {
 
   /// The camera of the options or of the bag, for the size of the colour images.
   Expected<void> prepare_camera() {
-    if (selection_.depth == nullptr) return {};
+    if (selection_.images() == nullptr) return {};
     if (options_.camera) {
       manifest_.camera = options_.camera;
     } else if (!streams_.camera_info) {
-      return Error{.message = "has no camera info for " + selection_.depth->topic.name,
+      if (may_leave_out_color("no camera info")) return {};
+      return Error{.message = "has no camera info for " + selection_.images()->topic.name,
                    .file = bag_.string(),
                    .hint = "give --camera-info-topic, or --camera with a calibration file"};
     } else {
@@ -168,6 +169,9 @@ class BagImport {
       Expected<CameraModel> camera =
           camera_of(*streams_.camera_info, is_rectified(image), {image.width, image.height});
       if (!camera) {
+        if (may_leave_out_color("a camera info that is not valid: " + camera.error().message)) {
+          return {};
+        }
         Error error = camera.error();
         error.file = bag_.string();
         error.place = selection_.camera_info->topic.name;
@@ -175,11 +179,28 @@ class BagImport {
       }
       manifest_.camera = *camera;
     }
-    const bool is_metric = is_metric_depth(selection_.depth->image_format);
-    manifest_.depth_scale = is_metric ? options_.depth_scale.value_or(kMetricScale)
-                                      : options_.raw_depth_scale.value_or(kMillimetreScale);
+    if (selection_.depth != nullptr) {
+      const bool is_metric = is_metric_depth(selection_.depth->image_format);
+      manifest_.depth_scale = is_metric ? options_.depth_scale.value_or(kMetricScale)
+                                        : options_.raw_depth_scale.value_or(kMillimetreScale);
+    }
     for (const std::string& doubt : color_doubts(selection_, streams_)) warn(doubt);
     return {};
+  }
+
+  /// Colour alone that nobody named, and whose camera is not known, is left out, with a note: the
+  /// series are imported without it.
+  bool may_leave_out_color(const std::string& reason) {
+    const bool has_others = selection_.tool != nullptr || selection_.wrench != nullptr ||
+                            selection_.joints != nullptr || !selection_.objects.empty() ||
+                            !options_.topics.tool_frame.empty();
+    if (selection_.depth != nullptr || !options_.topics.color_topic.empty() || !has_others) {
+      return false;
+    }
+    report_.notes.push_back(selection_.color->topic.name + " has " + reason +
+                            "; give --camera with a calibration file");
+    selection_.color = nullptr;
+    return true;
   }
 
   Expected<void> read_series(const SeriesImporter& importer) {
@@ -360,7 +381,8 @@ class BagImport {
 
   Expected<void> write_frames(const SeriesImporter& importer, const StampRule& stamps,
                               RecordingWriter& writer) {
-    if (selection_.depth == nullptr) return {};
+    if (selection_.images() == nullptr) return {};
+    const SurveyedTopic& images = *selection_.images();
     const std::vector<FramePlan> plan = plan_frames(streams_, options_);
     if (plan.empty()) {
       return Error{.message = "has no depth and colour images that are at most 20 ms apart",
@@ -373,19 +395,22 @@ class BagImport {
     if (counts->frames == 0) {
       return Error{.message = "no frame can be imported: " + counts->left_out_reason,
                    .file = bag_.string(),
-                   .place = selection_.depth->topic.name,
+                   .place = images.topic.name,
                    .hint =
                        "record depth that is registered to colour, or import depth alone with "
                        "--colour-topic none"};
     }
-    ImportedStream stream{.file = "rgb, depth", .topic = selection_.depth->topic.name};
-    if (selection_.color != nullptr) stream.topic += ", " + selection_.color->topic.name;
+    const bool has_depth = selection_.depth != nullptr;
+    ImportedStream stream{.file = has_depth ? "rgb, depth" : "rgb", .topic = images.topic.name};
+    if (has_depth && selection_.color != nullptr) {
+      stream.topic += ", " + selection_.color->topic.name;
+    }
     stream.rows = counts->frames;
     stream.left_out = counts->left_out;
     stream.left_out_reason = counts->left_out_reason;
-    stream.delay = selection_.depth->delay;
-    stream.has_receive_stamps = stamps.uses_log_time(*selection_.depth);
-    stream.frame = joined(selection_.depth->frames);
+    stream.delay = images.delay;
+    stream.has_receive_stamps = stamps.uses_log_time(images);
+    stream.frame = joined(images.frames);
     add_stream(stream);
     return write_camera_poses(importer, plan, writer);
   }
@@ -393,8 +418,8 @@ class BagImport {
   /// Writes the camera poses of their topic, or those of TF at the stamps of the images.
   Expected<void> write_camera_poses(const SeriesImporter& importer,
                                     const std::vector<FramePlan>& plan, RecordingWriter& writer) {
-    const std::string frame =
-        selection_.depth->frames.empty() ? "" : selection_.depth->frames.front();
+    const std::vector<std::string>& frames = selection_.images()->frames;
+    const std::string frame = frames.empty() ? "" : frames.front();
     const bool is_in_tf = may_place_camera(selection_) && !frame.empty() &&
                           streams_.frames.chain(selection_.base_frame, frame).has_value();
     if (selection_.camera_pose == nullptr && !is_in_tf) return {};

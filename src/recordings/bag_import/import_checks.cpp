@@ -120,6 +120,7 @@ std::vector<std::string> color_doubts(const BagSelection& selection, const BagSt
     doubts.push_back(color.topic.name + " is " + color.image_format +
                      ", which does not state the order of its channels: blue, green, red is taken");
   }
+  if (selection.depth == nullptr) return doubts;
   const std::string hint = "; record depth that is registered to colour";
   if (color.frames != selection.depth->frames) {
     doubts.push_back("depth and colour are in frames '" + joined(selection.depth->frames) +

@@ -78,12 +78,17 @@ RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
 Expected<void> RecordingWriter::add_encoded_frame(Stamp color_stamp, const EncodedImage& color,
                                                   Stamp depth_stamp, const EncodedImage& depth) {
   PCAVR_REQUIRE(state_->manifest.camera.has_value());
-  const std::string color_path =
-      append_to_list(color_stamp, "rgb/", color.extension, state_->last_color, state_->color_list);
   const std::string depth_path = append_to_list(depth_stamp, "depth/", depth.extension,
                                                 state_->last_depth, state_->depth_list);
-  if (Expected<void> written = state_->write(color_path, color.bytes); !written) return written;
+  if (Expected<void> written = add_encoded_color(color_stamp, color); !written) return written;
   return state_->write(depth_path, depth.bytes);
+}
+
+Expected<void> RecordingWriter::add_encoded_color(Stamp stamp, const EncodedImage& color) {
+  PCAVR_REQUIRE(state_->manifest.camera.has_value());
+  const std::string path =
+      append_to_list(stamp, "rgb/", color.extension, state_->last_color, state_->color_list);
+  return state_->write(path, color.bytes);
 }
 
 Expected<void> RecordingWriter::add_frame(Stamp color_stamp, const ColorImage& color,
@@ -137,6 +142,8 @@ Expected<void> RecordingWriter::finish() {
     if (Expected<void> written = state_->write("rgb.txt", state_->color_list); !written) {
       return written;
     }
+  }
+  if (state_->last_depth) {
     if (Expected<void> written = state_->write("depth.txt", state_->depth_list); !written) {
       return written;
     }

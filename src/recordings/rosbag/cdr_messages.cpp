@@ -9,9 +9,6 @@ namespace {
 
 constexpr std::string_view kWrench =
     "MSG: geometry_msgs/Wrench\ngeometry_msgs/Vector3 force\ngeometry_msgs/Vector3 torque\n";
-constexpr std::string_view kTransform =
-    "MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
-    "geometry_msgs/Quaternion rotation\n";
 constexpr std::string_view kTransformStamped =
     "MSG: geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n"
     "geometry_msgs/Transform transform\n";

@@ -34,6 +34,9 @@ inline constexpr std::string_view kQuaternion =
     "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n";
 inline constexpr std::string_view kPose =
     "MSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n";
+inline constexpr std::string_view kTransform =
+    "MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n"
+    "geometry_msgs/Quaternion rotation\n";
 
 [[nodiscard]] inline std::string definition(std::string_view own,
                                             std::initializer_list<std::string_view> others) {

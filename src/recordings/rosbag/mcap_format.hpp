@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 namespace pcavr::mcap {
 
@@ -22,6 +23,8 @@ enum Opcode : std::uint8_t {
   kMessageIndex = 0x07,
   kChunkIndex = 0x08,
   kStatistics = 0x0B,
+  kMetadata = 0x0C,
+  kMetadataIndex = 0x0D,
   kSummaryOffset = 0x0E,
   kDataEnd = 0x0F,
 };
@@ -30,5 +33,9 @@ enum Opcode : std::uint8_t {
 inline constexpr std::size_t kRecordHead = 9;
 /// The footer's content: two offsets and the summary's CRC.
 inline constexpr std::size_t kFooterSize = 20;
+
+/// Name of the metadata with the messages that a recorder dropped: number by topic. The last one of
+/// a file counts.
+inline constexpr std::string_view kDropsMetadata = "pcavr.dropped";
 
 }  // namespace pcavr::mcap

@@ -3,10 +3,13 @@
 #include "recordings/rosbag/mcap_reader.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
 #include <map>
 #include <string_view>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <libdeflate.h>
 
@@ -21,6 +24,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
+constexpr std::uint64_t kMaxMetadata = 1U << 20U;  // bytes: names of topics and counts
 constexpr const char* kDamagedHint = "the file is damaged; try 'mcap recover', or copy it again";
 
 struct SchemaRecord {
@@ -49,7 +53,7 @@ class McapReader final : public ChunkedReader<McapRecord> {
     record_at_ = offset_;
     const auto there = source_.available(offset_, mcap::kRecordHead);
     if (!there) return there.error();
-    if (*there < mcap::kRecordHead) return finish_cut();
+    if (*there < mcap::kRecordHead) return end_cut();
     const Expected<Bytes> head = source_.view(offset_, mcap::kRecordHead);
     if (!head) return head.error();
     RecordFields fields(*head);
@@ -57,27 +61,29 @@ class McapReader final : public ChunkedReader<McapRecord> {
     const auto length = fields.integer<std::uint64_t>();
     const std::uint64_t begin = offset_ + mcap::kRecordHead;
     if (opcode == 0) return damaged("record with opcode 0");
-    if (is_needed(opcode) && length > kMaxBagRecord) {
+    const bool is_read = is_needed(opcode) || (opcode == mcap::kMetadata && length <= kMaxMetadata);
+    if (is_read && length > kMaxBagRecord) {
       return damaged("record of " + std::to_string(length) + " bytes, but 1 GiB is the maximum");
     }
     const Expected<std::uint64_t> left =
-        is_needed(opcode) ? source_.available(begin, length) : source_.skip(begin, length);
+        is_read ? source_.available(begin, length) : source_.skip(begin, length);
     if (!left) return left.error();
     offset_ = begin + *left;
     if (*left < length) {
       // Killed while it wrote a chunk: its first messages may be there.
       if (opcode == mcap::kChunk) is_cut_chunk_ = true;
-      if (opcode != mcap::kChunk) finish_cut();
+      if (opcode != mcap::kChunk) end_cut();
       if (is_end_) return std::optional<McapRecord>();
     }
-    if (!is_needed(opcode)) return std::optional<McapRecord>();
+    if (!is_read) return std::optional<McapRecord>();
     const auto size = static_cast<std::size_t>(*left);
     const Expected<Bytes> content = source_.view(begin, size);
     if (!content) return content.error();
     return std::optional(McapRecord{opcode, *content});
   }
 
-  /// Indexes, attachments and metadata are skipped; so are opcodes of the future.
+  /// Indexes, attachments and metadata other than the recorder's drops are skipped; so are opcodes
+  /// of the future.
   static bool is_needed(std::uint8_t opcode) {
     using namespace mcap;
     return (opcode >= kHeader && opcode <= kChunk) || opcode == kStatistics || opcode == kDataEnd;
@@ -108,7 +114,7 @@ class McapReader final : public ChunkedReader<McapRecord> {
   void leave_chunk() {
     is_in_chunk_ = false;
     chunk_ = {};
-    if (is_cut_chunk_) finish_cut();
+    if (is_cut_chunk_) end_cut();
   }
 
   Expected<std::optional<BagMessage>> handle(const McapRecord& record) override {
@@ -126,6 +132,9 @@ class McapReader final : public ChunkedReader<McapRecord> {
         break;
       case mcap::kChunk:
         done = enter_chunk(fields);
+        break;
+      case mcap::kMetadata:
+        read_metadata(fields);
         break;
       case mcap::kDataEnd:
         is_in_summary_ = true;
@@ -207,7 +216,7 @@ class McapReader final : public ChunkedReader<McapRecord> {
     const auto packed_size = fields.integer<std::uint64_t>();
     if (!fields.is_valid()) {
       if (!is_cut_chunk_) return damaged("chunk record that is not valid");
-      finish_cut();
+      end_cut();
       return {};
     }
     if (const Expected<void> checked = check_chunk_size(size); !checked) return checked;
@@ -233,7 +242,38 @@ class McapReader final : public ChunkedReader<McapRecord> {
     warn("states " + std::to_string(count) + " messages, but has " + std::to_string(messages_));
   }
 
+  /// Keeps the drops that the recorder counted; each such record replaces the last. One that is not
+  /// valid is ignored, as all other metadata.
+  void read_metadata(RecordFields fields) {
+    if (fields.text() != mcap::kDropsMetadata) return;
+    RecordFields entries(fields.sized());
+    std::vector<std::pair<std::string, std::uint64_t>> drops;
+    while (!entries.rest().empty()) {
+      std::string topic = printable_name(entries.text());
+      const std::string_view text = entries.text();
+      std::uint64_t count = 0;
+      const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), count);
+      if (!entries.is_valid() || code != std::errc{} || end != text.data() + text.size()) return;
+      if (count > 0) drops.emplace_back(std::move(topic), count);
+    }
+    drops_ = std::move(drops);
+  }
+
+  void state_drops() {
+    constexpr std::size_t kMaxStated = 20;
+    for (std::size_t i = 0; i < std::min(drops_.size(), kMaxStated); ++i) {
+      warn(std::to_string(drops_[i].second) + " messages of " + drops_[i].first +
+           " were dropped while it was recorded");
+    }
+  }
+
+  std::optional<McapRecord> end_cut() {
+    state_drops();
+    return finish_cut();
+  }
+
   Expected<void> read_footer(RecordFields fields) {
+    state_drops();
     const auto summary_start = fields.integer<std::uint64_t>();
     (void)fields.integer<std::uint64_t>();  // offsets
     const auto crc = fields.integer<std::uint32_t>();
@@ -261,6 +301,7 @@ class McapReader final : public ChunkedReader<McapRecord> {
   std::map<std::uint16_t, SchemaRecord> schemas_;
   std::map<std::uint16_t, std::size_t> channels_;  ///< index of the topic
   std::size_t schema_bytes_ = 0;
+  std::vector<std::pair<std::string, std::uint64_t>> drops_;  ///< by topic
   bool is_cut_chunk_ = false;
   bool is_in_summary_ = false;
 };

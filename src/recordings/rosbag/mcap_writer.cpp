@@ -32,6 +32,13 @@ struct ChunkIndexEntry {
   std::uint64_t size = 0;
 };
 
+/// Keys and values as the content of a map field.
+std::string text_table(const McapWriter::Metadata& entries) {
+  mcap::RecordText text;
+  for (const auto& [key, value] : entries) text.text(key).text(value);
+  return text.bytes();
+}
+
 }  // namespace
 
 struct McapWriter::State {
@@ -46,6 +53,7 @@ struct McapWriter::State {
   std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages;
   Clock::time_point chunk_begin;
   std::vector<ChunkIndexEntry> chunks;
+  std::vector<std::string> metadata_indexes;  ///< their records
   std::map<std::uint16_t, std::uint64_t> counts;
   std::uint64_t messages = 0;
   std::uint64_t first_time = std::numeric_limits<std::uint64_t>::max(), last_time = 0;
@@ -129,7 +137,8 @@ Expected<void> McapWriter::State::write_summary() {
   mcap::RecordText statistics;
   statistics.integer(messages).integer(static_cast<std::uint16_t>(schemas.size()));
   statistics.integer(static_cast<std::uint32_t>(channels.size()));
-  statistics.integer(std::uint32_t{0}).integer(std::uint32_t{0});  // attachments, metadata
+  statistics.integer(std::uint32_t{0});  // attachments
+  statistics.integer(static_cast<std::uint32_t>(metadata_indexes.size()));
   statistics.integer(static_cast<std::uint32_t>(chunks.size()));
   statistics.integer(messages > 0 ? first_time : 0).integer(last_time).table(counts);
   add_group(mcap::kStatistics, statistics.record(mcap::kStatistics));
@@ -143,6 +152,9 @@ Expected<void> McapWriter::State::write_summary() {
     group += index.record(mcap::kChunkIndex);
   }
   add_group(mcap::kChunkIndex, group);
+  group.clear();
+  for (const std::string& record : metadata_indexes) group += record;
+  add_group(mcap::kMetadataIndex, group);
   const std::uint64_t offsets_start = offset + bytes.size();
   bytes += offsets;
   bytes += mcap::record_head(mcap::kFooter, mcap::kFooterSize);
@@ -195,16 +207,13 @@ std::uint16_t McapWriter::add_schema(std::string_view name, std::string_view enc
   return id;
 }
 
-std::uint16_t McapWriter::add_channel(
-    std::string_view topic, std::string_view message_encoding, std::uint16_t schema,
-    const std::vector<std::pair<std::string, std::string>>& metadata) {
+std::uint16_t McapWriter::add_channel(std::string_view topic, std::string_view message_encoding,
+                                      std::uint16_t schema, const Metadata& metadata) {
   PCAVR_REQUIRE(state_->channels.size() < 65536);
   PCAVR_REQUIRE(schema <= state_->schemas.size(), static_cast<int>(schema));
   const auto id = static_cast<std::uint16_t>(state_->channels.size());
-  mcap::RecordText entries;
-  for (const auto& [key, value] : metadata) entries.text(key).text(value);
   mcap::RecordText record;
-  record.integer(id).integer(schema).text(topic).text(message_encoding).text(entries.bytes());
+  record.integer(id).integer(schema).text(topic).text(message_encoding).text(text_table(metadata));
   state_->channels.push_back(record.record(mcap::kChannel));
   if (state_->chunk.empty()) state_->chunk_begin = Clock::now();
   state_->chunk += state_->channels.back();
@@ -241,6 +250,25 @@ Expected<void> McapWriter::write(std::uint16_t channel, Stamp log_time, std::str
   return write(channel, log_time,
                std::span(reinterpret_cast<const std::uint8_t*>(payload.data()), payload.size()),
                publish_time);
+}
+
+Expected<void> McapWriter::write_metadata(std::string_view name, const Metadata& entries) {
+  if (const Expected<void> written = flush(); !written) return written;
+  if (state_->is_closed) {
+    return Error{.message = "is closed after an error", .file = state_->path.string()};
+  }
+  const std::string record =
+      mcap::RecordText().text(name).text(text_table(entries)).record(mcap::kMetadata);
+  mcap::RecordText index;
+  index.integer(state_->offset).integer(std::uint64_t{record.size()}).text(name);
+  state_->metadata_indexes.push_back(index.record(mcap::kMetadataIndex));
+  return state_->append(record);
+}
+
+Expected<void> McapWriter::write_dropped(const std::map<std::string, std::uint64_t>& dropped) {
+  Metadata entries;
+  for (const auto& [topic, count] : dropped) entries.emplace_back(topic, std::to_string(count));
+  return write_metadata(mcap::kDropsMetadata, entries);
 }
 
 Expected<void> McapWriter::flush() {

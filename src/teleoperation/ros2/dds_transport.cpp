@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdlib>
+#include <map>
 #include <mutex>
 #include <set>
+#include <thread>
 #include <utility>
 
 #include <dds/dds.h>
@@ -17,8 +20,9 @@
 namespace pcavr {
 namespace {
 
-constexpr std::uint32_t kMaxSamples = 64;  // taken of a topic at once
-constexpr std::size_t kMaxNotices = 100;   // of a process that waits for none
+constexpr std::uint32_t kMaxSamples = 64;   // taken of a topic at once
+constexpr std::size_t kMaxNotices = 100;    // of a process that waits for none
+constexpr std::size_t kMaxTopics = 10'000;  // discovered
 constexpr dds_duration_t kMaxBlocking = DDS_MSECS(10);
 
 struct QosDeleter {
@@ -169,6 +173,29 @@ class DdsTransport final : public Ros2Transport {
     return data != nullptr && dds_writecdr(writer.entity, data) == DDS_RETCODE_OK;
   }
 
+  [[nodiscard]] std::uint64_t lost(std::size_t topic) override {
+    dds_sample_lost_status_t status{};
+    const dds_return_t done = dds_get_sample_lost_status(readers_.at(topic).entity, &status);
+    if (done == DDS_RETCODE_OK) readers_[topic].lost = status.total_count;
+    return readers_[topic].lost;
+  }
+
+  /// Adds the topics of publishers that were found since the last call to `topics`.
+  void discover(std::map<std::string, Ros2Topic>& topics) {
+    std::array<void*, kMaxSamples> samples{};
+    std::array<dds_sample_info_t, kMaxSamples> infos{};
+    const dds_return_t count =
+        dds_take(publications_, samples.data(), infos.data(), kMaxSamples, kMaxSamples);
+    for (dds_return_t i = 0; i < count; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const auto* const found = static_cast<const dds_builtintopic_endpoint_t*>(samples[at]);
+      if (infos[at].valid_data && found->topic_name != nullptr && found->type_name != nullptr) {
+        add_published(*found, topics);
+      }
+    }
+    if (count > 0) dds_return_loan(publications_, samples.data(), count);
+  }
+
   [[nodiscard]] std::vector<std::string> take_notices() override {
     std::vector<std::string> notices = DdsLog::instance().take();
     for (Endpoint& reader : readers_) note_incompatible(reader, true, notices);
@@ -184,7 +211,29 @@ class DdsTransport final : public Ros2Transport {
     dds_entity_t entity = 0;
     ddsi_sertype* type = nullptr;  ///< the topic's, as long as that exists
     std::uint32_t incompatible = 0;
+    std::uint64_t lost = 0;
   };
+
+  static void add_published(const dds_builtintopic_endpoint_t& found,
+                            std::map<std::string, Ros2Topic>& topics) {
+    const std::string name = found.topic_name;
+    const std::string prefix = dds_topic_name("/");
+    // Others are of services, or of no ROS program; peers are not trusted to be few.
+    if (!name.starts_with(prefix) || topics.size() >= kMaxTopics) return;
+    dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
+    dds_duration_t blocking = 0;
+    dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
+    (void)dds_qget_reliability(found.qos, &reliability, &blocking);
+    (void)dds_qget_durability(found.qos, &durability);
+    const Ros2Qos qos{.is_reliable = reliability == DDS_RELIABILITY_RELIABLE,
+                      .is_transient_local = durability != DDS_DURABILITY_VOLATILE};
+    const std::string ros_name = name.substr(prefix.size() - 1);
+    const auto [at, is_new] =
+        topics.try_emplace(ros_name, Ros2Topic{ros_name, ros_type_name(found.type_name), qos});
+    Ros2Qos& known = at->second.qos;
+    known.is_reliable = known.is_reliable && qos.is_reliable;
+    known.is_transient_local = known.is_transient_local && qos.is_transient_local;
+  }
 
   static Error failure(dds_return_t code) {
     std::string message = std::string("DDS: ") + dds_strretcode(-code);
@@ -309,6 +358,23 @@ Expected<std::unique_ptr<Ros2Transport>> open_dds(const std::vector<Ros2Topic>& 
   auto transport = std::make_unique<DdsTransport>();
   if (std::optional<Error> error = transport->open(subscribed, published, options)) return *error;
   return std::unique_ptr<Ros2Transport>(std::move(transport));
+}
+
+Expected<std::vector<Ros2Topic>> discover_ros2_topics(
+    const DdsOptions& options, std::chrono::milliseconds timeout,
+    const std::function<bool(const std::vector<Ros2Topic>&)>& is_enough) {
+  DdsTransport transport;
+  if (std::optional<Error> error = transport.open({}, {}, options)) return *error;
+  constexpr std::chrono::milliseconds kPeriod(20);
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  std::map<std::string, Ros2Topic> topics;
+  for (;;) {
+    transport.discover(topics);
+    std::vector<Ros2Topic> found;
+    for (const auto& [name, topic] : topics) found.push_back(topic);
+    if (is_enough(found) || std::chrono::steady_clock::now() >= end) return found;
+    std::this_thread::sleep_for(kPeriod);
+  }
 }
 
 }  // namespace pcavr

@@ -66,19 +66,6 @@ bool StampOffset::has_plausible(double stamp, double now) const {
   return offset_ && std::abs(now - stamp - *offset_) < kMaxDelay;
 }
 
-std::vector<Ros2Subscription> subscriptions_of(const Ros2Setup& setup) {
-  std::vector<Ros2Subscription> found{{setup.tool, Role::tool}};
-  if (setup.wrench) found.push_back({*setup.wrench, Role::wrench});
-  if (setup.transforms) found.push_back({*setup.transforms, Role::transforms});
-  if (setup.static_transforms) found.push_back({*setup.static_transforms, Role::transforms});
-  for (std::size_t i = 0; i < setup.objects.size(); ++i) {
-    found.push_back({setup.objects[i].topic, Role::object, i});
-  }
-  if (setup.camera) found.push_back({setup.camera->image, Role::image});
-  if (setup.camera) found.push_back({setup.camera->info, Role::camera_info});
-  return found;
-}
-
 void Ros2Notices::add(const std::string& text, double now) {
   const std::string line = text.substr(0, kMaxLine);
   const std::lock_guard lock(mutex_);

@@ -55,15 +55,6 @@ class StampOffset {
   std::size_t steps_ = 0;
 };
 
-/// A subscription and its purpose.
-struct Ros2Subscription {
-  enum class Role { tool, wrench, transforms, object, image, camera_info };
-  Ros2Topic topic;
-  Role role = Role::tool;
-  std::size_t object = 0;  ///< in Ros2Setup::objects
-};
-[[nodiscard]] std::vector<Ros2Subscription> subscriptions_of(const Ros2Setup& setup);
-
 /// Lines for the user, each at once and then at most every 30 s.
 class Ros2Notices {
  public:

@@ -94,15 +94,9 @@ std::uint32_t domain_of(const YamlValue& root) {
   if (const auto given = root.find("domain")) {
     return static_cast<std::uint32_t>(given->integer(0, kMaxDomain));
   }
-  const char* const text = std::getenv("ROS_DOMAIN_ID");
-  if (text == nullptr || *text == '\0') return 0;
-  char* end = nullptr;
-  const long domain = std::strtol(text, &end, 10);
-  if (*end != '\0' || domain < 0 || domain > kMaxDomain) {
-    root.fail("ROS_DOMAIN_ID is '" + std::string(text) + "', not an integer from 0 to 232",
-              "correct the environment, or give domain");
-  }
-  return static_cast<std::uint32_t>(domain);
+  const Expected<std::uint32_t> domain = environment_domain();
+  if (!domain) root.fail(domain.error().message, "correct the environment, or give domain");
+  return *domain;
 }
 
 void read_tool(const YamlValue& value, const std::filesystem::path& folder, Ros2Setup& setup) {
@@ -226,6 +220,33 @@ Ros2Setup read_setup(const YamlValue& root, const std::filesystem::path& folder)
 }
 
 }  // namespace
+
+std::vector<Ros2Subscription> subscriptions_of(const Ros2Setup& setup) {
+  std::vector<Ros2Subscription> found{{setup.tool, Ros2Subscription::Role::tool}};
+  if (setup.wrench) found.push_back({*setup.wrench, Ros2Subscription::Role::wrench});
+  if (setup.transforms) found.push_back({*setup.transforms, Ros2Subscription::Role::transforms});
+  if (setup.static_transforms)
+    found.push_back({*setup.static_transforms, Ros2Subscription::Role::transforms});
+  for (std::size_t i = 0; i < setup.objects.size(); ++i) {
+    found.push_back({setup.objects[i].topic, Ros2Subscription::Role::object, i});
+  }
+  if (setup.camera) found.push_back({setup.camera->image, Ros2Subscription::Role::image});
+  if (setup.camera) found.push_back({setup.camera->info, Ros2Subscription::Role::camera_info});
+  return found;
+}
+
+Expected<std::uint32_t> environment_domain() {
+  const char* const text = std::getenv("ROS_DOMAIN_ID");
+  if (text == nullptr || *text == '\0') return 0U;
+  char* end = nullptr;
+  const long domain = std::strtol(text, &end, 10);
+  if (*end == '\0' && domain >= 0 && domain <= kMaxDomain) {
+    return static_cast<std::uint32_t>(domain);
+  }
+  return Error{
+      .message = "ROS_DOMAIN_ID is '" + std::string(text) + "', not an integer from 0 to 232",
+      .hint = "correct the environment"};
+}
 
 Expected<Ros2Setup> parse_ros2_setup(const std::string& text, const std::filesystem::path& file) {
   return parse_yaml<Ros2Setup>(text, file.string(), [&](const YamlValue& root) {

@@ -36,6 +36,7 @@ struct BagTopicOptions {
 /// The topics that an import takes; nullptr and empty: none. Points into the survey.
 struct BagSelection {
   const SurveyedTopic* depth = nullptr;
+  /// Also without depth, where the bag has none: tags are found in colour alone.
   const SurveyedTopic* color = nullptr;
   const SurveyedTopic* camera_info = nullptr;
   /// Camera info of the depth images alone, found by its name. Depth is registered to colour where
@@ -53,6 +54,8 @@ struct BagSelection {
   /// text each, "TOPIC is ENCODING, which is not read". Also in the notes.
   std::vector<std::string> unread_images;
 
+  /// The topic after which frames are named and placed: depth, else colour; nullptr without images.
+  [[nodiscard]] const SurveyedTopic* images() const { return depth != nullptr ? depth : color; }
   [[nodiscard]] bool is_empty(const BagTopicOptions& options) const;
   /// The use of the topic ("tool.csv", "objects/box"); empty where it is not taken.
   [[nodiscard]] std::string use_of(const SurveyedTopic& topic) const;

@@ -38,6 +38,8 @@ class RecordingWriter {
   /// Adds encoded images unchanged.
   [[nodiscard]] Expected<void> add_encoded_frame(Stamp color_stamp, const EncodedImage& color,
                                                  Stamp depth_stamp, const EncodedImage& depth);
+  /// Adds an encoded image of a recording without depth, unchanged. Not beside frames with depth.
+  [[nodiscard]] Expected<void> add_encoded_color(Stamp stamp, const EncodedImage& color);
   /// Copies image files unchanged, with their extension.
   [[nodiscard]] Expected<void> add_frame_files(Stamp color_stamp,
                                                const std::filesystem::path& color_file,

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -34,6 +35,8 @@ struct McapWriterOptions {
 /// chunk, and 100 bytes for each chunk written.
 class McapWriter {
  public:
+  using Metadata = std::vector<std::pair<std::string, std::string>>;
+
   [[nodiscard]] static Expected<McapWriter> create(const std::filesystem::path& file,
                                                    const McapWriterOptions& options = {});
   McapWriter(McapWriter&&) noexcept;
@@ -48,8 +51,7 @@ class McapWriter {
   /// registry. Returns the channel's id, from 0; throws ContractError after 65536 of them, and
   /// where the schema was not added.
   std::uint16_t add_channel(std::string_view topic, std::string_view message_encoding,
-                            std::uint16_t schema,
-                            const std::vector<std::pair<std::string, std::string>>& metadata = {});
+                            std::uint16_t schema, const Metadata& metadata = {});
 
   /// Stamps must not be negative and the channel must have been added (otherwise a ContractError).
   /// Messages need not be in the order of time. publish_time: log_time where not given.
@@ -59,6 +61,12 @@ class McapWriter {
   [[nodiscard]] Expected<void> write(std::uint16_t channel, Stamp log_time,
                                      std::string_view payload,
                                      std::optional<Stamp> publish_time = {});
+  /// Writes a metadata record: entries about the file under a name. It may be written at any time,
+  /// and again under the same name; what readers make of that is theirs. Flushes.
+  [[nodiscard]] Expected<void> write_metadata(std::string_view name, const Metadata& entries);
+  /// Writes the metadata by which McapReader, and so every command that reads the file, names the
+  /// messages that a recorder dropped: number by topic. The last one written counts.
+  [[nodiscard]] Expected<void> write_dropped(const std::map<std::string, std::uint64_t>& dropped);
   /// Writes the messages still in memory as a chunk.
   [[nodiscard]] Expected<void> flush();
   /// The same, if the first of them has waited for flush_interval. write() calls it; call it

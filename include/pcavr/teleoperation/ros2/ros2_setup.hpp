@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -54,6 +56,20 @@ struct Ros2Setup {
   double command_rate = 500.0;         ///< [Hz]
   double max_command_distance = 0.05;  ///< [m] from the measured tip: a farther one is withheld
 };
+
+/// A subscription of a setup, and its purpose.
+struct Ros2Subscription {
+  enum class Role { tool, wrench, transforms, object, image, camera_info };
+  Ros2Topic topic;
+  Role role = Role::tool;
+  std::size_t object = 0;  ///< in Ros2Setup::objects
+};
+/// The topics that a setup subscribes; not that of its commands.
+[[nodiscard]] std::vector<Ros2Subscription> subscriptions_of(const Ros2Setup& setup);
+
+/// The domain of the environment's ROS_DOMAIN_ID; 0 without it. An Error where that is not an
+/// integer from 0 to 232.
+[[nodiscard]] Expected<std::uint32_t> environment_domain();
 
 /// Reads a setup. An Error for unknown keys, values out of range and names that are not topics.
 [[nodiscard]] Expected<Ros2Setup> parse_ros2_setup(const std::string& text,

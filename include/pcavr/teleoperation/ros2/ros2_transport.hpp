@@ -56,6 +56,12 @@ class Ros2Transport {
   /// Notices about the peers since the last call, one line each: another type under a topic's name,
   /// an incompatible quality of service. For the thread of wait().
   [[nodiscard]] virtual std::vector<std::string> take_notices() = 0;
+  /// Messages of subscription `topic` that publishers sent and that did not arrive, as far as the
+  /// middleware knows. For the thread of wait().
+  [[nodiscard]] virtual std::uint64_t lost(std::size_t topic) {
+    (void)topic;
+    return 0;
+  }
 };
 
 /// Options for the network and the peers.
@@ -74,5 +80,13 @@ struct DdsOptions {
 [[nodiscard]] Expected<std::unique_ptr<Ros2Transport>> open_dds(
     const std::vector<Ros2Topic>& subscribed, const std::vector<Ros2Topic>& published,
     const DdsOptions& options);
+
+/// The topics of ROS 2 that are published, sorted by name: waits until `is_enough` is true of them,
+/// at most `timeout`. Of a topic that is published with several types, the type that was found
+/// first. Reliable and transient local are those whose publishers all are, so that a subscription
+/// with this quality of service receives from each; the depth is 1. Opens a participant of its own.
+[[nodiscard]] Expected<std::vector<Ros2Topic>> discover_ros2_topics(
+    const DdsOptions& options, std::chrono::milliseconds timeout,
+    const std::function<bool(const std::vector<Ros2Topic>&)>& is_enough);
 
 }  // namespace pcavr
