@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "export_lerobot.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include <fmt/core.h>
+
+#include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/output_paths.hpp"
+#include "pcavr/physics/object/parameters_file.hpp"
+#include "pcavr/pipeline/identify.hpp"
+
+#include "list_recordings.hpp"
+
+namespace pcavr::app {
+namespace {
+
+Expected<Identification> identify_episode(const IdentificationInput& input,
+                                          const std::filesystem::path& recording,
+                                          const Configuration& configuration,
+                                          const Observer& observer) {
+  IdentificationOptions options = configuration.identification();
+  options.compares_estimators = false;
+  Expected<Identification> found = identify(input, IdentificationGoal::friction, options);
+  if (!found) {
+    Error error = found.error();
+    if (!error.file.empty()) error.file = (recording / error.file).string();
+    return error;
+  }
+  for (const std::string& warning : found->warnings)
+    observer.on_warning(recording.string() + ": " + warning);
+  return found;
+}
+
+Expected<LerobotEpisode> read_episode(const LerobotArguments& arguments, std::size_t index,
+                                      const ParameterTable& known, Configuration& configuration,
+                                      const Observer& observer) {
+  const Expected<Recording> recording =
+      read_with_warnings(arguments.recordings[index], false, configuration, observer);
+  if (!recording) return recording.error();
+  IdentificationSources sources{.perception = configuration.perception()};
+  if (!arguments.scenes.empty())
+    sources.scene = arguments.scenes[arguments.scenes.size() == 1 ? 0 : index];
+  Expected<IdentificationInput> input = identification_input(*recording, sources, observer);
+  if (!input) return input.error();
+  Expected<Identification> found =
+      identify_episode(*input, recording->folder, configuration, observer);
+  if (!found) return found.error();
+  ParameterTable parameters = found->parameters();
+  for (const auto& [name, values] : known) parameters[name] = values;
+  return make_lerobot_episode(*recording, *input, *found, parameters, arguments.options);
+}
+
+/// Of the parameter file; an Error where no recording has one of its objects.
+Expected<ParameterTable> read_known(const LerobotArguments& arguments) {
+  if (arguments.parameters.empty()) return ParameterTable();
+  return read_parameters(arguments.parameters);
+}
+
+bool has_object_of(const ParameterTable& known, const std::vector<LerobotEpisode>& episodes) {
+  for (const LerobotEpisode& episode : episodes) {
+    for (const ObjectEntry& object : episode.recording.manifest.objects) {
+      if (known.contains(object.name)) return true;
+    }
+  }
+  return false;
+}
+
+Error unknown_objects(const LerobotArguments& arguments) {
+  return {.message = "has parameters of none of the objects in " + arguments.recordings.front(),
+          .file = arguments.parameters,
+          .hint = "give the parameter file of these objects"};
+}
+
+Expected<void> check_scenes(const LerobotArguments& arguments) {
+  const std::size_t count = arguments.scenes.size();
+  if (count <= 1 || count == arguments.recordings.size()) return {};
+  return Error{.message = fmt::format("there are {} scenes for {} recordings", count,
+                                      arguments.recordings.size()),
+               .place = "--scene",
+               .hint = "give one for all, or one for each recording, in their order"};
+}
+
+CommandResult describe(const LerobotArguments& arguments, const LerobotSummary& summary) {
+  CommandResult result;
+  const std::size_t episodes = arguments.recordings.size();
+  result.summary = fmt::format("{} episode{}, {} frames at {} per second{}\nwrote {}\n", episodes,
+                               episodes == 1 ? "" : "s", summary.frames, summary.rate,
+                               summary.video_codec.empty() ? "" : ", video " + summary.video_codec,
+                               arguments.output);
+  result.json = {{"output", arguments.output}, {"format", kLerobotFormat},
+                 {"episodes", episodes},       {"frames", summary.frames},
+                 {"rate", summary.rate},       {"video_codec", summary.video_codec}};
+  return result;
+}
+
+}  // namespace
+
+Expected<CommandResult> export_lerobot(const LerobotArguments& given, Configuration& configuration,
+                                       const Observer& observer) {
+  LerobotArguments arguments = given;
+  Expected<std::vector<std::string>> recordings = list_recordings(given.recordings);
+  if (!recordings) return recordings.error();
+  arguments.recordings = *std::move(recordings);
+  if (const auto scenes = check_scenes(arguments); !scenes) return scenes.error();
+  std::vector<std::filesystem::path> inputs(arguments.recordings.begin(),
+                                            arguments.recordings.end());
+  inputs.insert(inputs.end(), arguments.scenes.begin(), arguments.scenes.end());
+  inputs.emplace_back(arguments.parameters);
+  if (const auto apart = check_outputs({arguments.output}, inputs); !apart) return apart.error();
+  Expected<OutputFolder> folder = OutputFolder::create(arguments.output);
+  if (!folder) return folder.error();
+  const Expected<ParameterTable> known = read_known(arguments);
+  if (!known) return known.error();
+  std::vector<LerobotEpisode> episodes;
+  for (std::size_t i = 0; i < arguments.recordings.size(); ++i) {
+    Expected<LerobotEpisode> episode = read_episode(arguments, i, *known, configuration, observer);
+    if (!episode) return episode.error();
+    episodes.push_back(*std::move(episode));
+    observer.on_progress("episodes", i + 1, arguments.recordings.size());
+  }
+  if (!known->empty() && !has_object_of(*known, episodes)) return unknown_objects(arguments);
+  const Expected<LerobotSummary> written =
+      write_lerobot_dataset(episodes, folder->path(), observer);
+  if (!written) return written.error();
+  if (const auto committed = folder->commit(); !committed) return committed.error();
+  return describe(arguments, *written);
+}
+
+}  // namespace pcavr::app
