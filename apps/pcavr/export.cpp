@@ -377,8 +377,11 @@ void check_combination(const ExportArguments& arguments) {
 }
 
 void add_lerobot_options(CLI::App& command, LerobotArguments& lerobot) {
-  command.add_option("--scene", lerobot.scenes,
-                     "Of recordings with images, for lerobot: the scene of all, or one for each");
+  command
+      .add_option("--scene", lerobot.scenes,
+                  "Of recordings with images, for lerobot: the scene of all, or one for each")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command
       .add_option("--fps", lerobot.options.rate,
                   fmt::format("Frames a second, for lerobot; by default the images' rate, or {}",

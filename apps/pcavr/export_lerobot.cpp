@@ -10,29 +10,11 @@
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/core/output_paths.hpp"
 #include "pcavr/physics/object/parameters_file.hpp"
-#include "pcavr/pipeline/identify.hpp"
 
 #include "list_recordings.hpp"
 
 namespace pcavr::app {
 namespace {
-
-Expected<Identification> identify_episode(const IdentificationInput& input,
-                                          const std::filesystem::path& recording,
-                                          const Configuration& configuration,
-                                          const Observer& observer) {
-  IdentificationOptions options = configuration.identification();
-  options.compares_estimators = false;
-  Expected<Identification> found = identify(input, IdentificationGoal::friction, options);
-  if (!found) {
-    Error error = found.error();
-    if (!error.file.empty()) error.file = (recording / error.file).string();
-    return error;
-  }
-  for (const std::string& warning : found->warnings)
-    observer.on_warning(recording.string() + ": " + warning);
-  return found;
-}
 
 Expected<LerobotEpisode> read_episode(const LerobotArguments& arguments, std::size_t index,
                                       const ParameterTable& known, Configuration& configuration,
@@ -43,14 +25,10 @@ Expected<LerobotEpisode> read_episode(const LerobotArguments& arguments, std::si
   IdentificationSources sources{.perception = configuration.perception()};
   if (!arguments.scenes.empty())
     sources.scene = arguments.scenes[arguments.scenes.size() == 1 ? 0 : index];
-  Expected<IdentificationInput> input = identification_input(*recording, sources, observer);
-  if (!input) return input.error();
-  Expected<Identification> found =
-      identify_episode(*input, recording->folder, configuration, observer);
-  if (!found) return found.error();
-  ParameterTable parameters = found->parameters();
-  for (const auto& [name, values] : known) parameters[name] = values;
-  return make_lerobot_episode(*recording, *input, *found, parameters, arguments.options);
+  IdentificationOptions identification = configuration.identification();
+  identification.compares_estimators = false;
+  return make_lerobot_episode(*recording, sources, known, identification, arguments.options,
+                              observer);
 }
 
 /// Of the parameter file; an Error where no recording has one of its objects.

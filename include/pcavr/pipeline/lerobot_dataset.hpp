@@ -53,14 +53,14 @@ struct LerobotOptions {
   std::string task = {};  ///< by default "push NAME" of the objects that were touched
 };
 
-/// Samples a recording at equal times, from when all of its streams have begun until one ends.
-/// `found` is what its contacts showed, `parameters` what is known of the objects. Errors: the
-/// streams have less than two frames' time in common. Thread-safe.
-[[nodiscard]] Expected<LerobotEpisode> make_lerobot_episode(const Recording& recording,
-                                                            const IdentificationInput& input,
-                                                            const Identification& found,
-                                                            const ParameterTable& parameters,
-                                                            const LerobotOptions& options);
+/// Identifies the contacts of a recording (goal friction), and samples it at equal times, from when
+/// all of its streams have begun until one ends. `known` takes the place of what is identified of
+/// an object. Errors: those of identification_input and identify; streams with less than two
+/// frames' time in common. Thread-safe.
+[[nodiscard]] Expected<LerobotEpisode> make_lerobot_episode(
+    const Recording& recording, const IdentificationSources& sources, const ParameterTable& known,
+    const IdentificationOptions& identification, const LerobotOptions& options,
+    const Observer& observer = {});
 
 struct LerobotSummary {
   std::size_t frames = 0;

@@ -185,21 +185,14 @@ Error too_short(const Recording& recording, const TimeRange& range) {
           .hint = "give a higher --fps, or a longer recording"};
 }
 
-}  // namespace
-
-Expected<LerobotEpisode> make_lerobot_episode(const Recording& recording,
-                                              const IdentificationInput& input,
-                                              const Identification& found,
-                                              const ParameterTable& parameters,
-                                              const LerobotOptions& options) {
+Expected<LerobotEpisode> sampled(const Recording& recording, double force_shift, Contacts contacts,
+                                 const LerobotOptions& options) {
   const Stamp zero = start_of(recording);
-  const double shift = found.inputs.force_shift();
-  const TimeRange range = common_time(recording, shift);
+  const TimeRange range = common_time(recording, force_shift);
   LerobotEpisode episode;
   episode.rate = rate_of(recording, options);
   const double interval = 1.0 / episode.rate;
-  WrenchMeans wrench(recording.wrench, zero, shift);
-  Contacts contacts(input, found, parameters);
+  WrenchMeans wrench(recording.wrench, zero, force_shift);
   for (std::size_t k = 0;; ++k) {
     const double t = range.begin + static_cast<double>(k) * interval;
     if (t > range.end) break;
@@ -222,6 +215,31 @@ Expected<LerobotEpisode> make_lerobot_episode(const Recording& recording,
   episode.recording.has_depth = recording.has_depth;
   episode.recording.frames = recording.frames;
   return episode;
+}
+
+}  // namespace
+
+Expected<LerobotEpisode> make_lerobot_episode(const Recording& recording,
+                                              const IdentificationSources& sources,
+                                              const ParameterTable& known,
+                                              const IdentificationOptions& identification,
+                                              const LerobotOptions& options,
+                                              const Observer& observer) {
+  const Expected<IdentificationInput> input = identification_input(recording, sources, observer);
+  if (!input) return input.error();
+  const Expected<Identification> found =
+      identify(*input, IdentificationGoal::friction, identification);
+  if (!found) {
+    Error error = found.error();
+    if (!error.file.empty()) error.file = (recording.folder / error.file).string();
+    return error;
+  }
+  for (const std::string& warning : found->warnings)
+    observer.on_warning(recording.folder.string() + ": " + warning);
+  ParameterTable parameters = found->parameters();
+  for (const auto& [name, values] : known) parameters[name] = values;
+  return sampled(recording, found->inputs.force_shift(), Contacts(*input, *found, parameters),
+                 options);
 }
 
 }  // namespace pcavr
