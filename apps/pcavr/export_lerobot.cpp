@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "export_lerobot.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -16,12 +17,24 @@
 namespace pcavr::app {
 namespace {
 
+/// An Error where parameters are given, of none of a recording's objects.
+Expected<void> check_known(const Recording& recording, const ParameterTable& known,
+                           const std::string& file) {
+  const auto is_known = [&](const ObjectEntry& object) { return known.contains(object.name); };
+  if (known.empty() || std::ranges::any_of(recording.manifest.objects, is_known)) return {};
+  return Error{.message = "has parameters of none of the objects in " + recording.folder.string(),
+               .file = file,
+               .hint = "give the parameter file of these objects"};
+}
+
 Expected<LerobotEpisode> read_episode(const LerobotArguments& arguments, std::size_t index,
                                       const ParameterTable& known, Configuration& configuration,
                                       const Observer& observer) {
   const Expected<Recording> recording =
       read_with_warnings(arguments.recordings[index], false, configuration, observer);
   if (!recording) return recording.error();
+  if (const auto fits = check_known(*recording, known, arguments.parameters); !fits)
+    return fits.error();
   IdentificationSources sources{.perception = configuration.perception()};
   if (!arguments.scenes.empty())
     sources.scene = arguments.scenes[arguments.scenes.size() == 1 ? 0 : index];
@@ -31,25 +44,9 @@ Expected<LerobotEpisode> read_episode(const LerobotArguments& arguments, std::si
                               observer);
 }
 
-/// Of the parameter file; an Error where no recording has one of its objects.
 Expected<ParameterTable> read_known(const LerobotArguments& arguments) {
   if (arguments.parameters.empty()) return ParameterTable();
   return read_parameters(arguments.parameters);
-}
-
-bool has_object_of(const ParameterTable& known, const std::vector<LerobotEpisode>& episodes) {
-  for (const LerobotEpisode& episode : episodes) {
-    for (const ObjectEntry& object : episode.recording.manifest.objects) {
-      if (known.contains(object.name)) return true;
-    }
-  }
-  return false;
-}
-
-Error unknown_objects(const LerobotArguments& arguments) {
-  return {.message = "has parameters of none of the objects in " + arguments.recordings.front(),
-          .file = arguments.parameters,
-          .hint = "give the parameter file of these objects"};
 }
 
 Expected<void> check_scenes(const LerobotArguments& arguments) {
@@ -93,17 +90,18 @@ Expected<CommandResult> export_lerobot(const LerobotArguments& given, Configurat
   const Expected<ParameterTable> known = read_known(arguments);
   if (!known) return known.error();
   std::vector<LerobotEpisode> episodes;
-  for (std::size_t i = 0; i < arguments.recordings.size(); ++i) {
+  const std::size_t count = arguments.recordings.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    observer.on_progress("episodes", i, count);
     Expected<LerobotEpisode> episode = read_episode(arguments, i, *known, configuration, observer);
     if (!episode) return episode.error();
     episodes.push_back(*std::move(episode));
-    observer.on_progress("episodes", i + 1, arguments.recordings.size());
   }
-  if (!known->empty() && !has_object_of(*known, episodes)) return unknown_objects(arguments);
   const Expected<LerobotSummary> written =
       write_lerobot_dataset(episodes, folder->path(), observer);
   if (!written) return written.error();
   if (const auto committed = folder->commit(); !committed) return committed.error();
+  observer.on_progress("episodes", count, count);
   return describe(arguments, *written);
 }
 

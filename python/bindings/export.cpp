@@ -186,6 +186,7 @@ Expected<std::size_t> export_recordings(const OutputArgument& output, const Data
   identification.compares_estimators = false;
   std::vector<LerobotEpisode> episodes;
   for (std::size_t i = 0; i < inputs.recordings.size(); ++i) {
+    observer.on_progress("episodes", i, inputs.recordings.size());
     const Expected<Recording> recording = read_recording(inputs.recordings[i]);
     if (!recording) return recording.error();
     for (const std::string& warning : recording->warnings) observer.on_warning(warning);
@@ -196,12 +197,12 @@ Expected<std::size_t> export_recordings(const OutputArgument& output, const Data
         options, observer);
     if (!episode) return episode.error();
     episodes.push_back(*std::move(episode));
-    observer.on_progress("episodes", i + 1, inputs.recordings.size());
   }
   const Expected<LerobotSummary> summary =
       write_lerobot_dataset(episodes, folder->path(), observer);
   if (!summary) return summary.error();
   if (const auto done = folder->commit(); !done) return done.error();
+  observer.on_progress("episodes", episodes.size(), episodes.size());
   return summary->frames;
 }
 
