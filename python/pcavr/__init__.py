@@ -9,15 +9,15 @@ from ._errors import DataWarning, Error
 from ._pcavr import (
     Body, BodyPose, Camera, Finding, Frame, Identification, Identified, IdentifiedObject, IkSolution,
     Object, ObjectEntry, Parameters, Recording, Robot, Scene, SceneObject, Tag, TagDetection,
-    TagDetector, Trajectory, Value, World, WrenchSeries, body_pose, build, evaluate, export, identify,
-    identify_recording, parse_parameters, read_parameters, read_recording, read_scene, replay,
+    TagDetector, Trajectory, Value, World, WrenchSeries, body_pose, build, evaluate, export, export_lerobot,
+    identify, identify_recording, parse_parameters, read_parameters, read_recording, read_scene, replay,
     simulate, tag_cells, tag_families, write_parameters, write_recording)
 
 __all__ = [
     "Body", "BodyPose", "Camera", "DataWarning", "Error", "Finding", "Frame", "Identification",
     "Identified", "IdentifiedObject", "IkSolution", "Object", "ObjectEntry", "Parameters", "Recording",
     "Robot", "Scene", "SceneObject", "Tag", "TagDetection", "TagDetector", "Trajectory", "Value",
-    "World", "WrenchSeries", "body_pose", "build", "evaluate", "export", "identify",
-    "identify_recording", "parse_parameters", "read_parameters", "read_recording", "read_scene",
+    "World", "WrenchSeries", "body_pose", "build", "evaluate", "export", "export_lerobot",
+    "identify", "identify_recording", "parse_parameters", "read_parameters", "read_recording", "read_scene",
     "replay", "simulate", "tag_cells", "tag_families", "write_parameters", "write_recording",
 ]

@@ -306,9 +306,12 @@ def replay(recording: _Path, scene: _Path, output: _Path, *, parameters: _Known 
 def evaluate(subject: _Path, reference: _Path | None = ..., *, output: _Path | None = ...,
              replace: bool = ..., threads: int = ..., options: _Options | None = ...,
              progress: _Progress | None = ...) -> dict[str, Any]: ...
-def export(scene: _Path, output: _Path, format: Literal["mjcf", "urdf", "sdf", "usd"], *,
+def export(scene: _Path, output: _Path, format: Literal["mjcf", "urdf", "sdf", "usd", "moveit", "gltf", "ply", "obj", "stl", "pcd"], *,
            parameters: _Known | None = ..., motion: _Path | None = ..., speed: float | None = ...,
            tool_radius: float | None = ..., assume: bool = ...) -> list[str]: ...
+def export_lerobot(recordings: _Path | Sequence[_Path], output: _Path, *, parameters: _Known | None = ...,
+                   scenes: _Path | Sequence[_Path] | None = ..., fps: int | None = ..., task: str = ...,
+                   progress: _Progress | None = ...) -> int: ...
 def simulate(case: str, output: _Path, *, seed: int = ..., images: bool = ..., replace: bool = ...,
              threads: int = ..., progress: _Progress | None = ...) -> None: ...
 
