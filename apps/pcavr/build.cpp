@@ -1,5 +1,10 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <fstream>
+
+#include <unistd.h>
+
 #include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/perception/tracking/stated_poses.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
@@ -15,6 +20,11 @@ namespace {
 constexpr InputRange kPoseStd{"std of a pose", 1e-6, 1.0, "m, rad",
                               "from exact to nothing: a room's width"};
 
+constexpr InputRange kTile{
+    "edge of a tile", 0.5, 1000.0, "m",
+    "from a table, below which borders cost more than they save, to any hall"};
+constexpr InputRange kMemory{"memory", 0.1, 1e6, "GB", "from what any build takes to a petabyte"};
+
 struct BuildArguments {
   std::string recording;
   OutputOption output;
@@ -22,8 +32,19 @@ struct BuildArguments {
   bool trust_poses = false;
   double pose_std = 0.0;  ///< [m, rad]; 0: the configuration's
   bool skip_bad = false;
+  double tile_size = 0.0;   ///< [m]; 0: none
+  double max_memory = 0.0;  ///< [GB]; 0: the machine's
   int threads = 1;
 };
+
+/// The machine's memory, or what a container may take of it [bytes].
+double machine_memory() {
+  const double physical =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  std::ifstream limit("/sys/fs/cgroup/memory.max");  // "max" where there is none
+  double bytes = 0.0;
+  return limit >> bytes ? std::min(bytes, physical) : physical;
+}
 
 Expected<CommandResult> build(const BuildArguments& arguments, Configuration& configuration,
                               const Observer& observer) {
@@ -31,6 +52,8 @@ Expected<CommandResult> build(const BuildArguments& arguments, Configuration& co
   options.trust_poses = arguments.trust_poses;
   if (arguments.pose_std > 0.0) state_pose_std(arguments.pose_std, options.perception.camera);
   options.skip_bad = arguments.skip_bad;
+  if (arguments.tile_size > 0.0) options.tile_size = arguments.tile_size;
+  options.max_memory = arguments.max_memory > 0.0 ? 1e9 * arguments.max_memory : machine_memory();
   options.parallelism = {arguments.threads};
   // First, so that an output that can't be written fails before the long work.
   Expected<OutputFolder> folder =
@@ -82,6 +105,11 @@ void add_build(CLI::App& app, Configuration& configuration, Action& action) {
              "all of them, and it is an error where tags or images contradict one by more than 5")
       ->excludes(trust);
   command->add_flag("--skip-bad", arguments->skip_bad, "Skip bad rows and frames, and count them");
+  add_number(*command, "--tiles", arguments->tile_size, kTile,
+             "Fuse the surface by squares of this edge [m], one after the other: the same mesh in "
+             "less memory");
+  add_number(*command, "--max-memory", arguments->max_memory, kMemory,
+             "Stop before the work where it would take more [GB] (default: the machine's)");
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &configuration, &action] {
     action = [arguments, &configuration](const Observer& observer) {

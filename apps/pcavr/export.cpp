@@ -66,8 +66,8 @@ struct PlainName {
 };
 constexpr std::array kPlainNames{
     PlainName{"gltf", PlainFormat::gltf}, PlainName{"ply", PlainFormat::ply},
-    PlainName{"obj", PlainFormat::obj}, PlainName{"stl", PlainFormat::stl},
-    PlainName{"pcd", PlainFormat::pcd}};
+    PlainName{"obj", PlainFormat::obj},   PlainName{"stl", PlainFormat::stl},
+    PlainName{"pcd", PlainFormat::pcd},   PlainName{"3dtiles", PlainFormat::tiles}};
 
 std::optional<PlainFormat> plain_format_of(const std::string& name) {
   for (const PlainName& plain : kPlainNames) {
@@ -370,7 +370,7 @@ void add_export(CLI::App& app, Configuration& configuration, Action& action) {
   command
       ->add_option("--to", arguments->format,
                    "Format: a world for an engine, a planning scene (moveit), or geometry alone "
-                   "(gltf to pcd)")
+                   "(gltf to 3dtiles)")
       ->required()
       ->check(CLI::IsMember(format_names()));
   CLI::Option* robot = command->add_option(

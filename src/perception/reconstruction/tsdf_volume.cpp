@@ -45,12 +45,14 @@ BlockView view_of(const FrameSurface& frame, const Pose& T_camera_base, double v
 }  // namespace
 
 struct TsdfVolume::Blocks {
-  explicit Blocks(const TsdfOptions& chosen)
+  Blocks(const TsdfOptions& chosen, const std::optional<BlockBox>& chosen_part)
       : options(chosen),
+        part(chosen_part),
         tables(chosen.depth_noise, chosen.truncation_voxels * chosen.voxel_size,
                chosen.truncation_std) {}
 
   TsdfOptions options;
+  std::optional<BlockBox> part;
   NoiseTables tables;
   BlockMap map;
   PastViews past_views;
@@ -64,12 +66,21 @@ struct TsdfVolume::Blocks {
   /// `next`: the block that is fused after it, or null; prefetched.
   void fuse(const VisibleBlock& visible, const VisibleBlock* next, BlockView view,
             const Pose& T_camera_base);
+  [[nodiscard]] ExtractionParameters extraction(const SurfaceEvidence& evidence) const {
+    return {.voxel_size = options.voxel_size,
+            .min_weight = evidence.min_weight,
+            .frames_to_clear = options.frames_to_clear,
+            .min_uncontradicted_weight = evidence.min_uncontradicted_weight};
+  }
 };
 
 std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockCoordinates>& coordinates,
                                              Parallelism parallelism) {
   const auto first = static_cast<std::uint32_t>(map.size());
+  // Marching cubes and normals reach into the blocks next to the part.
+  const std::optional<BlockBox> kept = part ? std::optional(part->expanded(1)) : std::nullopt;
   for (const BlockCoordinates& block : coordinates) {
+    if (kept && !kept->contains({block.x, block.y, block.z})) continue;
     if (map.find(block) == BlockHashTable::kNone) map.add(block);
   }
   parallel_for(parallelism, map.size() - first, 1, [&](std::size_t begin, std::size_t end) {
@@ -102,14 +113,14 @@ void TsdfVolume::Blocks::fuse(const VisibleBlock& visible, const VisibleBlock* n
   kernels().fuse_block(view, map.block(visible.number), next_block);
 }
 
-TsdfVolume::TsdfVolume(const TsdfOptions& options) {
+TsdfVolume::TsdfVolume(const TsdfOptions& options, const std::optional<BlockBox>& part) {
   PCAVR_REQUIRE(options.voxel_size > 0.0, options.voxel_size);
   PCAVR_REQUIRE(options.truncation_voxels >= 2.0, options.truncation_voxels);
   PCAVR_REQUIRE(options.truncation_std >= 0.0, options.truncation_std);
   PCAVR_REQUIRE(
       options.frames_to_clear >= 1 && options.frames_to_clear <= static_cast<int>(kMaxCount),
       options.frames_to_clear);
-  blocks_ = std::make_unique<Blocks>(options);
+  blocks_ = std::make_unique<Blocks>(options, part);
 }
 
 TsdfVolume::~TsdfVolume() = default;
@@ -154,18 +165,24 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   return report;
 }
 
+void TsdfVolume::integrate_unseen() {
+  blocks_->past_views.add_unseen();
+  ++blocks_->frames;
+}
+
 TriangleMesh TsdfVolume::extract_mesh(double min_weight, Parallelism parallelism) const {
   return extract_mesh(SurfaceEvidence{min_weight, min_weight}, parallelism);
 }
 
 TriangleMesh TsdfVolume::extract_mesh(const SurfaceEvidence& evidence,
                                       Parallelism parallelism) const {
-  return extract_surface(blocks_->map,
-                         {.voxel_size = blocks_->options.voxel_size,
-                          .min_weight = evidence.min_weight,
-                          .frames_to_clear = blocks_->options.frames_to_clear,
-                          .min_uncontradicted_weight = evidence.min_uncontradicted_weight},
-                         parallelism);
+  return extract_surface(blocks_->map, blocks_->extraction(evidence), parallelism);
+}
+
+SurfaceTile TsdfVolume::extract_tile(const SurfaceEvidence& evidence,
+                                     Parallelism parallelism) const {
+  return pcavr::extract_tile(blocks_->map, blocks_->extraction(evidence), blocks_->part,
+                             parallelism);
 }
 
 std::size_t TsdfVolume::block_count() const { return blocks_->map.size(); }

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "pcavr/base/core/parallel.hpp"
 #include "pcavr/base/geometry/camera.hpp"
 #include "pcavr/base/geometry/depth_noise.hpp"
 #include "pcavr/base/geometry/image.hpp"
 #include "pcavr/base/geometry/mesh.hpp"
+#include "pcavr/perception/reconstruction/surface_tiles.hpp"
 
 namespace pcavr {
 
@@ -49,7 +51,9 @@ struct SurfaceEvidence {
 /// of threads.
 class TsdfVolume {
  public:
-  explicit TsdfVolume(const TsdfOptions& options);
+  /// With a `part`, only its blocks and those next to it are kept: bit for bit those of a volume
+  /// of all.
+  explicit TsdfVolume(const TsdfOptions& options, const std::optional<BlockBox>& part = {});
   ~TsdfVolume();
   TsdfVolume(TsdfVolume&&) noexcept;
 
@@ -59,6 +63,8 @@ class TsdfVolume {
   IntegrationReport integrate(const DepthImage& depth, const ColorImage& color,
                               const MaskImage& is_dynamic, const CameraModel& camera,
                               const Pose& T_base_camera, Parallelism parallelism);
+  /// Counts a frame that sees nothing of the part, in the place of integrate().
+  void integrate_unseen();
 
   /// Marching cubes [Lorensen & Cline 1987] with shared vertices, normals from the distance
   /// field's gradient, and colours. Voxels that fewer than `min_weight` frames
@@ -67,6 +73,9 @@ class TsdfVolume {
   /// The same, with fewer frames where nothing contradicts them.
   [[nodiscard]] TriangleMesh extract_mesh(const SurfaceEvidence& evidence,
                                           Parallelism parallelism) const;
+  /// What the part owns of it. Without a part: all.
+  [[nodiscard]] SurfaceTile extract_tile(const SurfaceEvidence& evidence,
+                                         Parallelism parallelism) const;
 
   [[nodiscard]] std::size_t block_count() const;
   [[nodiscard]] std::size_t memory_bytes() const;
