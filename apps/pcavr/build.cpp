@@ -7,7 +7,7 @@
 
 #include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/perception/tracking/stated_poses.hpp"
-#include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/pipeline/build_limits.hpp"
 
 #include "commands.hpp"
 #include "number_option.hpp"
@@ -46,14 +46,19 @@ double machine_memory() {
   return limit >> bytes ? std::min(bytes, physical) : physical;
 }
 
+BuildLimits limits_of(const BuildArguments& arguments) {
+  BuildLimits limits;
+  if (arguments.tile_size > 0.0) limits.tile_size = arguments.tile_size;
+  limits.max_memory = arguments.max_memory > 0.0 ? 1e9 * arguments.max_memory : machine_memory();
+  return limits;
+}
+
 Expected<CommandResult> build(const BuildArguments& arguments, Configuration& configuration,
                               const Observer& observer) {
   BuildOptions options = configuration.build;
   options.trust_poses = arguments.trust_poses;
   if (arguments.pose_std > 0.0) state_pose_std(arguments.pose_std, options.perception.camera);
   options.skip_bad = arguments.skip_bad;
-  if (arguments.tile_size > 0.0) options.tile_size = arguments.tile_size;
-  options.max_memory = arguments.max_memory > 0.0 ? 1e9 * arguments.max_memory : machine_memory();
   options.parallelism = {arguments.threads};
   // First, so that an output that can't be written fails before the long work.
   Expected<OutputFolder> folder =
@@ -66,7 +71,7 @@ Expected<CommandResult> build(const BuildArguments& arguments, Configuration& co
   const Expected<Recording> recording =
       read_with_warnings(arguments.recording, options.skip_bad, configuration, observer);
   if (!recording) return recording.error();
-  Expected<Scene> scene = build_scene(*recording, options, observer);
+  Expected<Scene> scene = build_scene_within(limits_of(arguments), *recording, options, observer);
   if (!scene) return scene.error();
   scene->configuration = configuration.changed();
   const Expected<void> written = write_scene(*scene, folder->path(), options.parallelism);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "pcavr/base/core/expected.hpp"
@@ -20,9 +19,6 @@
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
-
-/// Edge of a tile that fits most rooms, and takes some 0.5 GB at voxels of 5 mm [m].
-inline constexpr double kDefaultTile = 4.0;
 
 /// See src/pipeline/build/build_options.cpp for meanings, ranges and defaults.
 /// `perception.depth_noise` applies to the fusion too, in place of the one in `fusion`, and limits
@@ -45,10 +41,6 @@ struct BuildOptions {
   double max_surface_distance;   ///< [m]
   bool trust_poses = false;      ///< take groundtruth.txt as given, not as a measurement
   bool skip_bad = false;         ///< leave out frames that don't decode, and count them
-  /// The surface is fused by squares of this edge, seen from above, one after the other [m]: the
-  /// same mesh in less memory. Empty: at once.
-  std::optional<double> tile_size = {};
-  double max_memory = 0.0;  ///< an estimate above it is an Error [bytes]; 0: no limit
   Parallelism parallelism = Parallelism::max();
 };
 
@@ -65,8 +57,7 @@ struct BuildOptions {
 /// the scene holds what the manifest states: bodies at their poses. Fails where no frame can be
 /// placed in base, where a movable object has no CAD body (without images: no pose), where a frame
 /// does not decode (unless skip_bad), where the inputs contradict each other (consistency.hpp), and
-/// where the frames yield no surface, or more than max_memory would be needed. Reads nothing under
-/// truth/.
+/// where the frames yield no surface. Reads nothing under truth/.
 [[nodiscard]] Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                                           const Observer& observer = {});
 

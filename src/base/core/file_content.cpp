@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/output_parts.hpp"
 #include "pcavr/base/core/signal_cleanup.hpp"
 
 #include "base/core/file_descriptor.hpp"
@@ -53,7 +54,7 @@ Parts whole(std::string_view content) {
   return [content]() mutable { return std::exchange(content, {}); };
 }
 
-int create_content(const fs::path& path, const Parts& next_part) {
+int create_from(const fs::path& path, const Parts& next_part) {
   // Removes the file of a killed process that had the same id. A link is removed, not the file that
   // it refers to.
   ::unlink(path.c_str());
@@ -63,7 +64,7 @@ int create_content(const fs::path& path, const Parts& next_part) {
 Expected<void> write_parts(const fs::path& target_in, const Parts& next_part) {
   const fs::path target = fs::absolute(target_in).lexically_normal();
   const fs::path temporary = PartialNames::sibling_of(target).path(PartialState::partial);
-  int failure = create_content(temporary, next_part);
+  int failure = create_from(temporary, next_part);
   if (failure == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) failure = errno;
   if (failure == 0) return {};
   ::unlink(temporary.c_str());
@@ -73,7 +74,7 @@ Expected<void> write_parts(const fs::path& target_in, const Parts& next_part) {
 }  // namespace
 
 int create_content(const fs::path& path, std::string_view content) {
-  return create_content(path, whole(content));
+  return create_from(path, whole(content));
 }
 
 int replace_content(const fs::path& path, std::string_view content) {

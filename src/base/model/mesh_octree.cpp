@@ -17,7 +17,7 @@
 namespace pcavr {
 namespace {
 
-constexpr int kMaxDepth = 15;  // cells are numbered in 16 bits
+constexpr int kDeepest = 15;  // cells are numbered in 16 bits
 
 /// A part of a mesh whose vertices are known by their numbers in the whole.
 struct Part {
@@ -75,7 +75,7 @@ class OctreeBuilder {
       : mesh_(mesh), options_(options), write_(write), box_(bounds(mesh.vertices)) {
     const double extent = double{box_.sizes().maxCoeff()};
     edge_ = options.min_edge;
-    while (depth_ < kMaxDepth && edge_ * (1 << depth_) <= extent) ++depth_;
+    while (depth_ < kDeepest && edge_ * (1 << depth_) <= extent) ++depth_;
     // A mesh that is wider than all cells has wider cells.
     edge_ = std::max(edge_, 1.001 * extent / (1 << depth_));
     note_cells();
@@ -97,7 +97,7 @@ class OctreeBuilder {
     Cell cell;
     for (std::size_t i = 0; i < 3; ++i) {
       cell[i] = static_cast<std::uint16_t>(
-          std::clamp(p[static_cast<Eigen::Index>(i)], 0.0, double{(1 << depth_) - 1}));
+          std::clamp(p[static_cast<Eigen::Index>(i)], 0.0, static_cast<double>((1 << depth_) - 1)));
     }
     return cell;
   }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/perception/reconstruction/surface_tiles.hpp"
 
 namespace pcavr {
 namespace {
@@ -15,10 +16,10 @@ namespace {
 constexpr int kPatch = 32;  ///< [px]
 /// Pixels beyond a patch that its readings may change: a pixel of the halved image, and its nearest
 /// neighbour where a lens is undistorted.
-constexpr double kMargin = 4.0;
+constexpr double kPatchMargin = 4.0;
 /// Slope of the steepest ray: undistorted images end at 60 degrees from the optical axis, or are as
 /// wide as the image.
-constexpr double kMaxSlope = 100.0;
+constexpr double kSteepestRay = 100.0;
 
 std::array<Eigen::Vector3d, 8> corners_of(const Eigen::AlignedBox3d& box) {
   std::array<Eigen::Vector3d, 8> corners;
@@ -41,18 +42,18 @@ ReachFinder::ReachFinder(const CameraModel& camera, const TsdfOptions& options)
 }
 
 ReachFinder::Cone ReachFinder::cone_of(int patch_x, int patch_y) const {
-  const double left = patch_x * kPatch - kMargin;
-  const double top = patch_y * kPatch - kMargin;
-  const double right = std::min((patch_x + 1) * kPatch, camera_.width) + kMargin;
-  const double bottom = std::min((patch_y + 1) * kPatch, camera_.height) + kMargin;
+  const double left = patch_x * kPatch - kPatchMargin;
+  const double top = patch_y * kPatch - kPatchMargin;
+  const double right = std::min((patch_x + 1) * kPatch, camera_.width) + kPatchMargin;
+  const double bottom = std::min((patch_y + 1) * kPatch, camera_.height) + kPatchMargin;
   const CameraModel pinhole = camera_.undistorted();
-  Cone cone{Eigen::Vector2d::Constant(kMaxSlope), Eigen::Vector2d::Constant(-kMaxSlope)};
+  Cone cone{Eigen::Vector2d::Constant(kSteepestRay), Eigen::Vector2d::Constant(-kSteepestRay)};
   const auto add = [&](double u, double v) {
     const Eigen::Vector2d pixel(std::clamp(u, 0.0, camera_.width - 1.0),
                                 std::clamp(v, 0.0, camera_.height - 1.0));
     Eigen::Vector2d ray = camera_.normalise(pixel);
     if (!ray.allFinite()) {
-      cone = {Eigen::Vector2d::Constant(-kMaxSlope), Eigen::Vector2d::Constant(kMaxSlope)};
+      cone = {Eigen::Vector2d::Constant(-kSteepestRay), Eigen::Vector2d::Constant(kSteepestRay)};
       return;
     }
     // The margin beyond the image's border, at the focal length.

@@ -10,7 +10,10 @@
 #include <utility>
 
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/output_parts.hpp"
 #include "pcavr/base/core/raw_bytes.hpp"
+
+#include "ply_parts.hpp"
 
 namespace pcavr {
 namespace {

@@ -17,6 +17,7 @@
 #include "display_mesh.hpp"
 #include "object_colors.hpp"
 #include "perception/scene/glb_writer.hpp"
+#include "ply_parts.hpp"
 #include "preview.hpp"
 
 namespace pcavr {

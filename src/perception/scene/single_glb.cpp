@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/perception/scene/glb_file.hpp"
+#include "pcavr/perception/scene/single_glb.hpp"
 
 #include "display_mesh.hpp"
 #include "perception/scene/glb_writer.hpp"

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/pipeline/build_scene.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <future>
@@ -13,6 +11,7 @@
 #include "pcavr/base/core/stage_clock.hpp"
 #include "pcavr/perception/scene/support_plane.hpp"
 #include "pcavr/perception/texture/view_selection.hpp"
+#include "pcavr/pipeline/build_limits.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
 
 #include "follow_objects.hpp"
@@ -41,9 +40,10 @@ OccupancyOptions occupancy_options(const BuildOptions& options) {
 /// What the second pass yields: the static scene, and the tracks of its bodies.
 class SecondPass {
  public:
-  SecondPass(const Recording& recording, std::size_t bodies, const BuildOptions& options)
-      : surface(options.tile_size ? make_tiled_surface(recording, options)
-                                  : make_whole_surface(options)),
+  SecondPass(const BuildLimits& limits, const Recording& recording, std::size_t bodies,
+             const BuildOptions& options)
+      : surface(limits.tile_size ? make_tiled_surface(*limits.tile_size, recording, options)
+                                 : make_whole_surface(options)),
         occupancy(occupancy_options(options)),
         tracks(bodies),
         views(options.texture),
@@ -149,6 +149,11 @@ std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const 
 
 Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                             const Observer& observer) {
+  return build_scene_within({}, recording, options, observer);
+}
+
+Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& recording,
+                                   const BuildOptions& options, const Observer& observer) {
   warn_of_clocks(recording, observer);
   const Expected<std::optional<RecordedArm>> arm = read_recorded_arm(recording, observer);
   if (!arm) return arm.error();
@@ -188,20 +193,20 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   // Before the long work where poses are stated, else before the fusion.
   const bool has_poses = !recording.groundtruth.empty();
   if (has_poses) {
-    if (const auto fits = check_memory(recording, stated_poses(recording), options); !fits)
+    if (const auto fits = check_memory(limits, recording, stated_poses(recording), options); !fits)
       return fits.error();
   }
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
   if (!survey) return survey.error();
   if (!has_poses) {
-    if (const auto fits = check_memory(recording, found_poses(*survey), options); !fits)
+    if (const auto fits = check_memory(limits, recording, found_poses(*survey), options); !fits)
       return fits.error();
   }
 
   // Reconstruction: movable objects are tracked and masked, the rest is fused and meshed (TSDF,
   // marching cubes).
   clock.begin("objects and fusion");
-  SecondPass pass(recording, bodies->size(), options);
+  SecondPass pass(limits, recording, bodies->size(), options);
   const Expected<void> followed = follow_objects(
       recording, *bodies, *survey, survey_options, observer,
       [&](const FollowedFrame& frame) { pass.add(frame); }, *arm ? &**arm : nullptr);

@@ -25,7 +25,7 @@ constexpr double kFaces = 1.0 / 1.5;
 /// Frames that are looked at: first few, each as if it saw a surface of its own, which is enough
 /// where that fits; else more, together.
 constexpr std::size_t kFirstFrames = 16;
-constexpr std::size_t kMaxFrames = 240;
+constexpr std::size_t kMostFrames = 240;
 
 /// By measurements (docs/scale.md) [bytes]: what does not depend on the surface, and what each
 /// square of a voxel's face takes, in all and where tiles are fused one after the other.
@@ -35,7 +35,7 @@ constexpr double kEachFaceByTiles = 90.0;
 
 using Cubes = std::unordered_set<std::uint64_t>;
 
-std::uint64_t key_of(const Eigen::Vector3d& p) {
+std::uint64_t cube_key(const Eigen::Vector3d& p) {
   const auto bits = [](double x) {
     return static_cast<std::uint64_t>(std::llround(std::floor(x / kCube))) & 0x1FFFFFU;
   };
@@ -53,7 +53,7 @@ void add_cubes(const DepthImage& depth, const CameraModel& color_camera, const P
       const double z = double{depth(u, v)};
       if (z < noise.min_depth || z > noise.max_depth) continue;
       const Eigen::Vector3d p = T_base_camera * camera.unproject(Eigen::Vector2d(u, v), z);
-      if (p.cwiseAbs().maxCoeff() < ranges::kCoordinate.max) cubes.insert(key_of(p));
+      if (p.cwiseAbs().maxCoeff() < ranges::kCoordinate.max) cubes.insert(cube_key(p));
     }
   }
 }
@@ -62,6 +62,67 @@ double area_of(std::size_t cubes) { return kFaces * kCube * kCube * static_cast<
 
 /// 0.0234 -> 0.024, so that a suggested voxel has two digits.
 double rounded_up(double voxel) { return std::ceil(voxel * 1e3 - 1e-9) * 1e-3; }
+
+/// Peak memory of a build of so much surface [bytes].
+double memory_need(double area, double voxel_size, bool by_tiles) {
+  const double faces = area / (voxel_size * voxel_size);
+  return kConstant + (by_tiles ? kEachFaceByTiles : kEachFace) * faces;
+}
+
+/// Looks at frames of a recording whose poses are known.
+class AreaCount {
+ public:
+  AreaCount(const Recording& recording, const std::vector<std::optional<Pose>>& poses,
+            const DepthNoise& noise)
+      : recording_(recording), poses_(poses), noise_(noise) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (poses[i]) placed_.push_back(i);
+    }
+  }
+
+  /// By a few frames, each as if it saw a surface of its own [m^2]: an upper bound.
+  [[nodiscard]] double apart() const {
+    const std::size_t frames = std::min(kFirstFrames, placed_.size());
+    if (frames == 0) return 0.0;
+    return area_of(count(frames, false)) * static_cast<double>(placed_.size()) /
+           static_cast<double>(frames);
+  }
+  /// By many frames [m^2].
+  [[nodiscard]] double together() const {
+    return area_of(count(std::min(kMostFrames, placed_.size()), true));
+  }
+
+ private:
+  [[nodiscard]] std::size_t count(std::size_t frames, bool together) const {
+    std::size_t sum = 0;
+    Cubes cubes;
+    for (std::size_t i = 0; i < frames; ++i) {
+      const std::size_t index = placed_[i * placed_.size() / frames];
+      const Expected<RgbdFrame> frame = decode_frame(recording_, index);
+      if (!frame) continue;  // the first pass names it
+      if (!together) cubes.clear();
+      add_cubes(frame->depth, *recording_.manifest.camera, *poses_[index], noise_, cubes);
+      sum = together ? cubes.size() : sum + cubes.size();
+    }
+    return sum;
+  }
+
+  const Recording& recording_;
+  const std::vector<std::optional<Pose>>& poses_;
+  const DepthNoise& noise_;
+  std::vector<std::size_t> placed_;
+};
+
+/// What fits in place of what does not.
+std::string smaller(double area, double need, double voxel, const BuildLimits& limits) {
+  const double room = std::max(limits.max_memory - kConstant, 0.01 * limits.max_memory);
+  std::string hint =
+      fmt::format("give --voxel {:g}", rounded_up(voxel * std::sqrt((need - kConstant) / room)));
+  if (!limits.tile_size && memory_need(area, voxel, true) <= limits.max_memory) {
+    hint += fmt::format(" or --tiles {:g}", kDefaultTile);
+  }
+  return hint + "; --max-memory sets the limit";
+}
 
 }  // namespace
 
@@ -73,62 +134,25 @@ std::vector<std::optional<Pose>> stated_poses(const Recording& recording) {
   return poses;
 }
 
-double seen_area(const Recording& recording, const std::vector<std::optional<Pose>>& poses,
-                 const BuildOptions& options) {
-  std::vector<std::size_t> placed;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (poses[i]) placed.push_back(i);
-  }
-  const auto count = [&](std::size_t frames, bool together) {
-    std::size_t sum = 0;
-    Cubes cubes;
-    for (std::size_t i = 0; i < frames; ++i) {
-      const std::size_t index = placed[i * placed.size() / frames];
-      const Expected<RgbdFrame> frame = decode_frame(recording, index);
-      if (!frame) continue;  // the first pass names it
-      if (!together) cubes.clear();
-      add_cubes(frame->depth, *recording.manifest.camera, *poses[index],
-                options.perception.depth_noise, cubes);
-      sum = together ? cubes.size() : sum + cubes.size();
-    }
-    return sum;
-  };
-  if (placed.empty()) return 0.0;
-  const std::size_t first = std::min(kFirstFrames, placed.size());
-  const double apart = area_of(count(first, false)) * static_cast<double>(placed.size()) /
-                       static_cast<double>(first);
-  if (memory_need(apart, options) <= options.max_memory) return apart;
-  return area_of(count(std::min(kMaxFrames, placed.size()), true));
-}
-
-double memory_need(double area, const BuildOptions& options) {
-  const double faces = area / (options.fusion.voxel_size * options.fusion.voxel_size);
-  return kConstant + (options.tile_size ? kEachFaceByTiles : kEachFace) * faces;
-}
-
-Expected<void> check_memory(const Recording& recording,
+Expected<void> check_memory(const BuildLimits& limits, const Recording& recording,
                             const std::vector<std::optional<Pose>>& poses,
                             const BuildOptions& options) {
-  if (options.max_memory <= 0.0) return {};
-  const double area = seen_area(recording, poses, options);
-  const double need = memory_need(area, options);
-  if (need <= options.max_memory) return {};
+  if (limits.max_memory <= 0.0) return {};
+  const AreaCount seen(recording, poses, options.perception.depth_noise);
   const double voxel = options.fusion.voxel_size;
-  const double room = std::max(options.max_memory - kConstant, 0.01 * options.max_memory);
-  std::string hint =
-      fmt::format("give --voxel {:g}", rounded_up(voxel * std::sqrt((need - kConstant) / room)));
-  BuildOptions tiled = options;
-  tiled.tile_size = kDefaultTile;
-  if (!options.tile_size && memory_need(area, tiled) <= options.max_memory) {
-    hint += fmt::format(" or --tiles {:g}", kDefaultTile);
-  }
+  const auto need_of = [&](double area) {
+    return memory_need(area, voxel, limits.tile_size.has_value());
+  };
+  if (need_of(seen.apart()) <= limits.max_memory) return {};
+  const double area = seen.together();
+  const double need = need_of(area);
+  if (need <= limits.max_memory) return {};
   return Error{
-      .message = fmt::format(
-          "needs {:.1f} GB at {:g} mm for some {:.0f} m^2 of surface, more than the {:.1f} GB "
-          "that it may take",
-          1e-9 * need, 1e3 * voxel, area, 1e-9 * options.max_memory),
+      .message = fmt::format("needs {:.1f} GB at {:g} mm for some {:.0f} m^2 of surface, more than "
+                             "the {:.1f} GB that it may take",
+                             1e-9 * need, 1e3 * voxel, area, 1e-9 * limits.max_memory),
       .file = recording.folder.string(),
-      .hint = hint + "; --max-memory sets the limit"};
+      .hint = smaller(area, need, voxel, limits)};
 }
 
 }  // namespace pcavr

@@ -7,23 +7,15 @@
 
 #include "pcavr/base/core/expected.hpp"
 #include "pcavr/base/geometry/pose.hpp"
-#include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/pipeline/build_limits.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 
 namespace pcavr {
 
-/// The area of the surface that the frames see [m^2], by some of them: the cubes of a coarse grid
-/// in base that contain measured depth. `poses` are T_base_camera by frame, nothing where unknown.
-[[nodiscard]] double seen_area(const Recording& recording,
-                               const std::vector<std::optional<Pose>>& poses,
-                               const BuildOptions& options);
-
-/// Peak memory of a build of so much surface [bytes]: docs/scale.md has the model.
-[[nodiscard]] double memory_need(double area, const BuildOptions& options);
-
-/// An Error where the build would need more than `options.max_memory` (0: no limit), with voxels
-/// and tiles that would not.
-[[nodiscard]] Expected<void> check_memory(const Recording& recording,
+/// An Error where the build would need more than `limits.max_memory`, by the area of the surface
+/// that some frames see (docs/scale.md), with voxels and tiles that would not. `poses` are
+/// T_base_camera by frame, nothing where unknown.
+[[nodiscard]] Expected<void> check_memory(const BuildLimits& limits, const Recording& recording,
                                           const std::vector<std::optional<Pose>>& poses,
                                           const BuildOptions& options);
 

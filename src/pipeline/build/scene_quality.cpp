@@ -36,7 +36,7 @@ void collect_points(const RgbdFrame& frame, const CameraModel& color_camera,
 
 using Cell = Eigen::Vector3i;
 
-std::uint64_t key_of(const Cell& cell) {
+std::uint64_t cell_key(const Cell& cell) {
   const auto bits = [](int c) { return static_cast<std::uint64_t>(c) & 0x1FFFFFU; };
   return bits(cell.x()) << 42 | bits(cell.y()) << 21 | bits(cell.z());
 }
@@ -53,7 +53,7 @@ TriangleMesh part_near(const TriangleMesh& mesh, const std::vector<Eigen::Vector
   for (const Eigen::Vector3f& p : points) {
     const Cell cell = cell_of(p);
     for (int i = 0; i < 27; ++i)
-      near.insert(key_of(cell + Cell(i % 3, i / 3 % 3, i / 9) - Cell::Ones()));
+      near.insert(cell_key(cell + Cell(i % 3, i / 3 % 3, i / 9) - Cell::Ones()));
   }
   const auto is_near = [&](const std::array<std::uint32_t, 3>& t) {
     Eigen::AlignedBox3f box(mesh.vertices[t[0]]);
@@ -63,7 +63,7 @@ TriangleMesh part_near(const TriangleMesh& mesh, const std::vector<Eigen::Vector
     for (int x = low.x(); x <= high.x(); ++x) {
       for (int y = low.y(); y <= high.y(); ++y) {
         for (int z = low.z(); z <= high.z(); ++z) {
-          if (near.contains(key_of({x, y, z}))) return true;
+          if (near.contains(cell_key({x, y, z}))) return true;
         }
       }
     }

@@ -8,7 +8,7 @@
 #include "pcavr/base/core/expected.hpp"
 #include "pcavr/base/core/observer.hpp"
 #include "pcavr/base/geometry/mesh.hpp"
-#include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/pipeline/build_limits.hpp"
 
 #include "follow_objects.hpp"
 #include "fused_frame.hpp"
@@ -38,9 +38,10 @@ class SurfaceBuilder {
 
 /// Keeps references to its arguments.
 [[nodiscard]] std::unique_ptr<SurfaceBuilder> make_whole_surface(const BuildOptions& options);
-/// The same surface with the memory of one square of `options.tile_size` after the other, from the
+/// The same surface with the memory of one square of `tile_size` [m] after the other, from the
 /// frames that see it, which are decoded again.
-[[nodiscard]] std::unique_ptr<SurfaceBuilder> make_tiled_surface(const Recording& recording,
+[[nodiscard]] std::unique_ptr<SurfaceBuilder> make_tiled_surface(double tile_size,
+                                                                 const Recording& recording,
                                                                  const BuildOptions& options);
 
 }  // namespace pcavr

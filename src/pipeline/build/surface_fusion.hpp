@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pcavr/perception/reconstruction/measured_cloud.hpp"
-#include "pcavr/perception/reconstruction/tsdf_volume.hpp"
+#include "pcavr/perception/reconstruction/tsdf_part.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
 
 #include "fused_frame.hpp"
@@ -25,7 +25,7 @@ struct SurfaceFusion {
   [[nodiscard]] PointCloud points_on(const TriangleMesh& mesh_base,
                                      const SurfaceEvidence& evidence) const;
 
-  TsdfVolume volume;
+  TsdfPart volume;
   MeasuredCloud cloud;
 
  private:

@@ -28,10 +28,10 @@ struct PlacedFrame {
 
 class TiledSurface final : public SurfaceBuilder {
  public:
-  TiledSurface(const Recording& recording, const BuildOptions& options)
+  TiledSurface(double tile_size, const Recording& recording, const BuildOptions& options)
       : recording_(recording),
         options_(options),
-        side_(std::max(1, static_cast<int>(std::lround(*options.tile_size / block_size())))) {}
+        side_(std::max(1, static_cast<int>(std::lround(tile_size / block_size())))) {}
 
   [[nodiscard]] bool needs_fused() const override { return false; }
 
@@ -180,9 +180,9 @@ class TiledSurface final : public SurfaceBuilder {
 
 }  // namespace
 
-std::unique_ptr<SurfaceBuilder> make_tiled_surface(const Recording& recording,
+std::unique_ptr<SurfaceBuilder> make_tiled_surface(double tile_size, const Recording& recording,
                                                    const BuildOptions& options) {
-  return std::make_unique<TiledSurface>(recording, options);
+  return std::make_unique<TiledSurface>(tile_size, recording, options);
 }
 
 }  // namespace pcavr

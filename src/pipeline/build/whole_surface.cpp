@@ -23,12 +23,13 @@ class WholeSurface final : public SurfaceBuilder {
 
   Expected<TriangleMesh> mesh(const SurfaceEvidence& evidence, const Observer&) override {
     // Freed afterwards: the blocks take more than the mesh.
-    const TsdfVolume volume = std::move(fusion_.volume);
-    TriangleMesh mesh = volume.extract_mesh(options_.min_weight, options_.parallelism);
+    const TsdfPart volume = std::move(fusion_.volume);
+    TriangleMesh mesh =
+        volume.extract_tile({options_.min_weight, options_.min_weight}, options_.parallelism).mesh;
     remove_small_components(mesh, options_.min_island);
     if (mesh.triangles.empty() || evidence.min_uncontradicted_weight >= options_.min_weight)
       return mesh;
-    mesh = volume.extract_mesh(evidence, options_.parallelism);
+    mesh = volume.extract_tile(evidence, options_.parallelism).mesh;
     remove_small_components(mesh, options_.min_island);
     return mesh;
   }

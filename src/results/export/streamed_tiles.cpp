@@ -11,7 +11,7 @@
 #include "pcavr/base/core/input_ranges.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/model/mesh_octree.hpp"
-#include "pcavr/perception/scene/glb_file.hpp"
+#include "pcavr/perception/scene/single_glb.hpp"
 
 namespace pcavr::detail {
 namespace {
@@ -37,14 +37,14 @@ Json bounding_volume(const Eigen::AlignedBox3f& box) {
             half.z()}}};
 }
 
-Json tile(const Eigen::AlignedBox3f& box, double error, const std::string& name) {
+Json tile_json(const Eigen::AlignedBox3f& box, double error, const std::string& name) {
   return {{"boundingVolume", bounding_volume(box)},
           {"geometricError", error},
           {"content", {{"uri", tile_file(name)}}}};
 }
 
 Json tile_tree(const OctreeTile& node) {
-  Json json = tile(node.box, node.error, node.name);
+  Json json = tile_json(node.box, node.error, node.name);
   if (node.children.empty()) return json;
   json["children"] = Json::array();
   for (const OctreeTile& child : node.children) json["children"].push_back(tile_tree(child));
@@ -86,7 +86,7 @@ Expected<std::size_t> write_streamed_tiles(const TriangleMesh& scan, const Trian
         write_file(folder / tile_file(kBodies), format_single_glb(kBodies, bodies, false));
     if (!written) return written.error();
     const Eigen::AlignedBox3f around = bounds(bodies.vertices);
-    children.push_back(tile(around, 0.0, kBodies));
+    children.push_back(tile_json(around, 0.0, kBodies));
     box.extend(around);
   }
   // Not to be drawn at all is as wrong as the scene is large.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,10 +66,6 @@ class OutputFolder {
 /// inside an OutputFolder; OutputFile is for files that the user names.
 [[nodiscard]] Expected<void> write_file(const std::filesystem::path& target,
                                         std::string_view content);
-
-/// The same of content that comes in parts, until one is empty: it need not be in memory at once.
-[[nodiscard]] Expected<void> write_file_in_parts(const std::filesystem::path& target,
-                                                 const std::function<std::string()>& next_part);
 
 /// Reads a file into memory.
 [[nodiscard]] Expected<std::string> read_file(const std::filesystem::path& path);

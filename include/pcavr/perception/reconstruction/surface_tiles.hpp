@@ -18,8 +18,8 @@ inline constexpr int kTsdfBlockVoxels = 8;  ///< along each side of a block of a
 /// Blocks of a TsdfVolume: those with low <= coordinates < high on each axis. The block (x, y, z)
 /// begins at the voxel 8 (x, y, z) of base.
 struct BlockBox {
-  Eigen::Vector3i low;
-  Eigen::Vector3i high;
+  Eigen::Vector3i low = Eigen::Vector3i::Zero();
+  Eigen::Vector3i high = Eigen::Vector3i::Zero();
 
   [[nodiscard]] bool contains(const Eigen::Vector3i& block) const {
     return (block.array() >= low.array()).all() && (block.array() < high.array()).all();

@@ -5,14 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 
 #include "pcavr/base/core/parallel.hpp"
 #include "pcavr/base/geometry/camera.hpp"
 #include "pcavr/base/geometry/depth_noise.hpp"
 #include "pcavr/base/geometry/image.hpp"
 #include "pcavr/base/geometry/mesh.hpp"
-#include "pcavr/perception/reconstruction/surface_tiles.hpp"
 
 namespace pcavr {
 
@@ -51,9 +49,7 @@ struct SurfaceEvidence {
 /// of threads.
 class TsdfVolume {
  public:
-  /// With a `part`, only its blocks and those next to it are kept: bit for bit those of a volume
-  /// of all.
-  explicit TsdfVolume(const TsdfOptions& options, const std::optional<BlockBox>& part = {});
+  explicit TsdfVolume(const TsdfOptions& options);
   ~TsdfVolume();
   TsdfVolume(TsdfVolume&&) noexcept;
 
@@ -63,8 +59,6 @@ class TsdfVolume {
   IntegrationReport integrate(const DepthImage& depth, const ColorImage& color,
                               const MaskImage& is_dynamic, const CameraModel& camera,
                               const Pose& T_base_camera, Parallelism parallelism);
-  /// Counts a frame that sees nothing of the part, in the place of integrate().
-  void integrate_unseen();
 
   /// Marching cubes [Lorensen & Cline 1987] with shared vertices, normals from the distance
   /// field's gradient, and colours. Voxels that fewer than `min_weight` frames
@@ -73,9 +67,6 @@ class TsdfVolume {
   /// The same, with fewer frames where nothing contradicts them.
   [[nodiscard]] TriangleMesh extract_mesh(const SurfaceEvidence& evidence,
                                           Parallelism parallelism) const;
-  /// What the part owns of it. Without a part: all.
-  [[nodiscard]] SurfaceTile extract_tile(const SurfaceEvidence& evidence,
-                                         Parallelism parallelism) const;
 
   [[nodiscard]] std::size_t block_count() const;
   [[nodiscard]] std::size_t memory_bytes() const;

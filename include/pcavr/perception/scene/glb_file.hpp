@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "pcavr/base/core/expected.hpp"
-#include "pcavr/base/geometry/mesh.hpp"
 #include "pcavr/base/geometry/pose.hpp"
 
 namespace pcavr {
@@ -32,11 +31,6 @@ struct GlbContent {
 inline constexpr char kStaticMeshNode[] = "static_mesh";
 /// Parts of the support planes that no view saw: for display only.
 inline constexpr char kUnseenSupportNode[] = "unseen_support";
-
-/// The bytes of a file with one mesh, y up: a scan with its colours, or a body as viewers light it.
-/// The mesh must have triangles.
-[[nodiscard]] std::string format_single_glb(const std::string& name, const TriangleMesh& mesh_base,
-                                            bool is_scanned);
 
 /// The mesh of a node of such a file as a separate file, in base: without the other nodes and the
 /// rotation to y-up. Empty where the file has no such node. The meshes in the binary chunk are

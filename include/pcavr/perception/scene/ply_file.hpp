@@ -15,9 +15,6 @@ namespace pcavr {
 [[nodiscard]] std::string format_ply(const TriangleMesh& mesh);
 [[nodiscard]] std::string format_ply(const PointCloud& cloud);
 
-/// Writes the bytes of format_ply(mesh) in parts, so that they need not be in memory at once.
-[[nodiscard]] Expected<void> write_ply(const TriangleMesh& mesh, const std::filesystem::path& file);
-
 /// Reads what format_ply writes; anything else, a truncated file or indices out of range are
 /// Errors. A point cloud is a mesh without triangles.
 [[nodiscard]] Expected<TriangleMesh> read_ply(const std::filesystem::path& file);
