@@ -71,8 +71,8 @@ struct PlainName {
 };
 constexpr std::array kPlainNames{
     PlainName{"gltf", PlainFormat::gltf}, PlainName{"ply", PlainFormat::ply},
-    PlainName{"obj", PlainFormat::obj}, PlainName{"stl", PlainFormat::stl},
-    PlainName{"pcd", PlainFormat::pcd}};
+    PlainName{"obj", PlainFormat::obj},   PlainName{"stl", PlainFormat::stl},
+    PlainName{"pcd", PlainFormat::pcd},   PlainName{"3dtiles", PlainFormat::tiles}};
 
 std::optional<PlainFormat> plain_format_of(const std::string& name) {
   for (const PlainName& plain : kPlainNames) {
@@ -412,7 +412,7 @@ void add_export(CLI::App& app, Configuration& configuration, Action& action) {
   command
       ->add_option("--to", arguments->format,
                    "Format: a world for an engine, a planning scene (moveit), geometry alone (gltf "
-                   "to pcd), or a data set for policies (lerobot)")
+                   "to 3dtiles), or a data set for policies (lerobot)")
       ->required()
       ->check(CLI::IsMember(format_names()));
   CLI::Option* robot = command->add_option(

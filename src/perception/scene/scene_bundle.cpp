@@ -17,6 +17,7 @@
 #include "display_mesh.hpp"
 #include "object_colors.hpp"
 #include "perception/scene/glb_writer.hpp"
+#include "ply_parts.hpp"
 #include "preview.hpp"
 
 namespace pcavr {
@@ -99,7 +100,6 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
   std::vector<File> files = {
       {kManifestFile, [&] { return format_scene_manifest(manifest_of(scene)); }},
       {kDisplayFile, [&] { return format_display(scene); }},
-      {kMeshFile, [&] { return format_ply(scene.mesh_base); }},
       {kCloudFile, [&] { return format_ply(scene.cloud_base); }},
       {kCloudPcdFile, [&] { return format_pcd(scene.cloud_base); }},
       {kTrajectoryFile, [&] { return format_trajectory(scene.camera_trajectory); }},
@@ -124,6 +124,9 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
     if (const auto written = write_with_folder(folder / file.name, file.content()); !written) {
       return written.error();
     }
+  }
+  if (const auto written = write_ply(scene.mesh_base, folder / kMeshFile); !written) {
+    return written.error();
   }
   return scene.occupancy.write(folder / kOccupancyFile);
 }
