@@ -13,6 +13,7 @@
 #include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
 #include "pcavr/results/export/export_world.hpp"
+#include "pcavr/results/export/plain_scene.hpp"
 #include "pcavr/results/export/write_export.hpp"
 
 #include "arrays.hpp"
@@ -34,15 +35,28 @@ struct ExportFormat {
 constexpr std::array kFormats{ExportFormat{"mjcf", &write_mjcf}, ExportFormat{"urdf", &write_urdf},
                               ExportFormat{"sdf", &write_sdf}, ExportFormat{"usd", &write_usd}};
 
+/// Formats of geometry alone.
+constexpr std::array kPlainFormats{
+    std::pair{"gltf", PlainFormat::gltf}, std::pair{"ply", PlainFormat::ply},
+    std::pair{"obj", PlainFormat::obj}, std::pair{"stl", PlainFormat::stl},
+    std::pair{"pcd", PlainFormat::pcd}};
+
 const ExportFormat& format_of(const std::string& name) {
   const auto found = std::find_if(kFormats.begin(), kFormats.end(),
                                   [&](const ExportFormat& each) { return each.name == name; });
   if (found == kFormats.end()) {
     raise_error({.message = "'" + name + "' is not a format",
                  .place = "format",
-                 .hint = "give mjcf, urdf, sdf or usd"});
+                 .hint = "give mjcf, urdf, sdf, usd, gltf, ply, obj, stl or pcd"});
   }
   return *found;
+}
+
+std::optional<PlainFormat> plain_format_of(const std::string& name) {
+  for (const auto& [plain, value] : kPlainFormats) {
+    if (name == plain) return value;
+  }
+  return std::nullopt;
 }
 
 struct ExportInputs {
@@ -90,12 +104,39 @@ Expected<std::vector<std::string>> export_into(const OutputArgument& output,
   return world->warnings;
 }
 
+Expected<std::vector<std::string>> export_plain(const OutputArgument& output, PlainFormat format,
+                                                const fs::path& scene_folder) {
+  Expected<OutputFolder> folder = output.create(std::nullopt, {scene_folder});
+  if (!folder) return folder.error();
+  const Expected<SceneManifest> scene = read_scene_manifest(scene_folder);
+  if (!scene) return scene.error();
+  const Expected<PlainScene> written = write_plain_scene(*scene, format, folder->path());
+  if (!written) return written.error();
+  if (auto done = folder->commit(); !done) return done.error();
+  return std::vector<std::string>();
+}
+
+/// Geometry has neither friction nor motion: such arguments are a mistake of the caller.
+void check_plain(bool has_numbers) {
+  if (!has_numbers) return;
+  raise_error({.message = "has geometry alone",
+               .place = "format",
+               .hint = "leave out parameters, motion, speed and tool_radius, or give a format for "
+                       "engines: mjcf, urdf, sdf or usd"});
+}
+
 std::vector<std::string> export_scene(const py::object& scene, const py::object& output,
                                       const std::string& format, const py::object& parameters,
                                       const py::object& motion, std::optional<double> speed,
                                       std::optional<double> tool_radius, bool assume) {
-  const ExportFormat& chosen = format_of(format);
   const OutputArgument target{path_of(output, "output"), false};
+  if (const std::optional<PlainFormat> plain = plain_format_of(format)) {
+    check_plain(!parameters.is_none() || !motion.is_none() || speed || tool_radius);
+    const fs::path folder = path_of(scene, "scene");
+    return run_interruptible(py::none(),
+                             [&](const Observer&) { return export_plain(target, *plain, folder); });
+  }
+  const ExportFormat& chosen = format_of(format);
   const ExportInputs inputs{path_of(scene, "scene"), optional_path(motion, "motion"),
                             parameters_of(parameters)};
   ExportOptions options{.assumes = assume, .speed = speed, .tool_radius = tool_radius};
@@ -109,7 +150,7 @@ constexpr char kExportDoc[] =
 
 scene        folder from build
 output       a new or an empty folder
-format       'mjcf', 'urdf', 'sdf' or 'usd'
+format       'mjcf', 'urdf', 'sdf' or 'usd'; geometry alone: 'gltf', 'ply', 'obj', 'stl' or 'pcd'
 parameters   a dict from object to Parameters, or a parameter file
 motion       recording whose tool's motion is written, for MuJoCo with a script that plays it
 speed        [m/s] at which the bodies will slide: the coefficients hold there
