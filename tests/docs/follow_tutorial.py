@@ -6,7 +6,8 @@ folders bench, include and samples alone. `pcavr serve` is ended after three sec
 
     follow_tutorial.py COMMAND PAGE.md [--before FILE] [--leave-out REGEX] [FILE:OBJECT:KEY=VALUE ...]
 
-COMMAND: the built pcavr. --before: a script that first makes what the page takes as given. --leave-out: lines that are
+COMMAND: the built pcavr. --before: a script that first makes what the page takes as given,
+from the sources in PCAVR_SOURCE. --leave-out: lines that are
 run elsewhere, or are no commands. Afterwards each KEY of OBJECT in the parameter FILE has to be within three of its stds
 of VALUE. Exit code 77, skipped: a package of npm can't be installed.
 """
@@ -60,7 +61,8 @@ def without(block, left_out):
 
 def run(block, folder):
     path = f"{folder / '.command'}:{os.environ['PATH']}"
-    return subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=folder, env={**os.environ, "PATH": path},
+    environment = {**os.environ, "PATH": path, "PCAVR_SOURCE": str(ROOT)}
+    return subprocess.run(["bash", "-euo", "pipefail", "-c", block], cwd=folder, env=environment,
                           capture_output=True, text=True, check=False)
 
 

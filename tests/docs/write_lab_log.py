@@ -4,11 +4,12 @@
 """Writes a recording's push of one object as a lab logs it: robot.csv (flange), ft.csv (load on the sensor, with a
 bias), and a take of motion capture in a world of its own, mm and y up; with the object's mesh and bodies.yaml.
 
-    write_lab_log.py RECORDING OBJECT MASS LOG
+    write_lab_log.py RECORDING OBJECT LOG
 """
 import csv
 import math
 import pathlib
+import re
 import shutil
 import sys
 
@@ -47,8 +48,8 @@ def write_robot(tool, file):
     lines = ["timestamp_ms,x,y,z,qx,qy,qz,qw"]
     for row in tool:
         lever = turned(orientation(row), (0.0, 0.0, -FLANGE))
-        position = [row[key] + shift for key, shift in zip("xyz", lever)]
-        lines.append(",".join([f"{START_MS + 1e3 * row['t']:.3f}", *(f"{each:.9f}" for each in (*position, *orientation(row)))]))
+        pose = [row[key] + shift for key, shift in zip("xyz", lever)] + list(orientation(row))
+        lines.append(",".join([f"{START_MS + 1e3 * row['t']:.3f}", *(f"{each:.9f}" for each in pose)]))
     file.write_text("\n".join(lines) + "\n")
 
 
@@ -78,7 +79,8 @@ def write_take(tracked, body, file):
     file.write_text("\n".join(lines) + "\n")
 
 
-def main(recording, name, mass, log):
+def main(recording, name, log):
+    mass = re.search(rf"name: {name}\b.*?mass: ([\d.]+)", (recording / "recording.yaml").read_text(), re.DOTALL)[1]
     log.mkdir()
     tool = rows_of(recording / "tool.csv")
     write_robot(tool, log / "robot.csv")
@@ -90,4 +92,4 @@ def main(recording, name, mass, log):
 
 
 if __name__ == "__main__":
-    main(pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3], pathlib.Path(sys.argv[4]))
+    main(pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]))
