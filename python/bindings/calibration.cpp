@@ -36,8 +36,8 @@ Numbers rows_of(const py::handle& argument, const char* name, py::ssize_t column
   return numbers_of(argument, name, {count, columns});
 }
 
-std::vector<Pose> poses_of(const py::handle& argument, const char* name,
-                           py::ssize_t count = kAnySize) {
+std::vector<Pose> pose_rows_of(const py::handle& argument, const char* name,
+                               py::ssize_t count = kAnySize) {
   const Numbers rows = rows_of(argument, name, 7, count);
   std::vector<Pose> poses;
   for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
@@ -72,9 +72,9 @@ HandEyeResult hand_eye(const py::object& flange, const py::object& board,
     raise_error(
         {.message = fmt::format("{} is not from 0 to {}", splits, kMaxSplits), .place = "splits"});
   }
-  const std::vector<Pose> T_base_flange = poses_of(flange, "flange");
+  const std::vector<Pose> T_base_flange = pose_rows_of(flange, "flange");
   const std::vector<Pose> T_camera_board =
-      poses_of(board, "board", static_cast<py::ssize_t>(T_base_flange.size()));
+      pose_rows_of(board, "board", static_cast<py::ssize_t>(T_base_flange.size()));
   std::vector<HandEyeView> views;
   for (std::size_t i = 0; i < T_base_flange.size(); ++i) {
     views.push_back({row_name("view", i), T_base_flange[i], T_camera_board[i]});
@@ -205,7 +205,7 @@ bool has_columns(const py::object& argument, py::ssize_t columns) {
 
 ForceSensorResult force_sensor(const py::object& flange, const py::object& wrench,
                                const py::object& up) {
-  const std::vector<Pose> T_base_flange = poses_of(flange, "flange");
+  const std::vector<Pose> T_base_flange = pose_rows_of(flange, "flange");
   const auto count = static_cast<py::ssize_t>(T_base_flange.size());
   const bool has_torque = has_columns(wrench, 6);
   const Numbers rows = rows_of(wrench, "wrench", has_torque ? 6 : 3, count);

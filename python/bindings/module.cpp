@@ -3,21 +3,8 @@
 #include "bindings.hpp"
 #include "errors.hpp"
 
-namespace {
-
-/// Classes and callbacks belong to the interpreter that loaded the extension: in another one of the
-/// same process they would mix, and callbacks would wait for each other.
-bool is_main_interpreter() { return PyInterpreterState_Get() == PyInterpreterState_Main(); }
-
-}  // namespace
-
 PYBIND11_MODULE(_pcavr, module) {
   using namespace pcavr::python;
-  // Also a function: an interpreter that imports what another one has loaded does not come here.
-  if (!is_main_interpreter()) {
-    throw pybind11::import_error("pcavr works in the main interpreter of a process alone");
-  }
-  module.def("_is_main_interpreter", &is_main_interpreter);
   module.doc() = "The C++ library pcavr; use it as the package pcavr.";
   translate_exceptions();
   bind_parameters(module);

@@ -5,8 +5,8 @@
 Units are SI. Poses are arrays x y z [m] qx qy qz qw (unit quaternion), in the robot's base frame with
 z up unless another frame is stated. What is wrong with data is an Error.
 """
+from . import _interpreter  # first: it refuses others than the main one
 from ._errors import DataWarning, Error
-from ._pcavr import _is_main_interpreter as _is_main
 from ._pcavr import (
     BaseParameter, Body, BodyPose, CalibratedPose, Camera, ClockOffset, Finding, ForceSensor, Frame,
     HandEye, Identification, Identified, IdentifiedJoint, IdentifiedObject, IdentifiedRobot, IkSolution,
@@ -15,9 +15,6 @@ from ._pcavr import (
     calibrate_force, calibrate_hand_eye, calibrate_touch, evaluate, export, identify,
     identify_recording, identify_robot, parse_parameters, read_parameters, read_recording, read_scene,
     replay, simulate, tag_cells, tag_families, write_parameters, write_recording)
-
-if not _is_main():
-    raise ImportError("pcavr works in the main interpreter of a process alone; use multiprocessing for more")
 
 __all__ = [
     "BaseParameter", "Body", "BodyPose", "CalibratedPose", "Camera", "ClockOffset", "DataWarning",

@@ -21,8 +21,6 @@ _Progress = Callable[[str, int, int], object]
 _JointLog = Union[tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike], _Path]
 _Known = Union[dict[str, "Parameters"], _Path]
 
-def _is_main_interpreter() -> bool: ...
-
 class Value:
     def __init__(self, value: float, std: float | None = ...) -> None: ...
     @property

@@ -83,8 +83,8 @@ def test_views_that_can_not_be(views):
 
 
 def swinging(t):
-    """Poses of a body that turns to and fro about two axes."""
-    half = 0.3 * np.column_stack([np.sin(1.7 * t), np.sin(2.3 * t + 1), np.sin(0.9 * t)])
+    """Poses of a body that turns to and fro about three axes, ever faster."""
+    half = 0.3 * np.column_stack([np.sin(1.7 * t + 0.03 * t**2), np.sin(2.3 * t + 1), np.sin(0.9 * t + 0.02 * t**2)])
     w = np.sqrt(1 - (half**2).sum(axis=1))
     return np.column_stack([0.1 * np.sin(t), 0.05 * np.cos(1.3 * t), 0 * t, half, w])
 
