@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
 """Runs the commands of a page, its indented blocks, one after the other in a folder that has of the sources'
-folders bench, include and samples alone. `pcavr serve` is ended after three seconds, as by Ctrl-C.
+folders bench, include and samples alone. `pcavr serve` without a port is ended as by Ctrl-C.
 
     follow_tutorial.py COMMAND PAGE.md [--before FILE] [--leave-out REGEX] [FILE:OBJECT:KEY=VALUE ...]
 
@@ -37,12 +37,19 @@ def blocks_of(text):
     return blocks
 
 
-# As a user's pcavr, but that `serve` takes a free port and ends.
+# As a user's pcavr, but that `serve` takes a free port, and ends when it has said where it is.
 ENDING_COMMAND = """#!/bin/sh
 command='{}'
-[ "$1" = serve ] || exec "$command" "$@"
-case " $* " in *" --port "*) ;; *) set -- "$@" --port 0 ;; esac
-exec timeout --preserve-status --signal INT 3 "$command" "$@"
+case "$1 $* " in serve*" --port "*) exec "$command" "$@" ;; serve*) ;; *) exec "$command" "$@" ;; esac
+printed=$(mktemp)
+"$command" "$@" --port 0 > "$printed" 2>&1 & server=$!
+while kill -0 "$server" 2> /dev/null && ! grep -q '^open ' "$printed"; do sleep 0.1; done
+kill -INT "$server" 2> /dev/null
+wait "$server"
+status=$?
+cat "$printed"
+rm "$printed"
+exit "$status"
 """
 
 
