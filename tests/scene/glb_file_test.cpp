@@ -6,8 +6,8 @@
 
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/core/raw_bytes.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
 
-#include "perception/scene/display_mesh.hpp"
 #include "perception/scene/glb_writer.hpp"
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"

@@ -37,6 +37,7 @@ const state: LiveState = {
   canUndoReset: true,
   isToolWanted: true,
   hasAsked: false,
+  isRecording: true,
   touchedObject: -1,
   hip: [0.5, -0.25, 0.125],
   proxy: [0.5, -0.25, 0.25],

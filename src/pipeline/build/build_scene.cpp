@@ -307,7 +307,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     scene.quality.input_warnings.push_back(to_warning(finding));
   }
   clock.begin("texture");
-  paint_scene(recording, std::move(fusion.views), options, scene);
+  paint_scene(recording, std::move(fusion.views), fusion.tracks, options, scene);
   clock.end();
   scene.quality.times = clock.times();
   return scene;
