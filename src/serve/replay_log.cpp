@@ -35,7 +35,6 @@ using Bytes = std::vector<std::uint8_t>;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
-constexpr char kCameraFrame[] = "camera";
 constexpr double kStampRounding = 1e-6;  ///< [s] of times since 1970 as double
 
 bool is_mcap_file(const fs::path& file) {

@@ -23,8 +23,6 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr char kCameraFrame[] = "camera";
-
 Pose pose_of(const LinkTrackedObject& object) {
   return {object.orientation.cast<double>().normalized(), object.position.cast<double>()};
 }

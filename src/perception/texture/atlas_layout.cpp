@@ -16,7 +16,7 @@ namespace {
 
 /// Empty texels around a chart [px]: bilinear interpolation and two mipmaps do not reach the next.
 constexpr int kPadding = 3;
-constexpr int kStep = 16;  ///< [px]; width and height are multiples, for JPEG's blocks
+constexpr int kSizeStep = 16;  ///< [px]; width and height are multiples, for JPEG's blocks
 constexpr float kCoarser = 1.05F;
 constexpr int kMaxRounds = 150;       ///< up to 1500 times coarser
 constexpr std::size_t kSamples = 24;  ///< of a chart's distances from the views
@@ -97,7 +97,7 @@ AtlasLayout lay_out(ChartSet& set, const std::vector<TriangleMesh>& levels_base,
       used = used.cwiseMax((*corners)[i] + sizes[i]);
     }
     const auto up_to = [](int length, int max) {
-      return std::min(max, (length + kStep - 1) / kStep * kStep);
+      return std::min(max, (length + kSizeStep - 1) / kSizeStep * kSizeStep);
     };
     return {up_to(used.x(), options.atlas_width), up_to(used.y(), options.atlas_height)};
   }
