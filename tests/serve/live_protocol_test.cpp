@@ -43,6 +43,7 @@ LiveState a_state(Random& random, std::size_t objects) {
   state.can_undo_reset = random.below(2) == 1;
   state.is_tool_wanted = random.below(2) == 1;
   state.has_asked = random.below(2) == 1;
+  state.is_recording = random.below(2) == 1;
   if (random.below(5) > 0) state.touched_object = random.below(4);
   state.p_base_hip = vector(random);
   state.p_base_proxy = vector(random);

@@ -7,15 +7,15 @@
 #include <limits>
 
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
 #include "pcavr/perception/scene/glb_file.hpp"
+#include "pcavr/perception/scene/object_colors.hpp"
 #include "pcavr/perception/scene/ply_file.hpp"
 #include "pcavr/perception/scene/scene_text.hpp"
 #include "pcavr/recordings/cloud/cloud_file.hpp"
 #include "pcavr/recordings/recording/image_codec.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 
-#include "display_mesh.hpp"
-#include "object_colors.hpp"
 #include "perception/scene/glb_writer.hpp"
 #include "ply_parts.hpp"
 #include "preview.hpp"
@@ -52,8 +52,11 @@ std::string format_display(const Scene& scene) {
     const SceneObject& object = scene.objects[i];
     if (object.evidence == kNotSeen) continue;
     const std::string& name = object.model.name;
-    const int mesh = glb.add_mesh(name, with_sharp_edges(object.model.mesh_object),
-                                  GlbMaterial::body, colors[i]);
+    const int mesh = object.texture
+                         ? glb.add_textured_mesh(name, object.texture->mesh_object,
+                                                 object.texture->coordinates, object.texture->jpeg)
+                         : glb.add_mesh(name, with_sharp_edges(object.model.mesh_object),
+                                        GlbMaterial::body, colors[i]);
     children.push_back(glb.add_node(name, object.T_base_object, mesh));
   }
   return glb.finish(root, children);

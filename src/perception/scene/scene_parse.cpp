@@ -90,10 +90,19 @@ SceneObjectEntry::Simplified simplified_of(const YamlValue& object) {
   return simplified;
 }
 
+BodyTextureEntry body_texture_of(const YamlValue& value) {
+  value.expect_keys({"width", "height", "texel", "views", "seen_fraction"});
+  return {.width = static_cast<int>(count_of(value.at("width"))),
+          .height = static_cast<int>(count_of(value.at("height"))),
+          .texel = value.at("texel").number_in(ranges::kFigure),
+          .views = count_of(value.at("views")),
+          .seen_fraction = value.at("seen_fraction").number_in(ranges::kShare)};
+}
+
 SceneObjectEntry object_of(const YamlValue& value) {
   value.expect_keys({"name", "mesh", "movable", "mass", "hertz_stiffness", "pose", "start",
                      "evidence", "sigma", "refinement", "simplified_error", "full_triangles",
-                     "volume", "centre_of_mass"});
+                     "volume", "centre_of_mass", "texture"});
   SceneObjectEntry object;
   object.name = value.at("name").text();
   expect_object_name(object.name, value.at("name"));
@@ -113,6 +122,7 @@ SceneObjectEntry object_of(const YamlValue& value) {
   object.refinement_translation = refinement.translation;
   object.refinement_rotation = refinement.rotation;
   if (value.find("simplified_error")) object.simplified = simplified_of(value);
+  if (const auto texture = value.find("texture")) object.texture = body_texture_of(*texture);
   return object;
 }
 

@@ -270,7 +270,7 @@ Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& r
     scene.quality.input_warnings.push_back(to_warning(finding));
   }
   clock.begin("texture");
-  paint_scene(recording, std::move(pass.views), options, scene);
+  paint_scene(recording, std::move(pass.views), pass.tracks, options, scene);
   clock.end();
   scene.quality.times = clock.times();
   return scene;
