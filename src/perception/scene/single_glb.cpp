@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/perception/scene/single_glb.hpp"
 
-#include "display_mesh.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
+
 #include "perception/scene/glb_writer.hpp"
 
 namespace pcavr {

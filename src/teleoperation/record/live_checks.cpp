@@ -24,8 +24,8 @@ constexpr double kRestTime = 1.0;      // [s] that tool and force stand still
 constexpr double kRestMotion = 5e-4;   // [m] of a tool that stands still, by its noise
 constexpr double kMaxScatter = 0.5;    // [N] of a force on nothing that moves
 constexpr std::size_t kMinForces = 10;
-constexpr std::size_t kMaxForces = 10'000;  // of a peer that floods
-constexpr double kTagTime = 5.0;            // [s] without a tag
+constexpr std::size_t kMaxForces = 10'000;         // of a peer that floods
+constexpr double kTagTime = 5.0;                   // [s] without a tag
 constexpr std::size_t kMaxWaitingWarnings = 1000;  // that nobody has taken
 
 bool may_pause(RecordRole role) {
