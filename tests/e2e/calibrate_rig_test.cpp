@@ -119,11 +119,12 @@ class CalibrateDrawnDepth : public CalibrateRig {
     const BoardPaint paint(board);
     Manifest manifest{.camera = kSmallCamera, .depth_scale = 1000.0};
     for (int id = 0; id < 2; ++id) {
-      manifest.markers.push_back(
-          {.id = {"tag36h11", id},
-           .size = board.tag_side,
-           .T_parent_marker = Pose::from_translation(
-               {id * board.pitch + 0.5 * board.tag_side, 0.5 * board.tag_side, 0.0})});
+      MarkerEntry marker;
+      marker.id = {"tag36h11", id};
+      marker.size = board.tag_side;
+      marker.T_parent_marker = Pose::from_translation(
+          {id * board.pitch + 0.5 * board.tag_side, 0.5 * board.tag_side, 0.0});
+      manifest.markers.push_back(marker);
     }
     std::filesystem::create_directory(file("recording"));
     RecordingWriter writer(file("recording"), manifest);

@@ -184,6 +184,7 @@ TEST_F(Doctor, ComparesTheJointsWithTheToolThroughTheRobot) {
 
 TEST_F(Doctor, StatesWhatACamerasFileSaysOfItself) {
   CameraFile content{
+      .name = "camera",
       .camera = {.width = 640, .height = 480, .fx = 525.0, .fy = 525.0, .cx = 319.5, .cy = 239.5}};
   EXPECT_FALSE(diagnose_camera("camera.yaml", content).has_disagreement());
   content.camera.cx = 639.5;  // of twice the resolution

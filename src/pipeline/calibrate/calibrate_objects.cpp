@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -41,8 +42,15 @@ constexpr double kScaleStds = 3.0;
 constexpr double kHuberOfTouch = 1.345;
 /// [m] The rounding of a distance: residuals below it are alike.
 constexpr double kMinGap = 1e-5;
-/// Another turn that fits within this factor of the best one's median error is as good.
-constexpr double kAsGood = 1.1;
+/// Residuals beyond this many stds are not those of touches.
+constexpr double kUsualStds = 4.0;
+/// Another turn that fits within this factor of the best one's median error is as good, and one
+/// within this distance [m], by which a tip presses in and a tracker errs.
+constexpr double kAsGood = 1.1, kAlike = 1e-3;
+/// One contact of so many may be with something else.
+constexpr std::size_t kMaxElsewhere = 5;
+/// [m] Median distance of the tip from the surface in a contact with it.
+constexpr double kMaxMisfit = 5e-3;
 /// [rad] Turns closer than this are one.
 constexpr double kSameTurn = 10.0 * kPerDegree;
 
@@ -109,6 +117,14 @@ double rms_of(const std::vector<Gap>& gaps) {
   return gaps.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(gaps.size()));
 }
 
+/// [m] rms of gaps that are not larger than is usual: a contact that is elsewhere counts as one at
+/// the limit.
+double usual_rms(std::vector<Gap> gaps) {
+  const double limit = kUsualStds * std_of(gaps);
+  for (Gap& gap : gaps) gap.value = std::clamp(gap.value, -limit, limit);
+  return rms_of(gaps);
+}
+
 /// Sum of the weighted squares of the slopes; 1 on the diagonal of parameters that are kept.
 Information information_of(const std::vector<Gap>& gaps, const Parameters& free, Step& right) {
   const double threshold = kHuberOfTouch * std_of(gaps);
@@ -150,16 +166,21 @@ Placement fitted(const Problem& problem, const Parameters& free, Placement place
   return placement;
 }
 
-/// Stds by the residuals, one measurement for each contact: its points share their errors.
-std::array<double, kObjectParameters> expected_stds(const Problem& problem, const Parameters& free,
-                                                    const Placement& placement) {
+/// [m^2] Of a point's gap by the residuals, one measurement for each contact: its points share
+/// their errors.
+double variance_of(const Problem& problem, const Parameters& free, const Placement& placement) {
   const std::vector<Gap> gaps = gaps_of(problem, placement);
-  Step unused;
-  const Information information = information_of(gaps, free, unused);
   const auto fitted = static_cast<double>(std::count(free.begin(), free.end(), true));
   const double freedoms = std::max(1.0, static_cast<double>(problem.object.contacts) - fitted);
-  const double variance =
-      std::pow(std::max(kMinGap, rms_of(gaps)), 2) * static_cast<double>(gaps.size()) / freedoms;
+  return std::pow(std::max(kMinGap, usual_rms(gaps)), 2) * static_cast<double>(gaps.size()) /
+         freedoms;
+}
+
+/// The stds that gaps of that variance leave.
+std::array<double, kObjectParameters> expected_stds(const Problem& problem, const Parameters& free,
+                                                    const Placement& placement, double variance) {
+  Step unused;
+  const Information information = information_of(gaps_of(problem, placement), free, unused);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd{information});
   std::array<double, kObjectParameters> stds{};
   for (std::size_t i = 0; i < kObjectParameters; ++i) {
@@ -173,11 +194,13 @@ std::array<double, kObjectParameters> expected_stds(const Problem& problem, cons
   return stds;
 }
 
-bool are_observable(const std::array<double, kObjectParameters>& stds, const Parameters& free) {
+/// The largest std against what is observable: up to 1 all are.
+double uncertainty(const std::array<double, kObjectParameters>& stds) {
+  double largest = 0.0;
   for (std::size_t i = 0; i < kObjectParameters; ++i) {
-    if (free[i] && !(stds[i] <= kMaxStd[i])) return false;
+    largest = std::max(largest, stds[i] / kMaxStd[i]);
   }
-  return true;
+  return largest;
 }
 
 /// The mesh's axis that is nearest to the vertical.
@@ -209,7 +232,8 @@ Search search(const Problem& problem, const Parameters& plane) {
   std::vector<Candidate> candidates;
   const Pose& T_stated = problem.object.T_tracked_object;
   const Eigen::Vector3d up = T_stated.rotation().conjugate() * problem.object.up_tracked;
-  for (int i = 0; i < kTurns; ++i) {
+  const bool turns = plane[3 + static_cast<std::size_t>(vertical_axis(problem.object))];
+  for (int i = 0; i < (turns ? kTurns : 1); ++i) {
     // From the stated pose outward: 0, 30, -30, 60, ... degrees.
     const int steps = i % 2 == 1 ? (i + 1) / 2 : -i / 2;
     Vector6d turn = Vector6d::Zero();
@@ -222,7 +246,7 @@ Search search(const Problem& problem, const Parameters& plane) {
       std::min_element(candidates.begin(), candidates.end(),
                        [](const Candidate& a, const Candidate& b) { return a.error < b.error; })
           ->error;
-  const double limit = std::max(kAsGood * least, least + kMinGap);
+  const double limit = std::max(kAsGood * least, kAlike);
   std::erase_if(candidates, [&](const Candidate& one) { return one.error > limit; });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.turn < b.turn; });
@@ -314,21 +338,38 @@ Search placed(const Problem& problem, const Parameters& free) {
   return found;
 }
 
-/// The parameters that the contacts show, by their slopes: more and more of them, in the order of
-/// the list.
-Parameters shown_parameters(const Problem& problem) {
-  Parameters free{};
-  Placement placement = search(problem, in_plane(problem.object)).placement;
-  for (const std::size_t parameter : order_of(vertical_axis(problem.object))) {
-    Parameters more = free;
-    more[parameter] = true;
-    // First as it is: along a flat face a step leads anywhere, and an edge there looks like a sign.
-    if (!are_observable(expected_stds(problem, more, placement), more)) continue;
-    const Placement refined = fitted(problem, more, placement);
-    if (!are_observable(expected_stds(problem, more, refined), more)) continue;
-    free = more;
-    placement = refined;
+/// Adds the parameters of the group that the contacts show, the most certain first. They are judged
+/// where they are: along a flat face a step leads anywhere, and an edge there looks like a sign.
+void add_shown(const Problem& problem, std::span<const std::size_t> group, double variance,
+               Placement& placement, Parameters& free) {
+  while (true) {
+    std::optional<std::size_t> best;
+    double least = 1.0;
+    for (const std::size_t parameter : group) {
+      if (free[parameter]) continue;
+      Parameters more = free;
+      more[parameter] = true;
+      const double now = uncertainty(expected_stds(problem, more, placement, variance));
+      if (!(now <= least)) continue;
+      least = now;
+      best = parameter;
+    }
+    if (!best) return;
+    free[*best] = true;
+    placement = fitted(problem, free, placement);
   }
+}
+
+/// The parameters that the contacts show, by their slopes: first those in the plane, from the best
+/// fit of all of them, whose residuals say what a gap is good for.
+Parameters shown_parameters(const Problem& problem) {
+  const Parameters plane = in_plane(problem.object);
+  Placement placement = search(problem, plane).placement;
+  const double variance = variance_of(problem, plane, placement);
+  const auto order = order_of(vertical_axis(problem.object));
+  Parameters free{};
+  add_shown(problem, std::span(order).first<3>(), variance, placement, free);
+  add_shown(problem, std::span(order).last<4>(), variance, placement, free);
   return free;
 }
 
@@ -349,7 +390,8 @@ Search settle(const Problem& problem, CalibratedObject& found) {
     const Placement& placement = best.placement;
     const std::vector<Placement> without = without_each(problem, free, placement);
     found.stds =
-        mean_stds(jackknife_stds(placement, without), expected_stds(problem, free, placement));
+        mean_stds(jackknife_stds(placement, without),
+                  expected_stds(problem, free, placement, variance_of(problem, free, placement)));
     found.held_out_rms = held_out_rms(problem, without);
     found.is_observable = free;
     const std::size_t worst = worst_parameter(found.stds);
@@ -369,6 +411,43 @@ Search settle(const Problem& problem, CalibratedObject& found) {
   return placed(problem, free);
 }
 
+/// How many contacts are not at the surface.
+std::size_t contacts_elsewhere(const Problem& problem, const Placement& placement) {
+  std::size_t elsewhere = 0;
+  for (std::size_t contact = 0; contact < problem.object.contacts; ++contact) {
+    std::vector<double> sizes;
+    for (const ContactPoint& point : problem.object.points) {
+      if (point.contact != contact) continue;
+      const auto gap = gap_of(point, placement, problem.surface, problem.object.tip_radius);
+      if (gap) sizes.push_back(std::abs(gap->value));
+    }
+    elsewhere += sizes.empty() || median(std::move(sizes)) > kMaxMisfit ? 1 : 0;
+  }
+  return elsewhere;
+}
+
+/// An Error where too many contacts are not at the surface, and where fewer would be with
+/// parameters that the contacts do not show.
+std::optional<Error> misfit_of(const Problem& problem, const Placement& placement) {
+  const std::string& name = problem.object.name;
+  const std::size_t elsewhere = contacts_elsewhere(problem, placement);
+  const Parameters plane = in_plane(problem.object);
+  const std::size_t at_best = contacts_elsewhere(problem, search(problem, plane).placement);
+  if (at_best < elsewhere) {
+    return Error{.message = "the contacts do not show where " + name +
+                            " is: several places fit them, and the stated one does not",
+                 .hint = "push it at several places of all of its sides"};
+  }
+  if (elsewhere * kMaxElsewhere <= problem.object.contacts) return std::nullopt;
+  return Error{
+      .message = fmt::format("{} of {} contacts are farther than 5 mm from the surface of {}, "
+                             "wherever its mesh is put",
+                             elsewhere, problem.object.contacts, name),
+      .hint =
+          "check the mesh and its unit, the tool's radius, that the clocks agree, and that the "
+          "tip touches nothing else"};
+}
+
 }  // namespace
 
 Expected<CalibratedObject> calibrate_object(const TouchedObject& object) {
@@ -386,12 +465,18 @@ Expected<CalibratedObject> calibrate_object(const TouchedObject& object) {
                  .hint = "push it at several places of all of its sides"};
   }
   const Placement& placement = best.placement;
+  if (auto error = misfit_of(problem, placement)) return *std::move(error);
   found.T_tracked_object = placement.T_tracked_object;
   found.scale = placement.scale;
   found.mesh_unit = object.mesh_unit * placement.scale;
   found.from_stated = object.T_tracked_object.inverse() * placement.T_tracked_object;
   found.before_rms = rms_of(gaps_of(problem, {object.T_tracked_object, 1.0}));
   found.fitted_rms = rms_of(gaps_of(problem, placement));
+  if (const std::size_t elsewhere = contacts_elsewhere(problem, placement); elsewhere > 0) {
+    found.notes.push_back(
+        fmt::format("{}: {} of {} contacts are farther than 5 mm from its surface", object.name,
+                    elsewhere, object.contacts));
+  }
   for (const double turn : best.as_good) {
     found.notes.push_back(fmt::format(
         "{} turned by {:.0f} degrees fits the contacts as well: the one nearest to the stated pose "

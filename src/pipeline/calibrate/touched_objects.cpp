@@ -30,11 +30,23 @@ constexpr double kPointInterval = 0.05, kReleaseTime = 0.2;
 /// Fewer points of a contact are a knock, which may be of anything.
 constexpr std::size_t kMinPointsOfContact = 2;
 
-/// [N] The force from which on the tip touches.
-double touching_force(const Recording& recording, const ObjectsInput& input) {
-  if (input.min_force > 0.0) return input.min_force;
+/// [N] The force's size, each the median of five successive samples: sensors have spikes of one.
+std::vector<double> force_sizes(const Recording& recording) {
+  const std::vector<WrenchSample>& samples = recording.wrench;
   std::vector<double> sizes;
-  for (const WrenchSample& sample : recording.wrench) sizes.push_back(sample.force.norm());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    std::vector<double> near;
+    for (std::size_t k = i < 2 ? 0 : i - 2; k < std::min(samples.size(), i + 3); ++k) {
+      near.push_back(samples[k].force.norm());
+    }
+    sizes.push_back(median(std::move(near)));
+  }
+  return sizes;
+}
+
+/// [N] The force from which on the tip touches.
+double touching_force(std::vector<double> sizes, const ObjectsInput& input) {
+  if (input.min_force > 0.0) return input.min_force;
   const auto at = static_cast<std::size_t>(kUsualLargest * static_cast<double>(sizes.size() - 1));
   std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(at), sizes.end());
   return std::max(kMinForce, kMinForceShare * sizes[at]);
@@ -43,13 +55,14 @@ double touching_force(const Recording& recording, const ObjectsInput& input) {
 /// Stamps of each contact, as seconds from the recording's start.
 std::vector<std::vector<double>> contact_times(const Recording& recording,
                                                const ObjectsInput& input) {
-  const double limit = touching_force(recording, input);
+  const std::vector<double> sizes = force_sizes(recording);
+  const double limit = touching_force(sizes, input);
   const Stamp start = start_of(recording);
   std::vector<std::vector<double>> contacts;
   double last_touch = -std::numeric_limits<double>::infinity();
-  for (const WrenchSample& sample : recording.wrench) {
-    if (sample.force.norm() < limit) continue;
-    const double t = to_seconds(sample.stamp - start);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (sizes[i] < limit) continue;
+    const double t = to_seconds(recording.wrench[i].stamp - start);
     if (t - last_touch > kReleaseTime) contacts.emplace_back();
     last_touch = t;
     std::vector<double>& times = contacts.back();

@@ -30,6 +30,10 @@ constexpr double kMinTilt = 20.0 / kToDegrees;
 constexpr double kMaxLeftForce = 1.0;  ///< [N] as for the force at rest
 /// The tool's own axes explain the force where they leave this share of what the base's leave.
 constexpr double kClearlyBetterAxes = 0.5;
+/// Of the samples: with fewer free ones all are taken, and have to fit.
+constexpr double kMinFreeShare = 0.2;
+/// [N] rms that a weight and a bias leave of a tool that is free.
+constexpr double kMaxFreeRms = 0.5;
 constexpr std::size_t kForceSamples = 2000, kJointSamples = 200;
 constexpr std::size_t kMinSamplesOfTool = 20;
 
@@ -63,14 +67,17 @@ std::vector<FreeForce> free_forces(const Recording& recording) {
       return t >= contact.t.front() && t <= contact.t.back();
     });
   };
-  std::vector<FreeForce> free;
+  std::vector<FreeForce> free, all;
   const std::size_t stride = std::max<std::size_t>(1, force.size() / kForceSamples);
   for (std::size_t i = 0; i < force.size(); i += stride) {
     const auto T_base_tool = recording.tool.at(recording.wrench[i].stamp);
-    if (!T_base_tool || touches(t_force[i])) continue;
-    free.push_back({T_base_tool->rotation_matrix(), force[i]});
+    if (!T_base_tool) continue;
+    all.push_back({T_base_tool->rotation_matrix(), force[i]});
+    if (!touches(t_force[i])) free.push_back(all.back());
   }
-  return free;
+  // A weight that turns with the tool looks like one long contact.
+  const double share = static_cast<double>(free.size()) / static_cast<double>(all.size());
+  return share < kMinFreeShare ? all : free;
 }
 
 double largest_turn(const std::vector<FreeForce>& free) {
@@ -125,6 +132,9 @@ DiagnosisRow gravity_row(const Recording& recording) {
                                            kToDegrees * turn));
   }
   const FreeForceFit base = fit_free_force(free, false), tool = fit_free_force(free, true);
+  if (std::min(base.rms, tool.rms) > kMaxFreeRms) {
+    return unchecked(kGravity, "the tool is hardly ever free of contact while it turns");
+  }
   const Eigen::Vector3d& weight = base.steady;
   const std::string figure =
       fmt::format("over {:.0f} degrees {} keeps its direction in base, and {} turns with the tool",
