@@ -97,6 +97,11 @@ Expected<std::vector<std::string>> export_into(const OutputArgument& output,
   if (!motion) return motion.error();
   Expected<ExportedWorld> world = make_exported_world(*scene, *table, options);
   if (!world) return world.error();
+  if (format.write == &write_moveit) {  // which has neither mass nor friction
+    world->numbers.clear();
+    world->residuals.clear();
+    world->warnings.clear();
+  }
   Expected<void> done = format.write(*world, folder->path());
   if (done && !motion->empty()) done = write_motion(*motion, folder->path());
   const bool has_runners = !motion->empty() && format.write == &write_mjcf;
