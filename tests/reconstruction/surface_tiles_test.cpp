@@ -108,7 +108,7 @@ struct TiledFusion {
   std::vector<SurfaceTile> tiles;
   std::size_t seen = 0;  ///< frames, over all tiles
   std::size_t unseen = 0;
-  std::size_t max_memory = 0;
+  std::size_t max_blocks = 0;
 };
 
 TiledFusion fuse_by_tiles(const std::vector<View>& views, const CameraModel& camera,
@@ -132,7 +132,7 @@ TiledFusion fuse_by_tiles(const std::vector<View>& views, const CameraModel& cam
       ++fused.seen;
       volume.integrate(views[i].depth, views[i].color, {}, camera, views[i].T_base_camera, {1});
     }
-    fused.max_memory = std::max(fused.max_memory, volume.block_count());
+    fused.max_blocks = std::max(fused.max_blocks, volume.block_count());
     fused.tiles.push_back(volume.extract_tile(evidence, {1}));
   }
   return fused;
@@ -155,7 +155,7 @@ void expect_equal_by_tiles(const CameraModel& camera) {
   for (const SurfaceTile& tile : fused.tiles) borrowed += tile.borrowed.size();
   EXPECT_GT(borrowed, 1000U) << "no surface crosses a border";
   EXPECT_GT(fused.unseen, fused.seen / 5) << "all frames are read for all tiles";
-  EXPECT_LT(fused.max_memory, whole.block_count() / 3);
+  EXPECT_LT(fused.max_blocks, whole.block_count() / 3);
   const TriangleMesh expected = whole.extract_mesh(evidence, {1});
   const TriangleMesh mesh = joined(std::move(fused.tiles));
   EXPECT_EQ(mesh.vertices.size(), expected.vertices.size());

@@ -25,7 +25,7 @@ constexpr double kFaces = 1.0 / 1.5;
 /// Frames that are looked at: first few, each as if it saw a surface of its own, which is enough
 /// where that fits; else more, together.
 constexpr std::size_t kFirstFrames = 16;
-constexpr std::size_t kMaxCountedFrames = 240;
+constexpr std::size_t kMaxAreaFrames = 240;
 
 /// By measurements (docs/scale.md) [bytes]: what does not depend on the surface, and what each
 /// square of a voxel's face takes, in all and where tiles are fused one after the other.
@@ -89,7 +89,7 @@ class AreaCount {
   }
   /// By many frames [m^2].
   [[nodiscard]] double together() const {
-    return area_of(count(std::min(kMaxCountedFrames, placed_.size()), true));
+    return area_of(count(std::min(kMaxAreaFrames, placed_.size()), true));
   }
 
  private:
