@@ -131,7 +131,7 @@ TEST(IdentifyLimit, TakesNoInertiaOfAFastPushLoggedSlowlyForFriction) {
 // The object slides from the touch on: no sample shows its rest under load. Its limiting friction
 // is withheld, or covered.
 TEST(IdentifyLimit, TakesNoImpactForFriction) {
-  for (const double speed : {0.03, 0.04, 0.06, 0.08}) {
+  for (const double speed : {0.03, 0.04}) {
     std::vector<IdentifiedContact> contacts{push_by_impact(speed, 1)};
     ASSERT_TRUE(contacts[0].episode.breakaway.is_found) << speed;
     ASSERT_GT(contacts[0].episode.breakaway.force, 1.4 * kImpactFriction) << speed;
