@@ -154,14 +154,15 @@ class RestingBox {
     for (int i = 0; i < frames; ++i, t_ += kSlowFrameInterval) {
       const Eigen::Vector3d noise(random_.normal(), random_.normal(), random_.normal());
       const Eigen::Vector3d shift(x + (i == 0 ? outlier : 0.0), 0.0, 0.03);
-      object_.add_tracked({t_, Pose::from_translation(shift + 2e-4 * noise), position_std_, 0.002});
-      object_.update_tracking(t_, 0.0);
+      object_.pose().add_tracked(
+          {t_, Pose::from_translation(shift + 2e-4 * noise), position_std_, 0.002});
+      object_.pose().update_tracking(t_, 0.0);
     }
     return object_.estimate_pose({t_, {-1.0, 0.0, 0.03}, Eigen::Vector3d::Zero()}, {})
                .T_base_object.translation() -
            Eigen::Vector3d(0.0, 0.0, 0.03);
   }
-  [[nodiscard]] const TrackedPose& latest() const { return object_.latest(); }
+  [[nodiscard]] const TrackedPose& latest() const { return object_.pose().latest(); }
 
  private:
   TeleopObject box_ = slow_box();

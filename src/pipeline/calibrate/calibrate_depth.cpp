@@ -55,23 +55,23 @@ std::vector<PlaceRow> rows_of(const DepthViews& views) {
 }
 
 /// scale - 1 and offset [m].
-using Correction = Eigen::Vector2d;
+using DepthCorrection = Eigen::Vector2d;
 
-double error_left(const PlaceRow& row, const Correction& correction) {
+double error_left(const PlaceRow& row, const DepthCorrection& correction) {
   return correction[0] * row.depth + correction[1] - row.missing;
 }
 
 /// [m] Huber's threshold for these errors: by their median.
-double threshold_of(const std::vector<PlaceRow>& rows, const Correction& correction) {
+double threshold_of(const std::vector<PlaceRow>& rows, const DepthCorrection& correction) {
   std::vector<double> sizes;
   for (const PlaceRow& row : rows) sizes.push_back(std::abs(error_left(row, correction)));
   return std::max(kHuber * kStdOverMad * median(sizes), 1e-9);
 }
 
-Correction fit(const std::vector<PlaceRow>& rows, std::optional<std::size_t> without,
-               bool has_offset) {
+DepthCorrection fit(const std::vector<PlaceRow>& rows, std::optional<std::size_t> without,
+                    bool has_offset) {
   constexpr int kRounds = 20;
-  Correction correction = Correction::Zero();
+  DepthCorrection correction = DepthCorrection::Zero();
   for (int round = 0; round < kRounds; ++round) {
     const double threshold = threshold_of(rows, correction);
     Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
@@ -90,7 +90,7 @@ Correction fit(const std::vector<PlaceRow>& rows, std::optional<std::size_t> wit
   return correction;
 }
 
-double rms_of(const std::vector<PlaceRow>& rows, const Correction& correction) {
+double rms_of(const std::vector<PlaceRow>& rows, const DepthCorrection& correction) {
   double squares = 0.0;
   for (const PlaceRow& row : rows) squares += std::pow(error_left(row, correction), 2);
   return std::sqrt(squares / static_cast<double>(rows.size()));
@@ -99,8 +99,8 @@ double rms_of(const std::vector<PlaceRow>& rows, const Correction& correction) {
 /// The fit with each place left out once: the covariance, and the error of that place.
 void leave_places_out(const std::vector<PlaceRow>& rows, const std::vector<std::size_t>& places,
                       DepthCalibration& found) {
-  std::vector<Correction> corrections;
-  Correction mean = Correction::Zero();
+  std::vector<DepthCorrection> corrections;
+  DepthCorrection mean = DepthCorrection::Zero();
   double squares = 0.0;
   for (const std::size_t place : places) {
     corrections.push_back(fit(rows, place, found.has_offset));
@@ -109,7 +109,7 @@ void leave_places_out(const std::vector<PlaceRow>& rows, const std::vector<std::
       if (row.place == place) squares += std::pow(error_left(row, corrections.back()), 2);
     }
   }
-  for (const Correction& correction : corrections) {
+  for (const DepthCorrection& correction : corrections) {
     found.covariance += (correction - mean) * (correction - mean).transpose();
   }
   const auto count = static_cast<double>(places.size());
@@ -141,7 +141,7 @@ void describe_planes(const DepthViews& views, DepthCalibration& found) {
 }
 
 /// Tags that are nearer or farther by depth than all others say: of another size than stated.
-void name_wrong_tags(const std::vector<PlaceRow>& rows, const Correction& correction,
+void name_wrong_tags(const std::vector<PlaceRow>& rows, const DepthCorrection& correction,
                      DepthCalibration& found) {
   std::map<std::string, std::vector<double>> by_tag;
   for (const PlaceRow& row : rows)
@@ -190,7 +190,7 @@ Expected<DepthCalibration> calibrate_depth(const DepthViews& views) {
   found.nearest = nearest->depth + nearest->missing;
   found.farthest = farthest->depth + farthest->missing;
   found.has_offset = found.farthest >= kMinDistanceRatio * found.nearest;
-  const Correction correction = fit(rows, std::nullopt, found.has_offset);
+  const DepthCorrection correction = fit(rows, std::nullopt, found.has_offset);
   leave_places_out(rows, places, found);
   found.scale = 1.0 + correction[0];
   found.offset = correction[1];
@@ -198,7 +198,7 @@ Expected<DepthCalibration> calibrate_depth(const DepthViews& views) {
   found.offset_std = std::sqrt(found.covariance(1, 1));
   found.depth_scale = views.depth_scale / found.scale;
   found.depth_offset = found.scale * views.depth_offset + found.offset;
-  found.before_rms = rms_of(rows, Correction::Zero());
+  found.before_rms = rms_of(rows, DepthCorrection::Zero());
   found.fitted_rms = rms_of(rows, correction);
   describe_planes(views, found);
   if (!found.has_offset) {
