@@ -91,7 +91,7 @@ def main():
     parser.add_argument("--before", type=pathlib.Path)
     parser.add_argument("--leave-out")
     parser.add_argument("expectations", nargs="*")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     blocks = blocks_of(given.page.read_text())
     if len(blocks) < 3:
         sys.exit(f"only {len(blocks)} blocks of commands in {given.page}: has its form changed?")

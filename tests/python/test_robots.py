@@ -78,8 +78,8 @@ FRICTION = {"viscous": 2.0, "coulomb": 1.5}  # of each joint
 
 @pytest.fixture(scope="module")
 def log(arm):
-    """(t, q, tau) of 30 s in which all joints swing to and fro."""
-    t = np.arange(0.0, 30.0, 0.01)
+    """(t, q, tau) of 15 s in which all joints swing to and fro."""
+    t = np.arange(0.0, 15.0, 0.01)
     phase = 2 * np.pi * np.outer(t, [0.31, 0.47, 0.23])[:, None, :] + np.arange(6)[:, None] * [1.0, 2.0, 0.5]
     weight = np.array([0.35, 0.2, 0.4])
     rate = 2 * np.pi * np.array([0.31, 0.47, 0.23])
