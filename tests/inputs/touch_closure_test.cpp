@@ -21,11 +21,11 @@ constexpr double kDepth = 0.002;        // [m]
 constexpr double kMaxTestDelay = 1.0;   // [s]
 
 /// Presses on a box from above: at each of these times the tip begins to descend, rests at the
-/// lowest point for half a second, and returns. Force stamps are late by `delay`, and by `drift`
-/// more for each second; the CAD model is too low by `too_low`.
+/// lowest point for half a second, and returns. Force stamps are late by `delay`; the CAD model is
+/// too low by `too_low`.
 class Presses {
  public:
-  Presses(const std::vector<double>& begins, double delay, double too_low, double drift = 0.0) {
+  Presses(const std::vector<double>& begins, double delay, double too_low) {
     const double travel = (kHeight + kDepth) / kSpeed;
     const double end = begins.back() + 2.0 * travel + 3.0;
     for (double t = 0.0; t < end; t += 0.004) {
@@ -45,12 +45,12 @@ class Presses {
       const double left = begin + travel + 0.5 + kDepth / kSpeed;
       contact.peak_force = 10.0;
       for (double t = touched - 0.2; t < left + 0.2; t += 0.004) {
-        contact.t.push_back(t + delay + drift * t);
+        contact.t.push_back(t + delay);
         const double depth = kSpeed * std::min(t - touched, left - t);
         contact.force.push_back(10.0 * std::clamp(depth / kDepth, 0.0, 1.0));
       }
-      contact.begin = touched + delay + drift * touched;
-      contact.end = left + delay + drift * left;
+      contact.begin = touched + delay;
+      contact.end = left + delay;
     }
     series_.bodies = {{.name = "box", .model = &model_, .T_base_object = {}}};
     series_.tool_radius = kToolRadius;
@@ -62,11 +62,6 @@ class Presses {
   [[nodiscard]] TouchClosure closure() const {
     return touch_closure(found_, series_, PathView(t_, tip_), BodyPoses(series_.bodies, surfaces_),
                          kMaxTestDelay);
-  }
-
-  [[nodiscard]] std::optional<TouchDrift> drift() const {
-    return touch_drift(found_, series_, PathView(t_, tip_), BodyPoses(series_.bodies, surfaces_),
-                       kMaxTestDelay);
   }
 
  private:
@@ -109,18 +104,6 @@ TEST(TouchClosure, IsNotThatOfAContactThatTheRecordingCuts) {
   const TouchClosure found = Presses({-1.45}, 0.0, 0.0).closure();
   EXPECT_FALSE(found.delay.is_known);
   EXPECT_FALSE(found.is_decisive);
-}
-
-TEST(TouchDrift, IsThatOfAClockThatRunsAtAnotherRate) {
-  const std::vector<double> begins{1.0, 5.5, 10.0, 14.5, 19.0, 23.5};
-  for (const double rate : {-0.01, 0.01, 0.02}) {
-    const std::optional<TouchDrift> drift = Presses(begins, 0.02, 0.003, rate).drift();
-    ASSERT_TRUE(drift.has_value()) << rate;
-    EXPECT_NEAR(drift->change / drift->duration, rate, 0.2 * std::abs(rate));
-  }
-  for (const double rate : {0.0, 1e-3}) {
-    EXPECT_FALSE(Presses(begins, 0.1, -0.003, rate).drift().has_value()) << rate;
-  }
 }
 
 }  // namespace

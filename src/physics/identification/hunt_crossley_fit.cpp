@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -22,12 +21,8 @@ constexpr double kStartMargin = 0.02;  // of the depth: force is detected after 
 /// Error of the force by the damping's std at the presses' speed, as a share, up to which the
 /// damping is excited.
 constexpr double kMaxDampingShare = 0.02;
-/// Noise of the tip, as a share of the presses' depth, from which on the speed in contact is that
-/// of the noise: the damping that it gives is none.
-constexpr double kMaxNoiseOfDepth = 0.2;
-constexpr double kMaxRelativeStd = 0.5;  // beyond, a value is not identified
-constexpr int kIterations = 60;          // bounds the time where it does not converge
-constexpr double kMinNoise = 1e-6;       // of the largest force: below any sensor's resolution
+constexpr int kIterations = 60;     // bounds the time where it does not converge
+constexpr double kMinNoise = 1e-6;  // of the largest force: below any sensor's resolution
 
 /// F = force (d / depth)^n (1 + c d'), with d = x - surface: these parameters are nearly
 /// uncorrelated, k, lambda and n are not.
@@ -136,8 +131,6 @@ class Problem {
   [[nodiscard]] double depth() const { return depth_; }
   [[nodiscard]] double max_exponent() const { return max_exponent_; }
   [[nodiscard]] std::size_t count() const { return count_; }
-  /// [m] of the tip, in the noisiest press.
-  [[nodiscard]] double position_noise() const { return std::sqrt(position_variance_); }
 
  private:
   [[nodiscard]] double prior_information() const {
@@ -255,24 +248,6 @@ void set_parameters(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covaria
   fit.exponent = parameter(theta[2], fit.covariance(2, 2));
 }
 
-/// Stiffness and damping are known by their logarithms, as the exponent is a factor in these: two
-/// stds above a small value are farther from it than two below. The std is half of the way to
-/// the former.
-void widen_to_log_normal(IdentifiedParameter& found, double relative_std) {
-  if (!(relative_std > 0.0)) return;
-  const double bounded = std::min(relative_std, kMaxRelativeStd);
-  found.std *= std::expm1(2.0 * bounded) / (2.0 * bounded);
-}
-
-void widen_to_log_normal(ContactFit& fit) {
-  const double of_stiffness = fit.stiffness.std / fit.stiffness.value;
-  // A damping that is near 0 has the factor of its stiffness alone.
-  const bool is_far_from_zero = 2.0 * fit.damping.std < fit.damping.value;
-  const double of_damping = is_far_from_zero ? fit.damping.std / fit.damping.value : of_stiffness;
-  widen_to_log_normal(fit.stiffness, of_stiffness);
-  widen_to_log_normal(fit.damping, of_damping);
-}
-
 /// Relative, of d = depth (F / force)^(1/n), at its largest from `kMinForceShare` of `force` on.
 double penetration_std(const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance) {
   constexpr double kMinForceShare = 0.25;
@@ -360,13 +335,8 @@ ContactFit fit_hunt_crossley(const std::vector<PressSamples>& presses,
   if (fit.damping.std * max_speed(presses) < kMaxDampingShare * fit.stiffness.value) {
     fit.damping.is_excited = true;
   }
-  if (fit.stiffness.value > 0.0) widen_to_log_normal(fit);
   for (std::size_t p = 0; p < presses.size(); ++p) {
     fit.surface.push_back(theta[problem.surface_column(p)]);
-  }
-  if (problem.position_noise() > kMaxNoiseOfDepth * problem.depth()) {
-    fit.damping.is_excited = false;
-    fit.damping.std = std::numeric_limits<double>::infinity();
   }
   set_residual(presses, fit);
   fit.is_valid = fit.stiffness.value > 0.0 && std::isfinite(fit.stiffness.std);

@@ -183,13 +183,6 @@ InputFault touch_fault(const TimeOffset& delay) {
       std::abs(delay.offset), delay.std, delay.offset > 0.0 ? "later" : "earlier"));
 }
 
-InputFault drift_fault(const TouchDrift& drift) {
-  return clock_fault_of(fmt::format(
-      "the force's clock drifts against the tool's: by {:.0f} +- {:.0f} ms in {:.0f} s ({:.2g} %), "
-      "by when the tip touches and leaves the surfaces",
-      1e3 * drift.change, 1e3 * drift.std, drift.duration, 100.0 * drift.change / drift.duration));
-}
-
 std::optional<InputFault> clock_fault(const InputSeries& series, const Segmentation& found,
                                       const PathView& tip, const BodyPoses& poses) {
   if (found.contacts.size() < kMinContacts || series.bodies.empty()) return std::nullopt;

@@ -8,7 +8,6 @@
 #include "pcavr/physics/inputs/input_findings.hpp"
 
 #include "physics/inputs/body_poses.hpp"
-#include "physics/inputs/touch_closure.hpp"
 
 namespace pcavr {
 
@@ -21,6 +20,5 @@ namespace pcavr {
 
 /// A delay of the force that the touches show, where it is not corrected.
 [[nodiscard]] InputFault touch_fault(const TimeOffset& delay);
-[[nodiscard]] InputFault drift_fault(const TouchDrift& drift);
 
 }  // namespace pcavr

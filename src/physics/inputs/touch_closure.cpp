@@ -55,18 +55,6 @@ struct GapsOfContact {
   double std = kClosureError;      ///< [m] of their difference
 };
 
-/// A change of the delay by less, in a recording, is within what the force's threshold and soft
-/// surfaces make of different contacts.
-constexpr double kMinDrift = 0.05;  // [s]
-constexpr double kDriftStds = 5.0;
-constexpr std::size_t kMinContactsOfHalf = 2;
-
-double mean_time(const std::vector<ContactEpisode>& contacts) {
-  double sum = 0.0;
-  for (const ContactEpisode& contact : contacts) sum += 0.5 * (contact.begin + contact.end);
-  return sum / static_cast<double>(contacts.size());
-}
-
 std::size_t count_of(double max_delay) {
   return 2 * static_cast<std::size_t>(std::lround(max_delay / kStep)) + 1;
 }
@@ -203,25 +191,6 @@ TouchClosure touch_closure(const Segmentation& found, const InputSeries& series,
   result.is_decisive = result.delay.is_known && closure.squares(now) > squares + kDecisiveSquares &&
                        std::abs(result.delay.offset) > kMinDelayStds * result.delay.std;
   return result;
-}
-
-std::optional<TouchDrift> touch_drift(const Segmentation& found, const InputSeries& series,
-                                      const PathView& tip, const BodyPoses& poses,
-                                      double max_delay) {
-  const std::size_t half = found.contacts.size() / 2;
-  if (half < kMinContactsOfHalf) return std::nullopt;
-  Segmentation early, late;
-  early.noise = late.noise = found.noise;
-  const auto middle = found.contacts.begin() + static_cast<std::ptrdiff_t>(half);
-  early.contacts.assign(found.contacts.begin(), middle);
-  late.contacts.assign(middle, found.contacts.end());
-  const TimeOffset before = touch_closure(early, series, tip, poses, max_delay).delay;
-  const TimeOffset after = touch_closure(late, series, tip, poses, max_delay).delay;
-  if (!before.is_known || !after.is_known) return std::nullopt;
-  const TouchDrift drift{after.offset - before.offset, std::hypot(before.std, after.std),
-                         mean_time(late.contacts) - mean_time(early.contacts)};
-  const bool is_one = std::abs(drift.change) > std::max(kMinDrift, kDriftStds * drift.std);
-  return is_one ? std::optional(drift) : std::nullopt;
 }
 
 }  // namespace pcavr

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
-
 #include "pcavr/physics/identification/path_view.hpp"
 #include "pcavr/physics/identification/segmentation.hpp"
 #include "pcavr/physics/identification/signals.hpp"
@@ -24,16 +22,5 @@ struct TouchClosure {
 [[nodiscard]] TouchClosure touch_closure(const Segmentation& found, const InputSeries& series,
                                          const PathView& tip, const BodyPoses& poses,
                                          double max_delay);
-
-/// Change of the force's delay from the first half of the contacts to the second, by their touches:
-/// a clock that runs at another rate than the tool's.
-struct TouchDrift {
-  double change = 0.0, std = 0.0;  ///< [s]
-  double duration = 0.0;           ///< [s] between the middles of both halves
-};
-/// nullopt where the touches do not show the delays of both, or these agree.
-[[nodiscard]] std::optional<TouchDrift> touch_drift(const Segmentation& found,
-                                                    const InputSeries& series, const PathView& tip,
-                                                    const BodyPoses& poses, double max_delay);
 
 }  // namespace pcavr

@@ -233,10 +233,6 @@ void put_tracking_on_clock(double offset, Prepared& prepared) {
 std::optional<InputFault> find_clock_fault(const InputSeries& measured, const Prepared& prepared,
                                            const BodyPoses& poses, const WindowFindings& result) {
   if (prepared.tip.t.empty() || measured.t_force.empty()) return std::nullopt;
-  if (const std::optional<TouchDrift> drift = touch_drift(without_gaps(prepared), prepared.series,
-                                                          prepared.path(), poses, kMaxTouchDelay)) {
-    return drift_fault(*drift);
-  }
   const TouchClosure& touches = result.touch_closure;
   if (touches.fits_as_written) return std::nullopt;
   const bool is_large = std::abs(touches.delay.offset) > kMinTouchDelay;
