@@ -8,7 +8,7 @@
 #include <iterator>
 #include <unordered_set>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "pcavr/base/core/input_ranges.hpp"
 #include "pcavr/base/geometry/depth_grid.hpp"
@@ -27,8 +27,9 @@ constexpr double kFaces = 1.0 / 1.5;
 constexpr std::size_t kFirstFrames = 16;
 constexpr std::size_t kMaxAreaFrames = 240;
 
-/// By measurements (docs/scale.md) [bytes]: what does not depend on the surface, and what each
-/// square of a voxel's face takes, in all and where tiles are fused one after the other.
+/// From the sizes of what is kept, not measured (docs/scale.md) [bytes]: what does not depend on
+/// the surface, and what each square of a voxel's face takes, in all and where tiles are fused one
+/// after the other.
 constexpr double kConstant = 0.35e9;
 constexpr double kEachFace = 330.0;
 constexpr double kEachFaceByTiles = 90.0;
@@ -115,13 +116,15 @@ class AreaCount {
 
 /// What fits in place of what does not.
 std::string smaller(double area, double need, double voxel, const BuildLimits& limits) {
-  const double room = std::max(limits.max_memory - kConstant, 0.01 * limits.max_memory);
-  std::string hint =
-      fmt::format("give --voxel {:g}", rounded_up(voxel * std::sqrt((need - kConstant) / room)));
+  std::vector<std::string> choices;
+  const double room = std::max(limits.max_memory - kConstant, 1.0);
+  const double fitting = rounded_up(voxel * std::sqrt((need - kConstant) / room));
+  if (fitting <= ranges::kVoxel.max) choices.push_back(fmt::format("--voxel {:g}", fitting));
   if (!limits.tile_size && memory_need(area, voxel, true) <= limits.max_memory) {
-    hint += fmt::format(" or --tiles {:g}", kDefaultTile);
+    choices.push_back(fmt::format("--tiles {:g}", kDefaultTile));
   }
-  return hint + "; --max-memory sets the limit";
+  if (choices.empty()) return "no voxel fits; --max-memory sets the limit";
+  return fmt::format("give {}; --max-memory sets the limit", fmt::join(choices, " or "));
 }
 
 }  // namespace
