@@ -111,7 +111,7 @@ TEST_F(SceneContentTest, HasTheTexturesOfObjects) {
     const auto path = json["objects"][i]["texture"].get<std::string>();
     EXPECT_TRUE(path.starts_with("/scene/objects/") && path.ends_with(".jpg")) << path;
     EXPECT_EQ(body_of(*content, path), scene.objects[i].texture->jpeg);
-    const std::string glb = body_of(*content, json["objects"][i]["path"]);
+    const std::string glb = body_of(*content, json["objects"][i]["path"].get<std::string>());
     EXPECT_NE(glb.find("TEXCOORD_0"), std::string::npos);
     EXPECT_EQ(json["objects"][i]["bytes"], glb.size());
   }
