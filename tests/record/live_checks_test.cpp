@@ -11,11 +11,11 @@
 namespace pcavr {
 namespace {
 
-const std::vector<RecordedTopic> kTopics{
+const std::vector<RecordedTopic> kCheckedTopics{
     {"/tool", "geometry_msgs/msg/PoseStamped", RecordRole::tool},
     {"/wrench", "geometry_msgs/msg/WrenchStamped", RecordRole::wrench},
     {"/image", "sensor_msgs/msg/CompressedImage", RecordRole::image}};
-constexpr std::size_t kTool = 0, kWrench = 1, kImage = 2;
+constexpr std::size_t kToolIndex = 0, kWrenchIndex = 1, kImageIndex = 2;
 
 /// Virtual seconds of a robot that publishes 100 poses and 500 wrenches a second.
 class Rig {
@@ -32,12 +32,13 @@ class Rig {
     for (const double end = t + duration; t < end; t += 0.001) {
       x_ += 0.001 * tool_speed;
       if (is_due(100.0) && t < tool_end) {
-        checks_.on_message(kTool, t, cdr::pose_stamped({}, Pose::from_translation({x_, 0, 0})));
+        checks_.on_message(kToolIndex, t,
+                           cdr::pose_stamped({}, Pose::from_translation({x_, 0, 0})));
       }
       if (is_due(wrench_rate)) {
-        checks_.on_message(kWrench, t, cdr::wrench_stamped({}, force, {0, 0, 0}));
+        checks_.on_message(kWrenchIndex, t, cdr::wrench_stamped({}, force, {0, 0, 0}));
       }
-      if (is_due(30.0) && has_images) checks_.on_message(kImage, t, {});
+      if (is_due(30.0) && has_images) checks_.on_message(kImageIndex, t, {});
       if (is_due(10.0)) checks_.on_time(t);
       for (const std::string& line : checks_.take_warnings()) lines += line + '\n';
     }
@@ -50,7 +51,7 @@ class Rig {
     return std::floor(t * rate + 1e-6) > std::floor((t - 0.001) * rate + 1e-6);
   }
 
-  LiveChecks checks_{kTopics, 10.0};
+  LiveChecks checks_{kCheckedTopics, 10.0};
   double x_ = 0.0;
 };
 
@@ -105,7 +106,7 @@ TEST(LiveChecks, TakeASmallForceAtRestAsZero) {
 
 TEST(LiveChecks, NameTagsThatAreOutOfView) {
   Rig rig;
-  const auto look = [&](std::size_t tags) { rig.checks().on_tags(kImage, rig.t, tags); };
+  const auto look = [&](std::size_t tags) { rig.checks().on_tags(kImageIndex, rig.t, tags); };
   std::string lines;
   for (int i = 0; i < 8; ++i) {
     look(i < 2 ? 3 : 0);
@@ -119,8 +120,8 @@ TEST(LiveChecks, NameTagsThatAreOutOfView) {
 TEST(LiveChecks, NameMessagesThatCanNotBeDecoded) {
   Rig rig;
   const std::vector<std::uint8_t> noise(3, 1);
-  rig.checks().on_message(kWrench, rig.t, noise);
-  rig.checks().on_message(kWrench, rig.t, noise);
+  rig.checks().on_message(kWrenchIndex, rig.t, noise);
+  rig.checks().on_message(kWrenchIndex, rig.t, noise);
   const std::vector<std::string> lines = rig.checks().take_warnings();
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_TRUE(lines[0].starts_with("/wrench: ")) << lines[0];

@@ -119,16 +119,17 @@ class ScriptedDevice final : public VideoDevice {
   std::uint32_t next_ = 0;
 };
 
-Expected<std::unique_ptr<CameraSource>> start(Script& script, const CameraRequest& request = {}) {
+Expected<std::unique_ptr<CameraSource>> start_scripted(Script& script,
+                                                       const CameraRequest& request = {}) {
   return start_v4l2_camera(std::make_unique<ScriptedDevice>(script), "/dev/video7", request);
 }
 
-std::vector<std::uint8_t> jpeg() { return {0xFF, 0xD8, 1, 2, 3, 4}; }
+std::vector<std::uint8_t> jpeg_bytes() { return {0xFF, 0xD8, 1, 2, 3, 4}; }
 
 TEST(V4l2Camera, TakesMjpegAsItIsAndStatesWhenItWasTaken) {
   Script script;
-  script.frames = {{jpeg(), 5}, {jpeg(), 6}};
-  auto camera = start(script, {.width = 640, .height = 480, .rate = 30.0});
+  script.frames = {{jpeg_bytes(), 5}, {jpeg_bytes(), 6}};
+  auto camera = start_scripted(script, {.width = 640, .height = 480, .rate = 30.0});
   ASSERT_TRUE(camera) << camera.error().to_string();
   EXPECT_EQ((*camera)->description(), "/dev/video7: 640 x 480 MJPG at 30 Hz");
   EXPECT_EQ(script.denominator, 30 * script.numerator);
@@ -136,7 +137,7 @@ TEST(V4l2Camera, TakesMjpegAsItIsAndStatesWhenItWasTaken) {
     const auto frame = (*camera)->next(0ms);
     ASSERT_TRUE(frame && *frame);
     EXPECT_EQ((*frame)->format, "jpeg");
-    EXPECT_TRUE(std::ranges::equal((*frame)->bytes, jpeg()));
+    EXPECT_TRUE(std::ranges::equal((*frame)->bytes, jpeg_bytes()));
     EXPECT_DOUBLE_EQ((*frame)->t, 100.005 + 0.001 * i);
   }
   const auto none = (*camera)->next(0ms);
@@ -160,7 +161,7 @@ TEST(V4l2Camera, EncodesYuyvWhereThereIsNoMjpeg) {
     red[i + 3] = 240;
   }
   script.frames = {{red, 1}, {{1, 2, 3}, 2}};
-  auto camera = start(script);
+  auto camera = start_scripted(script);
   ASSERT_TRUE(camera) << camera.error().to_string();
   const auto frame = (*camera)->next(0ms);
   ASSERT_TRUE(frame && *frame);
@@ -179,14 +180,14 @@ TEST(V4l2Camera, EncodesYuyvWhereThereIsNoMjpeg) {
 
 TEST(V4l2Camera, CountsMissingAndDamagedFrames) {
   Script script;
-  script.frames = {{jpeg(), 0xFFFFFFFE},
-                   {jpeg(), 2},                       // 3 are missing, over the wrap
-                   {jpeg(), 3, V4L2_BUF_FLAG_ERROR},  // damaged
-                   {{0, 0, 0, 0, 0}, 4},              // no JPEG
-                   {.error = EIO},                    // lost in the driver
-                   {.error = EAGAIN},                 // nothing
-                   {jpeg(), 5}};
-  auto camera = start(script);
+  script.frames = {{jpeg_bytes(), 0xFFFFFFFE},
+                   {jpeg_bytes(), 2},                       // 3 are missing, over the wrap
+                   {jpeg_bytes(), 3, V4L2_BUF_FLAG_ERROR},  // damaged
+                   {{0, 0, 0, 0, 0}, 4},                    // no JPEG
+                   {.error = EIO},                          // lost in the driver
+                   {.error = EAGAIN},                       // nothing
+                   {jpeg_bytes(), 5}};
+  auto camera = start_scripted(script);
   ASSERT_TRUE(camera);
   int frames = 0;
   while (!script.frames.empty()) {
@@ -202,7 +203,7 @@ TEST(V4l2Camera, CountsMissingAndDamagedFrames) {
 TEST(V4l2Camera, SaysThatItWasDisconnected) {
   Script script;
   script.frames = {{.error = ENODEV}};
-  auto camera = start(script);
+  auto camera = start_scripted(script);
   ASSERT_TRUE(camera);
   const auto frame = (*camera)->next(0ms);
   ASSERT_FALSE(frame);
@@ -212,7 +213,7 @@ TEST(V4l2Camera, SaysThatItWasDisconnected) {
 
 TEST(V4l2Camera, SaysWhyItCanNotBeUsed) {
   const auto error_of = [](Script script, const CameraRequest& request = {}) {
-    const auto camera = start(script, request);
+    const auto camera = start_scripted(script, request);
     return camera ? std::string() : camera.error().to_string();
   };
   EXPECT_NE(error_of({.capabilities = V4L2_CAP_META_CAPTURE}).find("another node of the device"),
