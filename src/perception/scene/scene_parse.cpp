@@ -45,17 +45,6 @@ Eigen::Vector3d unit_vector_of(const YamlValue& value) {
   return vector;
 }
 
-Pose pose_from_yaml(const YamlValue& value) {
-  value.expect_keys({"t", "q"});
-  const YamlValue rotation = value.at("q");
-  const std::vector<double> q = rotation.numbers(4);
-  const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
-  if (std::abs(quaternion.norm() - 1.0) > kUnitTolerance) {
-    rotation.fail("is not a unit quaternion", "write qx qy qz qw with a length of 1");
-  }
-  return Pose(quaternion, vector_of(value.at("t")));
-}
-
 std::filesystem::path path_of(const YamlValue& value) {
   const std::filesystem::path path = std::filesystem::path(value.text()).lexically_normal();
   if (path.empty() || path.is_absolute() || *path.begin() == "..") {
@@ -112,8 +101,8 @@ SceneObjectEntry object_of(const YamlValue& value) {
   if (const auto stiffness = value.find("hertz_stiffness")) {
     object.hertz_stiffness = stiffness->number_in(ranges::kStiffness);
   }
-  object.T_base_object = pose_from_yaml(value.at("pose"));
-  object.T_base_object_start = pose_from_yaml(value.at("start"));
+  object.T_base_object = pose_of(value.at("pose"));
+  object.T_base_object_start = pose_of(value.at("start"));
   object.evidence = value.at("evidence").text();
   const PoseValues std_values = pose_values_of(value.at("sigma"));
   object.position_std = std_values.translation;
@@ -137,7 +126,7 @@ SceneRobotEntry robot_of(const YamlValue& value) {
   value.expect_keys({"urdf", "pose", "tip", "joints", "position", "links"});
   SceneRobotEntry robot;
   robot.urdf = path_of(value.at("urdf"));
-  robot.T_base_robot = pose_from_yaml(value.at("pose"));
+  robot.T_base_robot = pose_of(value.at("pose"));
   robot.tip = value.at("tip").text();
   for (const YamlValue& joint : value.at("joints").items()) robot.joints.push_back(joint.text());
   robot.position = value.at("position").numbers(robot.joints.size());
@@ -159,7 +148,7 @@ MarkerEntry tag_of(const YamlValue& value) {
     tag.role = MarkerRole::object;
     tag.object = object->text();
   }
-  tag.T_parent_marker = pose_from_yaml(value.at("pose"));
+  tag.T_parent_marker = pose_of(value.at("pose"));
   return tag;
 }
 
@@ -190,7 +179,7 @@ constexpr InputRange kGuardMargin{"guard margin", 1e-3, 1.0, "m", "beyond the ma
 GuardBox guard_box_of(const YamlValue& value) {
   value.expect_keys({"size", "pose"});
   const std::vector<double> size = value.at("size").numbers_in(3, kGuardSize);
-  return {.T_base_box = pose_from_yaml(value.at("pose")), .size = {size[0], size[1], size[2]}};
+  return {.T_base_box = pose_of(value.at("pose")), .size = {size[0], size[1], size[2]}};
 }
 
 GuardPlane guard_plane_of(const YamlValue& value) {
@@ -296,7 +285,7 @@ SceneTextureEntry texture_of(const YamlValue& value) {
           .views = count_of(value.at("views")),
           .seen_fraction = value.at("seen_fraction").number_in(ranges::kShare),
           .color_camera = camera_of(camera),
-          .T_color_depth = pose_from_yaml(camera.at("T_color_depth")),
+          .T_color_depth = pose_of(camera.at("T_color_depth")),
           .vignetting = camera.at("vignetting").number_in(ranges::kFigure)};
 }
 
