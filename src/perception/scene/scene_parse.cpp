@@ -11,7 +11,7 @@ namespace pcavr {
 namespace {
 
 constexpr char kFormat[] = "pcavr-scene/1";
-constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's or a normal's length
+constexpr double kUnitTolerance = 1e-3;  ///< of a normal's length
 
 /// Volume of a body within ranges::kBodySize, above the rounding error of its bounding cube's
 /// volume.
