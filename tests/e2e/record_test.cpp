@@ -89,7 +89,7 @@ TEST_F(RecordCommand, DoesNotReplaceWithoutForce) {
 
 TEST_F(RecordCommand, BadInputIsOneLineAndLeavesNoFile) {
   std::ofstream(path("lens.yaml"))
-      << "width: 640\nheight: 480\nfx: 500\nfy: 500\ncx: 320\ncy: 240\n";
+      << "camera: {width: 640, height: 480, fx: 500, fy: 500, cx: 320, cy: 240}\n";
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{}, "there is nothing to record"},
       {{"--camera", "/dev/video-absent"}, "/dev/video-absent: can't be opened: No such file"},

@@ -35,8 +35,8 @@ inline const Ros2Topic kWrenchTopic{"/wrench", "geometry_msgs/msg/WrenchStamped"
 class PublishingRobot {
  public:
   PublishingRobot()
-      : process_([] {
-          auto topics = open_dds({}, {kToolTopic, kWrenchTopic}, loopback_options());
+      : process_([dds = loopback_options()] {
+          auto topics = open_dds({}, {kToolTopic, kWrenchTopic}, dds);
           ForkedProcess::report_ready();
           for (int i = 0; topics; ++i) {
             const Stamp stamp{realtime()};
