@@ -143,7 +143,7 @@ Expected<CommandResult> run_picture_rig(const PictureRigArguments& arguments,
   std::optional<DepthAgreement> depth;
   if (!arguments.depth.empty()) {
     const Expected<DepthAgreement> compared =
-        compare_depth(*found, arguments.depth, arguments.depth_scale);
+        compare_depth(*found, *board, arguments.depth, arguments.depth_scale);
     if (!compared) return compared.error();
     depth = *compared;
   }

@@ -20,6 +20,7 @@
 #include "calibration/random_rig.hpp"
 #include "support/json_command.hpp"
 #include "support/meshes.hpp"
+#include "support/shared_data.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
@@ -111,6 +112,20 @@ TEST_F(CalibrateDrawnCamera, NamesWhatIsWrongWithThePictures) {
   expect_in("inner corners",
             failure({"camera", file("pictures"), "--board", "chessboard:8x6:30mm"}));
   expect_in("absent", failure({"camera", file("absent"), "--board", kBoardText}));
+}
+
+TEST_F(CalibrateRig, ViewsOfARealRigAgreeWithin4MillimetresByTheirDepth) {
+  PCAVR_NEEDS_SHARED_DATA("real/franka_charuco");
+  const std::filesystem::path rig = shared_data("real/franka_charuco");
+  write("camera.yaml",
+        "camera: {width: 1920, height: 1080, fx: 1363.7733, fy: 1361.5714, cx: 956.2985,\n"
+        "  cy: 546.5812}\n");
+  const nlohmann::json json =
+      run_json(command({"hand-eye", (rig / "T_base_flange_commanded").string(),
+                        (rig / "color").string(), "--board", "charuco:5x5:80mm:60mm:DICT_6X6_250",
+                        "--camera", file("camera.yaml"), "--depth", (rig / "depth").string()}));
+  EXPECT_EQ(json["depth_agreement"]["views"], 5);
+  EXPECT_LT(json["depth_agreement"]["median"].get<double>(), 4e-3);
 }
 
 // Depth ----------------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ struct DepthAgreement {
 /// Compares depth images (16-bit PNG, aligned to the pictures, in a folder that may be named by
 /// what its files' names begin with) of the same numbers as the rig's pictures, up to 1.5 times the
 /// board's distance and 5 cm apart. An Error where fewer than two are there, or none overlap.
-[[nodiscard]] Expected<DepthAgreement> compare_depth(const PictureRig& rig,
+[[nodiscard]] Expected<DepthAgreement> compare_depth(const PictureRig& rig, const Board& board,
                                                      const std::string& depth_images,
                                                      double units_per_metre);
 

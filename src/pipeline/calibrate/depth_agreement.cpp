@@ -82,24 +82,23 @@ std::vector<double> distances_between(const DepthOfView& from, const DepthOfView
 }
 
 /// [m] The board's distance in the view that is farthest from it.
-double farthest_board(const PictureRig& rig) {
+double farthest_board(const PictureRig& rig, const Board& board) {
   double farthest = 0.0;
   for (const PictureResidual& view : rig.views) {
     const Pose T_world_board = rig.hand_eye.board.T_a_b;
     const Pose T_base_board =
         rig.hand_eye.mount == CameraMount::arm ? T_world_board : view.T_base_flange * T_world_board;
-    const Eigen::Vector3d p =
-        view.T_base_camera.inverse() * (T_base_board * rig.hand_eye.best_point_board);
+    const Eigen::Vector3d p = view.T_base_camera.inverse() * (T_base_board * board.centre());
     farthest = std::max(farthest, p.norm());
   }
   return farthest;
 }
 
-Expected<std::vector<DepthOfView>> read_depth(const PictureRig& rig, const std::string& images,
-                                              double units_per_metre) {
+Expected<std::vector<DepthOfView>> read_depth(const PictureRig& rig, const Board& board,
+                                              const std::string& images, double units_per_metre) {
   const Expected<std::vector<NumberedPicture>> files = list_pictures(images);
   if (!files) return files.error();
-  const double farthest = kBoardDistances * farthest_board(rig);
+  const double farthest = kBoardDistances * farthest_board(rig, board);
   ImageDecoder decoder;
   std::vector<DepthOfView> views;
   for (const PictureResidual& view : rig.views) {
@@ -123,9 +122,9 @@ Expected<std::vector<DepthOfView>> read_depth(const PictureRig& rig, const std::
 
 }  // namespace
 
-Expected<DepthAgreement> compare_depth(const PictureRig& rig, const std::string& depth_images,
-                                       double units_per_metre) {
-  const auto views = read_depth(rig, depth_images, units_per_metre);
+Expected<DepthAgreement> compare_depth(const PictureRig& rig, const Board& board,
+                                       const std::string& depth_images, double units_per_metre) {
+  const auto views = read_depth(rig, board, depth_images, units_per_metre);
   if (!views) return views.error();
   DepthAgreement found{.views = views->size()};
   std::vector<double> all;
