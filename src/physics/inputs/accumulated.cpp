@@ -66,7 +66,6 @@ void AccumulatedFindings::add(const WindowFindings& window) {
   touches_.add(window.touches);
   placement_.add(window.placement);
   if (window.clock_fault && !is_clock_sound_ && !clock_fault_) clock_fault_ = window.clock_fault;
-  if (!filter_fault_) filter_fault_ = window.filter_fault;
   is_clock_sound_ |= !window.clock_fault && !window.evidence.empty();
   for (std::size_t i = 0; i < window.friction.size(); ++i) {
     append_newest(window.friction[i].ratios, friction_[i].ratios);
@@ -88,7 +87,6 @@ std::optional<InputFault> AccumulatedFindings::find_fault(
     const std::optional<NoContact>& none) const {
   if (none && none->is_unit_fault) return InputFault{InputFaultKind::force_unit, none->error};
   if (auto fault = tool_unit_fault(touches_)) return fault;
-  if (filter_fault_) return filter_fault_;  // it is late by what no clock explains
   // The clock is checked before the axes: with an offset of seconds, a push may be compared with
   // another one's face.
   if (clock_fault_) return clock_fault_;

@@ -33,7 +33,7 @@ class AccumulatedFindings {
   std::vector<ContactEvidence> evidence_;
   UnitTouches touches_;
   BodyPlacements placement_;
-  std::optional<InputFault> clock_fault_, filter_fault_;
+  std::optional<InputFault> clock_fault_;
   bool is_clock_sound_ = false;           ///< a window with contacts has no clock fault
   std::vector<FrictionRatios> friction_;  ///< by body
   std::vector<Approach> approaches_;      ///< by body

@@ -12,7 +12,6 @@
 #include "physics/inputs/attribution.hpp"
 #include "physics/inputs/clock_offsets.hpp"
 #include "physics/inputs/clock_shift.hpp"
-#include "physics/inputs/force_filter.hpp"
 #include "physics/inputs/free_force.hpp"
 #include "physics/inputs/stream_gaps.hpp"
 #include "physics/inputs/touch_closure.hpp"
@@ -280,7 +279,6 @@ WindowFindings analyse_window(const InputSeries& measured, const std::vector<Bod
   prepared.tip = clean_tip_path(measured.t_tool, measured.p_base_tip, options);
   take_free_force_off(surfaces, prepared, result);
   segment(options, prepared);
-  result.filter_fault = force_filter_fault(prepared.found, prepared.series.t_force);
   put_force_on_clock(surfaces, prior, options, prepared, result);
   result.saturated = find_saturation(prepared.series.t_force, measured.force_base);
   describe_signals(prepared, result);

@@ -38,7 +38,6 @@ struct WindowFindings {
   BodyPlacements placement = {};
   TouchClosure touch_closure = {};
   std::optional<InputFault> clock_fault = {};
-  std::optional<InputFault> filter_fault = {};
   std::vector<FrictionRatios> friction = {};  ///< by body
   std::vector<Approach> approaches = {};      ///< by body; only where there was no contact so far
   std::vector<Pose> T_base_objects_end = {};  ///< by body
