@@ -32,6 +32,7 @@
 #include "scene_quality.hpp"
 #include "scene_texture.hpp"
 #include "survey.hpp"
+#include "widen_stds.hpp"
 
 namespace pcavr {
 namespace {
@@ -281,6 +282,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     scene.objects.push_back(scene_object_of_track((*bodies)[i], fusion.tracks[i]));
     report_not_found(recording, *survey, (*bodies)[i], options.perception.body_pose, observer,
                      scene.objects.back());
+    widen_by_doubts(recording.manifest, *survey, i, scene.camera_trajectory, scene.objects.back());
     scene.objects.back().hertz_stiffness =
         hertz_stiffness_of(recording.manifest, (*bodies)[i].entry);
   }
