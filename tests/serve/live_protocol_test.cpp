@@ -229,7 +229,7 @@ TEST(LiveProtocol, RejectsNumbersOutOfRange) {
   EXPECT_TRUE(is_rejected({.device = static_cast<LiveInputDevice>(4)}));
   EXPECT_TRUE(is_rejected({}, {0, 0.0}));
   EXPECT_TRUE(is_rejected({}, {1, std::numeric_limits<double>::infinity()}));
-  for (const std::uint32_t command : {0U, 13U, 0xffffffffU}) {
+  for (const std::uint32_t command : {0U, 15U, 0xffffffffU}) {
     EXPECT_FALSE(
         decode_page_message(encode(PageMessage{{1, 0.0}, static_cast<LiveCommand>(command)})));
   }
