@@ -179,11 +179,10 @@ class BagImport {
       }
       manifest_.camera = *camera;
     }
-    if (selection_.depth != nullptr) {
-      const bool is_metric = is_metric_depth(selection_.depth->image_format);
-      manifest_.depth_scale = is_metric ? options_.depth_scale.value_or(kMetricScale)
-                                        : options_.raw_depth_scale.value_or(kMillimetreScale);
-    }
+    const bool is_metric =
+        selection_.depth != nullptr && is_metric_depth(selection_.depth->image_format);
+    manifest_.depth_scale = is_metric ? options_.depth_scale.value_or(kMetricScale)
+                                      : options_.raw_depth_scale.value_or(kMillimetreScale);
     for (const std::string& doubt : color_doubts(selection_, streams_)) warn(doubt);
     return {};
   }
