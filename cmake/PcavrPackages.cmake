@@ -40,7 +40,9 @@ endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "The pcavr authors")
-set(CPACK_PACKAGE_CONTACT "The pcavr authors <maintainers@users.noreply.github.com>")
+set(PCAVR_MAINTAINER "The pcavr authors <maintainers@users.noreply.github.com>"
+    CACHE STRING "Who passes the Debian packages on: NAME <ADDRESS>; nobody reads mail to the default")
+set(CPACK_PACKAGE_CONTACT ${PCAVR_MAINTAINER})
 # Each package has its own; the project's would be put above it.
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)

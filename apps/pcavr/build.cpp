@@ -1,8 +1,13 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <fstream>
+
+#include <unistd.h>
+
 #include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/perception/tracking/stated_poses.hpp"
-#include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/pipeline/build_limits.hpp"
 
 #include "commands.hpp"
 #include "number_option.hpp"
@@ -15,6 +20,11 @@ namespace {
 constexpr InputRange kPoseStd{"std of a pose", 1e-6, 1.0, "m, rad",
                               "from exact to nothing: a room's width"};
 
+constexpr InputRange kTile{
+    "edge of a tile", 0.5, 1000.0, "m",
+    "from a table, below which borders cost more than they save, to any hall"};
+constexpr InputRange kMemory{"memory", 0.1, 1e6, "GB", "from what any build takes to a petabyte"};
+
 struct BuildArguments {
   std::string recording;
   OutputOption output;
@@ -22,8 +32,26 @@ struct BuildArguments {
   bool trust_poses = false;
   double pose_std = 0.0;  ///< [m, rad]; 0: the configuration's
   bool skip_bad = false;
+  double tile_size = 0.0;   ///< [m]; 0: none
+  double max_memory = 0.0;  ///< [GB]; 0: the machine's
   int threads = 1;
 };
+
+/// The machine's memory, or what a container may take of it [bytes].
+double machine_memory() {
+  const double physical =
+      static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  std::ifstream limit("/sys/fs/cgroup/memory.max");  // "max" where there is none
+  double bytes = 0.0;
+  return limit >> bytes ? std::min(bytes, physical) : physical;
+}
+
+BuildLimits limits_of(const BuildArguments& arguments) {
+  BuildLimits limits;
+  if (arguments.tile_size > 0.0) limits.tile_size = arguments.tile_size;
+  limits.max_memory = arguments.max_memory > 0.0 ? 1e9 * arguments.max_memory : machine_memory();
+  return limits;
+}
 
 Expected<CommandResult> build(const BuildArguments& arguments, Configuration& configuration,
                               const Observer& observer) {
@@ -43,7 +71,7 @@ Expected<CommandResult> build(const BuildArguments& arguments, Configuration& co
   const Expected<Recording> recording =
       read_with_warnings(arguments.recording, options.skip_bad, configuration, observer);
   if (!recording) return recording.error();
-  Expected<Scene> scene = build_scene(*recording, options, observer);
+  Expected<Scene> scene = build_scene_within(limits_of(arguments), *recording, options, observer);
   if (!scene) return scene.error();
   scene->configuration = configuration.changed();
   const Expected<void> written = write_scene(*scene, folder->path(), options.parallelism);
@@ -82,6 +110,11 @@ void add_build(CLI::App& app, Configuration& configuration, Action& action) {
              "all of them, and it is an error where tags or images contradict one by more than 5")
       ->excludes(trust);
   command->add_flag("--skip-bad", arguments->skip_bad, "Skip bad rows and frames, and count them");
+  add_number(*command, "--tiles", arguments->tile_size, kTile,
+             "Fuse the surface by squares of this edge [m], one after the other: the same mesh in "
+             "less memory");
+  add_number(*command, "--max-memory", arguments->max_memory, kMemory,
+             "Stop before the work where it would take more [GB] (default: the machine's)");
   add_threads_option(*command, arguments->threads);
   command->callback([arguments, &configuration, &action] {
     action = [arguments, &configuration](const Observer& observer) {

@@ -30,7 +30,8 @@ struct CalibrateArguments {
   std::string first, second;  ///< ROBOT and CAMERA, or A and B
   CalibrationOutputOption output;
   std::string camera_on = "arm";
-  std::string board, camera_file;  ///< of pictures in CAMERA
+  std::string board, camera_file, depth;  ///< of pictures in CAMERA
+  double depth_scale = 1000.0;            ///< [units/m]
   std::vector<std::string> inverted, w_first;
   std::string left_handed, unit;
   bool skip_bad = false;
@@ -112,6 +113,8 @@ Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observe
                             .pictures = arguments.second,
                             .board = arguments.board,
                             .camera_file = arguments.camera_file,
+                            .depth = arguments.depth,
+                            .depth_scale = arguments.depth_scale,
                             .output = arguments.output,
                             .hand_eye = arguments.hand_eye},
                            observer);
@@ -224,6 +227,15 @@ void add_hand_eye(CLI::App& app, Action& action) {
       ->add_option("--camera", arguments->camera_file,
                    "The camera of the pictures; without it, its intrinsics are estimated, too")
       ->needs(board);
+  CLI::Option* depth = command
+                           ->add_option("--depth", arguments->depth,
+                                        "Depth images aligned to the pictures, of the same "
+                                        "numbers: how well the views agree is printed")
+                           ->needs(board);
+  add_number(*command, "--depth-scale", arguments->depth_scale, ranges::kDepthScale,
+             "Depth image units in one metre")
+      ->needs(depth)
+      ->capture_default_str();
   command
       ->add_option(
           "--camera-on", arguments->camera_on,
@@ -264,6 +276,8 @@ void add_calibrate(CLI::App& app, Action& action) {
   add_hand_eye(*command, action);
   add_clocks(*command, action);
   add_calibrate_camera(*command, action);
+  add_calibrate_depth(*command, action);
+  add_calibrate_objects(*command, action);
   add_calibrate_tags(*command, action);
   add_calibrate_force(*command, action);
   add_calibrate_touch(*command, action);

@@ -10,7 +10,9 @@ namespace pcavr::app {
 
 /// Each adds one command of `calibrate`.
 void add_calibrate_camera(CLI::App& calibrate, Action& action);
+void add_calibrate_depth(CLI::App& calibrate, Action& action);
 void add_calibrate_force(CLI::App& calibrate, Action& action);
+void add_calibrate_objects(CLI::App& calibrate, Action& action);
 void add_calibrate_tags(CLI::App& calibrate, Action& action);
 void add_calibrate_touch(CLI::App& calibrate, Action& action);
 

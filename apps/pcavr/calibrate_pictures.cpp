@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibrate_pictures.hpp"
 
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "pcavr/base/core/json_text.hpp"
@@ -119,8 +121,8 @@ Expected<CommandResult> run_picture_rig(const PictureRigArguments& arguments,
     options.camera = camera->camera;
   }
   Expected<CalibrationOutputs> outputs = CalibrationOutputs::create(
-      arguments.output,
-      {arguments.robot.path, arguments.pictures, arguments.camera_file, board_file(*board)});
+      arguments.output, {arguments.robot.path, arguments.pictures, arguments.camera_file,
+                         arguments.depth, board_file(*board)});
   if (!outputs) return outputs.error();
   const Expected<PairedPictures> paired =
       read_paired_pictures(arguments.robot, arguments.pictures, *board, Parallelism::max());
@@ -138,13 +140,30 @@ Expected<CommandResult> run_picture_rig(const PictureRigArguments& arguments,
       calibrate_picture_rig(paired->views, paired->width, paired->height, *board, options);
   if (!found) return of_pictures(found.error(), arguments);
   for (const std::string& note : found->hand_eye.notes) observer.on_warning(note);
+  std::optional<DepthAgreement> depth;
+  if (!arguments.depth.empty()) {
+    const Expected<DepthAgreement> compared =
+        compare_depth(*found, *board, arguments.depth, arguments.depth_scale);
+    if (!compared) return compared.error();
+    depth = *compared;
+  }
   CommandResult result;
   result.json = {{"calibration", arguments.output.file}, {"views", paired->views.size()}};
   result.json.update(rig_json(*found));
   result.json["notes"] = found->hand_eye.notes;
   result.summary = fmt::format("robot: {}\n{} pictures of a {} are paired\n", paired->format,
                                paired->views.size(), describe(*board));
-  result.summary += rig_summary(*found) + arguments.output.written_lines();
+  result.summary += rig_summary(*found);
+  if (depth) {
+    result.json["depth_agreement"] = {{"views", depth->views},
+                                      {"median", depth->median},
+                                      {"min_pair_median", depth->least},
+                                      {"max_pair_median", depth->largest}};
+    result.summary += fmt::format(
+        "depth of {} views agrees to {:.2f} mm (median; {:.2f} to {:.2f} mm by pairs of views)\n",
+        depth->views, 1e3 * depth->median, 1e3 * depth->least, 1e3 * depth->largest);
+  }
+  result.summary += arguments.output.written_lines();
   result.summary += describe_cause(found->hand_eye) + '\n';
   const Expected<void> done = outputs->commit(
       format_picture_rig(*found, arguments.robot, arguments.pictures, *board),

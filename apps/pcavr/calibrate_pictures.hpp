@@ -20,6 +20,8 @@ namespace pcavr::app {
 struct PictureRigArguments {
   PoseInput robot = {};
   std::string pictures, board, camera_file;
+  std::string depth = {};       ///< images aligned to the pictures; empty: none
+  double depth_scale = 1000.0;  ///< [units/m]
   CalibrationOutputOption output = {};
   HandEyeOptions hand_eye = {};
 };

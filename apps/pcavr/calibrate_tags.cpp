@@ -98,11 +98,7 @@ CommandResult describe_result(const CalibrateTagsArguments& arguments, const Tag
   result.json["verdict"] = describe_tags(found);
   result.json["notes"] = found.notes;
   result.summary += arguments.output.written_lines();
-  if (arguments.format == "pcavr") {
-    result.summary += "to use it: copy " + arguments.output.file +
-                      " into the recording, and name it in recording.yaml: calibration: " +
-                      std::filesystem::path(arguments.output.file).filename().string() + '\n';
-  }
+  if (arguments.format == "pcavr") result.summary += how_to_use(arguments.output.file);
   result.summary += describe_tags(found) + '\n';
   return result;
 }

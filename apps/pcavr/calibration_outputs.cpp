@@ -16,6 +16,12 @@ std::string CalibrationOutputOption::written_lines() const {
   return text;
 }
 
+std::string how_to_use(const std::filesystem::path& calibration) {
+  return "to use it: copy " + calibration.string() +
+         " into the recording, and name it in recording.yaml: calibration: " +
+         calibration.filename().string() + '\n';
+}
+
 void add_calibration_output(CLI::App& command, CalibrationOutputOption& output) {
   command.add_option("-o,--output", output.file, "Calibration file to write (YAML)")->required();
   command.add_option("--report", output.report, "Folder for a report with pictures");

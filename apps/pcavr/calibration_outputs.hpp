@@ -23,6 +23,9 @@ struct CalibrationOutputOption {
   /// "wrote FILE", and how to open the report.
   [[nodiscard]] std::string written_lines() const;
 };
+/// How a recording takes the calibration: a line for the user.
+[[nodiscard]] std::string how_to_use(const std::filesystem::path& calibration);
+
 void add_calibration_output(CLI::App& command, CalibrationOutputOption& output);
 
 /// The calibration and the report's folder, if one is wanted, before any work.

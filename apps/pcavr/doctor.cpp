@@ -85,18 +85,72 @@ Error unknown_path(const fs::path& path) {
                               path.string())};
 }
 
-Expected<CommandResult> examine(const fs::path& path, const Configuration& configuration,
-                                const Observer& observer) {
-  // A bag may be a file: no folder has a manifest then.
+/// Of a recording with bad rows the rest is checked, too.
+DiagnosisReport examine_recording(const fs::path& path, const Configuration& configuration) {
+  const Expected<Recording> recording = read_recording(path, configuration.reading);
+  if (recording) return diagnose_recording(*recording, configuration.perception());
+  ReadOptions tolerant = configuration.reading;
+  tolerant.skip_bad = true;
+  const Expected<Recording> rest = read_recording(path, tolerant);
+  if (!rest) return diagnose_unreadable(recording.error());
+  DiagnosisReport report = diagnose_recording(*rest, configuration.perception());
+  add_unreadable(recording.error(), report);
+  return report;
+}
+
+/// Whether it is one of what a folder of logs may hold; a bag may be a file.
+bool is_log(const fs::path& path) {
+  std::error_code code;
+  return fs::exists(path / "recording.yaml", code) || has_csv_series(path) || is_bag(path);
+}
+
+/// The logs in a folder, by name.
+std::vector<fs::path> logs_in(const fs::path& folder) {
+  std::vector<fs::path> logs;
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code)) {
+    if (is_log(entry.path())) logs.push_back(entry.path());
+  }
+  std::sort(logs.begin(), logs.end());
+  return logs;
+}
+
+Expected<CommandResult> examine_one(const fs::path& path, const Configuration& configuration,
+                                    const Observer& observer) {
   const Expected<bool> is_recording =
       fs::is_directory(path) ? is_present(path / "recording.yaml") : Expected<bool>(false);
   if (!is_recording) return is_recording.error();
-  if (*is_recording) {
-    const Expected<Recording> recording = read_recording(path, configuration.reading);
-    if (!recording) return recording.error();
-    return describe(diagnose_recording(*recording, configuration.perception()));
+  if (*is_recording) return describe(examine_recording(path, configuration));
+  return examine_bag(path, observer);
+}
+
+/// One table for each log; one that can't be read is said so in its place.
+CommandResult examine_each(const std::vector<fs::path>& logs, const Configuration& configuration,
+                           const Observer& observer) {
+  CommandResult all;
+  for (const fs::path& log : logs) {
+    Expected<CommandResult> one = examine_one(log, configuration, observer);
+    if (!one) one = describe(diagnose_unreadable(one.error()));
+    all.is_no = all.is_no || one->is_no;
+    all.summary +=
+        fmt::format("{}== {}\n", all.summary.empty() ? "" : "\n", log.string()) + one->summary;
+    nlohmann::ordered_json json{{"path", log.string()}};
+    json.update(one->json);
+    all.json["logs"].push_back(std::move(json));
   }
-  if (has_csv_series(path) || is_bag(path)) return examine_bag(path, observer);
+  return all;
+}
+
+Expected<CommandResult> examine(const fs::path& path, const Configuration& configuration,
+                                const Observer& observer) {
+  if (is_log(path)) return examine_one(path, configuration, observer);
+  if (fs::is_regular_file(path) && (path.extension() == ".yaml" || path.extension() == ".yml")) {
+    const Expected<CameraFile> camera = read_camera_file(path);
+    if (!camera) return camera.error();
+    return describe(diagnose_camera(path, *camera));
+  }
+  const std::vector<fs::path> logs = logs_in(path);
+  if (!logs.empty()) return examine_each(logs, configuration, observer);
   return unknown_path(path);
 }
 
@@ -105,14 +159,18 @@ Expected<CommandResult> examine(const fs::path& path, const Configuration& confi
 void add_doctor(CLI::App& app, const Configuration& configuration, Action& action) {
   CLI::App* command =
       app.add_subcommand("doctor",
-                         "Check all that can be checked of a recording, a bag or a folder of "
-                         "tables: what agrees, what "
+                         "Check all that can be checked of a recording, a bag, a folder of tables "
+                         "or a camera's file: what agrees, what "
                          "disagrees and why, what could not be checked, and what to do next");
   command->footer(
       "Exit code: 0 if nothing disagrees, 3 if something does, 1 if it could not be read.\n"
       "Example:\n  pcavr doctor my_recording\n  pcavr doctor push.bag");
   auto path = std::make_shared<std::string>();
-  command->add_option("path", *path, "Folder of a recording or of tables, or a bag")->required();
+  command
+      ->add_option("path", *path,
+                   "Folder of a recording, of tables, or of several such folders; a bag; a "
+                   "camera's file")
+      ->required();
   command->callback([path, &configuration, &action] {
     action = [path, &configuration](const Observer& observer) {
       return examine(*path, configuration, observer);

@@ -26,6 +26,7 @@
 #include "pcavr/robots/robot/urdf.hpp"
 
 #include "commands.hpp"
+#include "export_lerobot.hpp"
 #include "number_option.hpp"
 
 namespace pcavr::app {
@@ -34,8 +35,11 @@ namespace {
 constexpr std::size_t kMaxSamples = 1000;  ///< each is a folder with its meshes
 constexpr InputRange kSpeed{"speed", 0.0, 10.0, "m/s", "faster than any arm pushes"};
 
+constexpr int kMaxRate = 1000;  ///< [1/s] no recorded stream is faster
+
 struct ExportArguments {
-  std::string scene;
+  std::vector<std::string> inputs;  ///< a scene; for lerobot recordings
+  std::string scene;                ///< of these, where there is one
   std::string parameters;
   std::string motion;
   std::string format;
@@ -47,6 +51,7 @@ struct ExportArguments {
   bool assumes = false;
   std::size_t samples = 0;
   std::uint64_t seed = 1;
+  LerobotArguments lerobot;  ///< its own options
 };
 
 constexpr char kPlanningFormat[] = "moveit";
@@ -66,8 +71,8 @@ struct PlainName {
 };
 constexpr std::array kPlainNames{
     PlainName{"gltf", PlainFormat::gltf}, PlainName{"ply", PlainFormat::ply},
-    PlainName{"obj", PlainFormat::obj}, PlainName{"stl", PlainFormat::stl},
-    PlainName{"pcd", PlainFormat::pcd}};
+    PlainName{"obj", PlainFormat::obj},   PlainName{"stl", PlainFormat::stl},
+    PlainName{"pcd", PlainFormat::pcd},   PlainName{"3dtiles", PlainFormat::tiles}};
 
 std::optional<PlainFormat> plain_format_of(const std::string& name) {
   for (const PlainName& plain : kPlainNames) {
@@ -80,6 +85,7 @@ std::vector<std::string> format_names() {
   std::vector<std::string> names;
   for (const Writer& writer : kWriters) names.emplace_back(writer.format);
   for (const PlainName& plain : kPlainNames) names.emplace_back(plain.format);
+  names.emplace_back(kLerobotFormat);
   return names;
 }
 
@@ -326,6 +332,24 @@ Expected<CommandResult> export_scene(const ExportArguments& arguments,
 }
 
 /// Throws CLI::ParseError where options do not belong together.
+void check_lerobot(const ExportArguments& arguments) {
+  const LerobotArguments& lerobot = arguments.lerobot;
+  if (arguments.format != kLerobotFormat) {
+    if (!lerobot.scenes.empty() || lerobot.options.rate || !lerobot.options.task.empty())
+      throw CLI::ValidationError("--to", "--scene, --fps and --task are for lerobot only");
+    if (arguments.inputs.size() > 1)
+      throw CLI::ValidationError("scene", arguments.format + " takes one scene");
+    return;
+  }
+  if (arguments.inputs.empty()) throw CLI::RequiredError("a recording");
+  if (!arguments.motion.empty() || !arguments.robot.empty() || arguments.samples > 0 ||
+      arguments.speed || arguments.tool_radius || arguments.assumes) {
+    throw CLI::ValidationError(
+        "--to", "lerobot takes recordings, --parameters, --scene, --fps, --task and -o only");
+  }
+}
+
+/// The same of the other formats.
 void check_combination(const ExportArguments& arguments) {
   if (arguments.scene.empty() && arguments.robot.empty()) {
     throw CLI::RequiredError("scene or --robot");
@@ -352,25 +376,43 @@ void check_combination(const ExportArguments& arguments) {
   }
 }
 
+void add_lerobot_options(CLI::App& command, LerobotArguments& lerobot) {
+  command
+      .add_option("--scene", lerobot.scenes,
+                  "Of recordings with images, for lerobot: the scene of all, or one for each")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command
+      .add_option("--fps", lerobot.options.rate,
+                  fmt::format("Frames a second, for lerobot; by default the images' rate, or {}",
+                              kDefaultLerobotRate))
+      ->check(CLI::Range(1, kMaxRate));
+  command.add_option("--task", lerobot.options.task,
+                     "What is done, in words, for lerobot; by default: push NAME");
+}
+
 }  // namespace
 
 void add_export(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command =
       app.add_subcommand("export",
                          "Write a scene with identified friction for a physics engine, a planner "
-                         "or, as geometry alone, a viewer");
+                         "or, as geometry alone, a viewer; or recordings as a data set");
   command->footer(
       "Examples:\n  pcavr export my_scene --parameters parameters.yaml --to mjcf -o my_world\n"
       "  pcavr export --robot arm.urdf --identified arm_report --to urdf -o my_arm\n"
-      "  pcavr export my_scene --to obj -o my_mesh");
+      "  pcavr export my_scene --to obj -o my_mesh\n"
+      "  pcavr export my_recording --to lerobot -o my_dataset");
   auto arguments = std::make_shared<ExportArguments>();
-  command->add_option("scene", arguments->scene, "Scene from pcavr build");
+  command->add_option(
+      "scene", arguments->inputs,
+      "Scene from pcavr build; for lerobot recordings, or a folder or list of them");
   command->add_option("--parameters", arguments->parameters,
                       "Parameter file from pcavr identify, of this scene");
   command
       ->add_option("--to", arguments->format,
-                   "Format: a world for an engine, a planning scene (moveit), or geometry alone "
-                   "(gltf to pcd)")
+                   "Format: a world for an engine, a planning scene (moveit), geometry alone (gltf "
+                   "to 3dtiles), or a data set for policies (lerobot)")
       ->required()
       ->check(CLI::IsMember(format_names()));
   CLI::Option* robot = command->add_option(
@@ -398,11 +440,24 @@ void add_export(CLI::App& app, Configuration& configuration, Action& action) {
   command->add_option("--seed", arguments->seed, "Of the samples")->capture_default_str();
   add_number(*command, "--tool-radius", arguments->tool_radius, ranges::kToolRadius,
              "Radius of the tool's spherical tip [m]");
+  add_lerobot_options(*command, arguments->lerobot);
   command
       ->add_option("-o,--output", arguments->output,
-                   "Folder for the exported world: a new or an empty one")
+                   "Folder for what is exported: a new or an empty one")
       ->required();
   command->callback([arguments, &configuration, &action] {
+    check_lerobot(*arguments);
+    if (arguments->format == kLerobotFormat) {
+      action = [arguments, &configuration](const Observer& observer) {
+        LerobotArguments& lerobot = arguments->lerobot;
+        lerobot.recordings = arguments->inputs;
+        lerobot.parameters = arguments->parameters;
+        lerobot.output = arguments->output;
+        return export_lerobot(lerobot, configuration, observer);
+      };
+      return;
+    }
+    if (!arguments->inputs.empty()) arguments->scene = arguments->inputs.front();
     check_combination(*arguments);
     action = [arguments, &configuration](const Observer& observer) {
       return export_scene(*arguments, configuration, observer);

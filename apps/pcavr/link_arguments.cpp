@@ -37,6 +37,9 @@ void add_site_options(CLI::App& command, SiteArguments& arguments) {
       "--log", arguments.log,
       "Black box: write what this site sends, receives and measures to this new MCAP "
       "file, some 1 GB an hour; readable also after a crash");
+  command.add_option("--publish", arguments.publish,
+                     "Publish the predicted bodies, forces and phases on ROS 2 topics, as the "
+                     "section publish of this YAML file says");
 }
 
 Expected<std::optional<LinkKeys>> keys_of(const SiteArguments& arguments) {
@@ -93,6 +96,18 @@ void close_black_box(BlackBox* black_box, const std::string& file, const Observe
                         {"messages", written->messages},
                         {"bytes", written->bytes},
                         {"dropped", written->dropped}};
+}
+
+Expected<std::unique_ptr<Ros2Publisher>> open_publisher(const std::string& file,
+                                                        const SiteScene& scene) {
+  if (file.empty()) return std::unique_ptr<Ros2Publisher>();
+  const Expected<Ros2Publication> publication = read_ros2_publication(file);
+  if (!publication) return publication.error();
+  Expected<std::unique_ptr<Ros2Publisher>> publisher = Ros2Publisher::create(*publication, scene);
+  if (publisher) return publisher;
+  Error error = publisher.error();
+  if (error.file.empty()) error.file = file;
+  return error;
 }
 
 const std::atomic<bool>& stop_on_signals() {

@@ -9,6 +9,7 @@
 
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/teleoperation/link/link_keys.hpp"
+#include "pcavr/teleoperation/ros2/ros2_publisher.hpp"
 #include "pcavr/teleoperation/sites/black_box.hpp"
 #include "pcavr/teleoperation/sites/link_sites.hpp"
 
@@ -24,8 +25,9 @@ struct SiteArguments {
   std::string parameters;
   std::string host = "127.0.0.1";
   std::uint16_t port = 5670;
-  std::string key;  ///< file
-  std::string log;  ///< file
+  std::string key;      ///< file
+  std::string log;      ///< file
+  std::string publish;  ///< file: a setup of ROS 2 topics
 };
 void add_site_options(CLI::App& command, SiteArguments& arguments);
 
@@ -44,6 +46,10 @@ void add_site_options(CLI::App& command, SiteArguments& arguments);
 /// site's result is worth more.
 void close_black_box(BlackBox* black_box, const std::string& file, const Observer& observer,
                      CommandResult& result);
+
+/// What publishes the predictions as the file says; null without one.
+[[nodiscard]] Expected<std::unique_ptr<Ros2Publisher>> open_publisher(const std::string& file,
+                                                                      const SiteScene& scene);
 
 /// Becomes true with SIGINT or SIGTERM, from then on.
 [[nodiscard]] const std::atomic<bool>& stop_on_signals();

@@ -127,10 +127,12 @@ Expected<CommandResult> run_recorded(const OperatorSiteArguments& arguments, Ope
   const SiteScene scene = site_scene_of(inputs.scene, inputs.world);
   const auto black_box = open_black_box(arguments.site, scene, configuration);
   if (!black_box) return black_box.error();
+  const auto publisher = open_publisher(arguments.site.publish, scene);
+  if (!publisher) return publisher.error();
   const std::atomic<bool>& stop = stop_on_signals();
   const Expected<OperatorSiteReport> report = run_operator_site(
       *client, **interface, inputs.world, inputs.options.teleop, scene, configuration.operator_site,
-      arguments.network, observer, stop, black_box->get());
+      arguments.network, observer, stop, black_box->get(), publisher->get());
   if (!report) return report.error();
   CommandResult result = describe_operator_site(*report);
   close_black_box(black_box->get(), arguments.site.log, observer, result);
@@ -162,12 +164,14 @@ Expected<CommandResult> run_both(LiveServer& server, OperatorPage& page, LinkCli
   const SiteScene scene = site_scene_of(inputs.scene, inputs.world);
   const auto black_box = open_black_box(arguments.site, scene, configuration);
   if (!black_box) return black_box.error();
+  const auto publisher = open_publisher(arguments.site.publish, scene);
+  if (!publisher) return publisher.error();
   std::atomic<bool> stop = false;
   std::optional<Expected<OperatorSiteReport>> report;
   std::thread site([&] {
     report.emplace(run_operator_site(client, page, inputs.world, inputs.options.teleop, scene,
                                      configuration.operator_site, arguments.network, observer, stop,
-                                     black_box->get()));
+                                     black_box->get(), publisher->get()));
     server.stop();
   });
   server.run();

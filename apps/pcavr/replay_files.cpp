@@ -12,6 +12,7 @@
 #include "pcavr/serve/replay_log.hpp"
 #include "pcavr/serve/replay_page.hpp"
 #include "pcavr/serve/scene_content.hpp"
+#include "pcavr/serve/scene_joints.hpp"
 #include "pcavr/serve/scene_world.hpp"
 #include "pcavr/serve/viewer_scene.hpp"
 
@@ -116,10 +117,12 @@ Expected<void> make_mcap(const ReplayFiles& files, const ReplayInput& input, con
   const Expected<ViewerScene> scene =
       make_viewer_scene(input.scene, world->model, input.options.parameters);
   if (!scene) return scene.error();
+  const Expected<std::optional<JointLog>> joints = read_scene_joints(input.recording, input.scene);
+  if (!joints) return joints.error();
   const ReplayLogOptions log{.rate = input.configuration.black_box.display_rate,
                              .replace = files.replace};
   const Expected<std::uint64_t> messages =
-      write_replay_log(files.mcap, input.recording, run, *scene, log);
+      write_replay_log(files.mcap, input.recording, run, *scene, log, *joints);
   if (!messages) return messages.error();
   result.summary += fmt::format("log        {}: {} messages\n", files.mcap, *messages);
   result.json["mcap"] = {{"file", files.mcap}, {"messages", *messages}};

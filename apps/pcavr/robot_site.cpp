@@ -131,6 +131,7 @@ struct RobotSource {
   std::unique_ptr<RobotInterface> robot;
   const PlantRobot* plant = nullptr;       ///< the robot, if its truth is kept
   std::optional<OutputFolder> truth = {};  ///< of the plant
+  std::string publishes_by = {};           ///< file of topics for what is predicted; empty: none
 };
 
 Expected<RobotSource> read_recorded(const RobotSiteArguments& arguments, const SceneManifest& scene,
@@ -165,7 +166,9 @@ Expected<RobotSource> connect_ros2(const RobotSiteArguments& arguments, const Sc
     if (error.file.empty()) error.file = arguments.ros2;
     return error;
   }
-  return RobotSource{std::move(input), std::move(*robot)};
+  RobotSource source{std::move(input), std::move(*robot)};
+  if (setup->publication && arguments.site.publish.empty()) source.publishes_by = arguments.ros2;
+  return source;
 }
 
 /// A robot behind a vendor's controller.
@@ -242,11 +245,14 @@ Expected<CommandResult> robot_site(const RobotSiteArguments& arguments,
   const SiteScene site_scene = site_scene_of(*scene, input);
   const auto black_box = open_black_box(arguments.site, site_scene, configuration);
   if (!black_box) return black_box.error();
+  const auto publisher = open_publisher(
+      source->publishes_by.empty() ? arguments.site.publish : source->publishes_by, site_scene);
+  if (!publisher) return publisher.error();
   const std::atomic<bool>& stop = stop_on_signals();
   announce(*server, *robot, arguments);
   const Expected<RobotSiteReport> report =
       run_robot_site(*server, *robot, *site, site_scene, configuration.robot_site, observer, stop,
-                     black_box->get());
+                     black_box->get(), publisher->get());
   if (!report) return report.error();
   if (source->plant != nullptr) {
     Expected<void> written = source->plant->write_truth(source->truth->path());

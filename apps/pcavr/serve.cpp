@@ -13,6 +13,7 @@
 #include "pcavr/recordings/recording/recording.hpp"
 #include "pcavr/robots/arm/identified_arm.hpp"
 #include "pcavr/serve/live_world.hpp"
+#include "pcavr/serve/page_recorder.hpp"
 #include "pcavr/serve/replay_content.hpp"
 #include "pcavr/serve/scene_content.hpp"
 #include "pcavr/serve/scene_world.hpp"
@@ -42,6 +43,7 @@ struct ServeArguments {
   bool is_torque_driven = false;
   double time_scale = 0.0;  ///< 0: not given
   OutputOption record;      ///< folder of the recording; empty: none
+  std::string recordings;   ///< folder of those that pages start; empty: beside the scene
   PageArguments page;
 };
 
@@ -213,6 +215,30 @@ Expected<void> finish(SessionRecorder& recorder, const ServeArguments& arguments
   return {};
 }
 
+/// What pages record by; null for a replay.
+std::unique_ptr<PageRecorder> make_page_recorder(const ServeInputs& inputs,
+                                                 const ServeArguments& arguments,
+                                                 LiveWorld& world) {
+  if (inputs.recording) return nullptr;
+  std::filesystem::path folder = arguments.recordings;
+  if (folder.empty()) {
+    std::filesystem::path scene = std::filesystem::absolute(arguments.scene).lexically_normal();
+    if (!scene.has_filename()) scene = scene.parent_path();
+    folder = scene.parent_path() / (scene.filename().string() + "_recordings");
+  }
+  auto recorder = std::make_unique<PageRecorder>(
+      inputs.scene, world.names(), arguments.page.server.tool_radius, std::move(folder),
+      [&world](SessionRecorder* next) { world.switch_recorder(next); });
+  world.offer(*recorder);
+  return recorder;
+}
+
+/// Ends what a page records, and adds to the result what no page was sent any more.
+void finish(PageRecorder& recorder, CommandResult& result) {
+  recorder.finish();
+  while (const auto message = recorder.take_message()) result.summary += message->text + '\n';
+}
+
 Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArguments& arguments,
                             std::size_t triangles, const Observer& observer) {
   const Expected<std::vector<std::string>> notes = world.start();
@@ -250,6 +276,8 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
   Expected<std::unique_ptr<LiveWorld>> world =
       make_live(inputs->scene, *scene, arguments, configuration);
   if (!world) return world.error();
+  const std::unique_ptr<PageRecorder> page_recorder =
+      make_page_recorder(*inputs, arguments, **world);
   const Expected<ServedContent> content = make_content(*inputs, arguments, configuration, observer);
   if (!content) return content.error();
   Expected<ViewerScene> viewer = make_viewer_scene(inputs->scene, scene->model, inputs->parameters);
@@ -262,6 +290,7 @@ Expected<CommandResult> serve(ServeArguments arguments, const Configuration& con
   if (*recorder) (*world)->record(**recorder);
   Expected<CommandResult> result = run(*server, **world, arguments, scene->triangles, observer);
   (*world)->stop();  // after an error, too: its thread refers to the recorder
+  if (result && page_recorder) finish(*page_recorder, *result);
   if (!result || !*recorder) return result;
   const Expected<void> written = finish(**recorder, arguments, *result);
   if (!written) return written.error();
@@ -331,6 +360,11 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
       ->add_option("--record", arguments->record.folder,
                    "Folder for a recording of the session, written as it is done: tool, force and "
                    "bodies, for replay, evaluate and --replay")
+      ->excludes("--replay");
+  command
+      ->add_option("--recordings", arguments->recordings,
+                   "Folder for the recordings that pages start, each in a folder of its own; "
+                   "default: SCENE_recordings, beside the scene")
       ->excludes("--replay");
   command->callback([arguments, &configuration, &action, &app] {
     arguments->page.as_json = app.get_option("--json")->count() > 0;

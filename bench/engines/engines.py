@@ -4,15 +4,15 @@
 """What do engines make of an exported world, on pushes that gave none of its numbers, and on a body alone?
 
     bench/engines/engines.py --data DATA/plants --pcavr build/test/apps/pcavr/pcavr
-                             [--engines mujoco,physx,rapier,bullet,ode] [--only REGEX] [--tests N]
+                             [--engines mujoco,physx,rapier,bullet,ode,dart] [--only REGEX] [--tests N]
                              [--work out/engine-table] [--json FILE]
 
 Below DATA as for pushes.py. Parameters are identified, each test is built and exported, and each
 engine simulates with each setting: the recorded pushes, and for the first test of an object its body
 alone: turned, let slide, pulled by a growing force and by half of the limiting one, pressed. Printed
 as a table of Markdown: medians of the figures' absolute values. Needs python3, node, npm, a C++
-compiler, and Debian's libbullet-dev, libode-dev and nlohmann-json3-dev; docs/engines.md has what the
-settings are.
+compiler, and Debian's libbullet-dev, libode-dev, libdart-dev, libdart-collision-ode-dev and
+nlohmann-json3-dev; docs/engines.md has what the settings are.
 """
 import json
 import math
@@ -41,11 +41,15 @@ OPTIONS = {
     "bullet": {BEST: {"iterations": 50, "compliant": True, "feet_friction": True}},
     "ode": {DEFAULTS: GAZEBO, MU_ALONE: GAZEBO, EXPORT: {**GAZEBO, "compliant": True},
             BEST: {"compliant": True, "along": True}},
+    "dart": {BEST: {"along": True}},
 }
+# What an engine's program needs beside what pkg-config says; DART's asks for C++11.
+FLAGS = {"dart": ["-ldart-collision-ode", "-std=c++20"]}
 BEYOND = 1000.0  # larger figures are those of rigid contacts, for instance
 COLUMNS = [("force", 100.0, "force"), ("waveform", 100.0, "waveform"), ("end", 1.0, "end"),
            ("heading", 1.0, "heading"), ("offcentre", 1.0, "off-centre"), ("breakaway", 100.0, "breakaway"), ("turn", 100.0, "turning"),
-           ("slide", 100.0, "slid"), ("creep", 1.0, "creep"), ("press", 100.0, "N/m")]
+           ("slide", 100.0, "slid"),
+           ("driven", 100.0, "driven"), ("creep", 1.0, "creep"), ("press", 100.0, "N/m")]
 
 
 class Engines(Bench):
@@ -62,7 +66,8 @@ class Engines(Bench):
         binary = self.arguments.work / f"{name}_engine"
         flags = subprocess.run(["pkg-config", "--cflags", "--libs", name], check=True, capture_output=True,
                                text=True).stdout.split()
-        subprocess.run(["c++", "-std=c++20", "-O2", HERE / f"{name}_engine.cpp", "-o", binary, *flags],
+        subprocess.run(["c++", "-std=c++20", "-O2", HERE / f"{name}_engine.cpp", "-o", binary, *flags,
+                        *FLAGS.get(name, [])],
                        check=True)
         return [binary]
 
@@ -91,7 +96,7 @@ class Engines(Bench):
         push = RecordedPush(test, manifest["bodies"][0]["name"])
         if len(push.samples) < MIN_SAMPLES:
             raise RuntimeError("the body hardly slides")
-        experiments = {"push": push_experiment(sdf)}
+        experiments = {"push": push_experiment(sdf), "driven": push.wrench_experiment(world)}
         if has_canonical:
             experiments.update(canonical(world, manifest))
         found = {}
@@ -109,6 +114,8 @@ class Engines(Bench):
                     figures.update(push.figures(rows))
                     if test.name.startswith("offcentre"):
                         figures["offcentre"] = figures["heading"]
+                elif name == "driven":
+                    figures[name] = push.slid_error(rows)
                 else:
                     figures[name] = FIGURES[name](rows, world, manifest)
         return found
@@ -163,7 +170,7 @@ def print_table(results):
 
 def main():
     parser = recordings_parser(__doc__, "out/engine-table")
-    parser.add_argument("--engines", default="mujoco,physx,rapier,bullet,ode")
+    parser.add_argument("--engines", default="mujoco,physx,rapier,bullet,ode,dart")
     parser.add_argument("--tests", type=int, default=None, help="maximum number of tests of a case")
     parser.add_argument("--json", type=pathlib.Path, help="file for the results, written after each test")
     arguments = parser.parse_args()

@@ -19,5 +19,7 @@ void bind_export(pybind11::module_& module);
 void bind_simulate(pybind11::module_& module);
 void bind_tags(pybind11::module_& module);
 void bind_robots(pybind11::module_& module);
+void bind_robot_identification(pybind11::module_& module);
+void bind_calibration(pybind11::module_& module);
 
 }  // namespace pcavr::python

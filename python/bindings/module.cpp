@@ -19,4 +19,6 @@ PYBIND11_MODULE(_pcavr, module) {
   bind_export(module);
   bind_simulate(module);
   bind_robots(module);
+  bind_robot_identification(module);
+  bind_calibration(module);
 }

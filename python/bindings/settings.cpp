@@ -75,6 +75,9 @@ std::vector<OptionSection> Settings::sections() {
   append(sections, sections_of(teleop));
   append(sections, sections_of(evaluation));
   append(sections, {section_of(plan), section_of(estimator), section_of(estimator.averaging)});
+  append(sections,
+         {section_of(robot.signals), section_of(robot.fit), section_of(robot.contact),
+          section_of(robot.trial), section_of(robot.intervals), section_of(robot.payload)});
   return sections;
 }
 

@@ -13,6 +13,7 @@
 #include "pcavr/physics/identification/motion_plan.hpp"
 #include "pcavr/physics/object_identification/object_identification.hpp"
 #include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/pipeline/identify_robot.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 #include "pcavr/results/evaluation/options.hpp"
 #include "pcavr/teleoperation/teleop/options.hpp"
@@ -27,6 +28,7 @@ struct Settings {
   EvaluationOptions evaluation;
   PlanOptions plan;
   EstimatorOptions<3> estimator;
+  RobotIdentificationOptions robot;
 
   /// Sets the options of a dict from "section.key" to number or bool; None: no change. Raises
   /// pcavr.Error for unknown names and values out of range.

@@ -89,6 +89,15 @@ class World {
   }
 
   void step(const py::handle& tip) { predictor_.step(tip_of(tip)); }
+  void run(const py::object& tips) {
+    const Numbers rows = numbers_of(tips, "tips", {kAnySize, 3});
+    const double* numbers = rows.data();
+    const py::ssize_t count = rows.shape(0);
+    const py::gil_scoped_release released;
+    for (py::ssize_t i = 0; i < count; ++i) {
+      predictor_.step(Eigen::Vector3d::Map(numbers + 3 * i));
+    }
+  }
   [[nodiscard]] double now() const { return predictor_.now(); }
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   [[nodiscard]] ShownBody shown(const std::string& name) const {
@@ -190,6 +199,8 @@ Raises Error for values out of range, and where a body gets no collision shape.)
       .def("step", &World::step, py::arg("tip"),
            "One cycle: the tip's centre goes in a straight line to `tip` (3,) [m] in base. Raises\n"
            "Error for another shape and for numbers that are not finite; nothing is stepped then.")
+      .def("run", &World::run, py::arg("tips"),
+           "A step for each row of `tips` (N, 3) [m], as by N calls of step. Releases the GIL.")
       .def_property_readonly("now", &World::now, "The clock [s].")
       .def_property_readonly("names", &World::names, "Of the bodies, in the order given.")
       .def(

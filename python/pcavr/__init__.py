@@ -5,19 +5,25 @@
 Units are SI. Poses are arrays x y z [m] qx qy qz qw (unit quaternion), in the robot's base frame with
 z up unless another frame is stated. What is wrong with data is an Error.
 """
+from . import _interpreter  # first: it refuses others than the main one
 from ._errors import DataWarning, Error
 from ._pcavr import (
-    Body, BodyPose, Camera, Finding, Frame, Identification, Identified, IdentifiedObject, IkSolution,
-    Object, ObjectEntry, Parameters, Recording, Robot, Scene, SceneObject, Tag, TagDetection,
-    TagDetector, Trajectory, Value, World, WrenchSeries, body_pose, build, evaluate, export, identify,
-    identify_recording, parse_parameters, read_parameters, read_recording, read_scene, replay,
-    simulate, tag_cells, tag_families, write_parameters, write_recording)
+    BaseParameter, Body, BodyPose, CalibratedPose, Camera, ClockOffset, Finding, ForceSensor, Frame,
+    HandEye, Identification, Identified, IdentifiedJoint, IdentifiedObject, IdentifiedRobot, IkSolution,
+    Object, ObjectEntry, Parameters, Payload, Recording, Robot, Scene, SceneObject, Tag, TagDetection,
+    TagDetector, Touch, Trajectory, Value, World, WrenchSeries, body_pose, build, calibrate_clocks,
+    calibrate_force, calibrate_hand_eye, calibrate_touch, evaluate, export, export_lerobot,
+    identify, identify_recording, identify_robot, parse_parameters, read_parameters, read_recording, read_scene,
+    replay, simulate, tag_cells, tag_families, write_parameters, write_recording)
 
 __all__ = [
-    "Body", "BodyPose", "Camera", "DataWarning", "Error", "Finding", "Frame", "Identification",
-    "Identified", "IdentifiedObject", "IkSolution", "Object", "ObjectEntry", "Parameters", "Recording",
-    "Robot", "Scene", "SceneObject", "Tag", "TagDetection", "TagDetector", "Trajectory", "Value",
-    "World", "WrenchSeries", "body_pose", "build", "evaluate", "export", "identify",
-    "identify_recording", "parse_parameters", "read_parameters", "read_recording", "read_scene",
-    "replay", "simulate", "tag_cells", "tag_families", "write_parameters", "write_recording",
+    "BaseParameter", "Body", "BodyPose", "CalibratedPose", "Camera", "ClockOffset", "DataWarning",
+    "Error", "Finding", "ForceSensor", "Frame", "HandEye", "Identification", "Identified",
+    "IdentifiedJoint", "IdentifiedObject", "IdentifiedRobot", "IkSolution", "Object", "ObjectEntry",
+    "Parameters", "Payload", "Recording", "Robot", "Scene", "SceneObject", "Tag", "TagDetection",
+    "TagDetector", "Touch", "Trajectory", "Value", "World", "WrenchSeries", "body_pose", "build",
+    "calibrate_clocks", "calibrate_force", "calibrate_hand_eye", "calibrate_touch", "evaluate",
+    "export", "export_lerobot", "identify", "identify_recording", "identify_robot", "parse_parameters",
+    "read_parameters", "read_recording", "read_scene", "replay", "simulate", "tag_cells", "tag_families",
+    "write_parameters", "write_recording",
 ]

@@ -198,6 +198,14 @@ void LiveCycle::step(double t) noexcept {
   measure_speeds();
 }
 
+void LiveCycle::add_to_switched_recorder(double t) noexcept {
+  SessionRecorder* const recorder = switched_.load();
+  // A hazard pointer [Michael 2004]: whoever has switched away sees it, or this sees that.
+  used_.store(recorder);
+  if (recorder != nullptr && switched_.load() == recorder) recorder->add(t, world_.state());
+  used_.store(nullptr);
+}
+
 void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) noexcept {
   histogram_.add(duration);
   WorldSnapshot& snapshot = buffer_.back();
@@ -220,6 +228,7 @@ void LiveCycle::publish(double duration, std::uint32_t late_cycles, double now) 
   if (arm_ && arm_->driven) snapshot.arm->q = arm_->driven->q();
   if (page_device_ != nullptr) snapshot.page = page_device_->status();
   if (recorder_ != nullptr) recorder_->add(snapshot.t, world_.state());
+  add_to_switched_recorder(snapshot.t);
   buffer_.publish();
 }
 

@@ -30,6 +30,11 @@ class LiveCycle {
   /// publish() adds each cycle's state to it. Before step().
   void record(SessionRecorder& recorder) noexcept { recorder_ = &recorder; }
 
+  /// A further one, at any time; null: none. Any thread.
+  void switch_recorder(SessionRecorder* recorder) noexcept { switched_.store(recorder); }
+  /// Whether a cycle is adding to a recorder that was switched to. Any thread.
+  [[nodiscard]] bool uses_switched_recorder() const noexcept { return used_.load() != nullptr; }
+
   /// One thread; never allocates, locks, waits or throws. `t` [s]: the device's clock.
   void step(double t) noexcept;
   /// Ends a cycle that took `duration` [s]: publishes its result as the newest, stamped `now`.
@@ -79,6 +84,7 @@ class LiveCycle {
   void begin_anew() noexcept;
   [[nodiscard]] DeviceFeedback feedback() noexcept;
   void measure_speeds() noexcept;
+  void add_to_switched_recorder(double t) noexcept;
   void move_arm(const Eigen::Vector3d& p_base_tip) noexcept;
   [[nodiscard]] Eigen::Vector3d drive_arm() noexcept;
 
@@ -92,7 +98,9 @@ class LiveCycle {
   CycleHistogram histogram_;
   TripleBuffer<WorldSnapshot> buffer_;
   SessionRecorder* recorder_ = nullptr;
-  std::vector<Eigen::Vector3d> positions_;  ///< of the bodies, one cycle ago
+  std::atomic<SessionRecorder*> switched_{nullptr};
+  std::atomic<SessionRecorder*> used_{nullptr};  ///< while a cycle adds to it
+  std::vector<Eigen::Vector3d> positions_;       ///< of the bodies, one cycle ago
   std::vector<double> speeds_;
   std::atomic<bool> is_on_hold_{false};
   std::atomic<bool> is_stopped_{false};

@@ -23,7 +23,7 @@ constexpr float kMaxNormError = 1e-3F;
 constexpr std::uint8_t kInputDevices = 4;
 // Larger numbers are not protocol versions.
 constexpr std::uint64_t kMaxProtocol = 1'000'000;
-constexpr auto kCommands = static_cast<std::uint32_t>(LiveCommand::keep_tool);
+constexpr auto kCommands = static_cast<std::uint32_t>(LiveCommand::stop_recording);
 
 Expected<PageMessage> read_hello(const LiveFrame& frame) {
   const auto json = ordered_json::parse(frame.body.begin(), frame.body.end(), nullptr, false);

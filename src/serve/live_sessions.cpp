@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/serve/page_recorder.hpp"
 
 namespace pcavr {
 namespace {
@@ -120,6 +121,7 @@ LiveSessions::LiveSessions(PageWorld& world, LiveWelcome welcome, Send send, dou
       send_(std::move(send)),
       tool_timeout_(tool_timeout),
       tool_(tool_timeout, tool_idle_time) {
+  welcome_.can_record = world_.recorder() != nullptr;
   for (const HapticBodyState& body : world_.newest().world.bodies) {
     starts_.push_back(body.T_base_object.translation());
   }
@@ -235,6 +237,10 @@ void LiveSessions::handle_command(PageId id, LiveCommand command, double now) {
       return;
     case LiveCommand::keep_tool:
       return keep_tool(id, now);
+    case LiveCommand::start_recording:
+    case LiveCommand::stop_recording:
+      if (has_control) return record(id, command == LiveCommand::start_recording, now);
+      break;
     case LiveCommand::slower:
     case LiveCommand::faster:
       if (has_control) return change_time_scale(command == LiveCommand::faster);
@@ -270,9 +276,18 @@ void LiveSessions::undo_reset(double now) {
   send_notice_to_all(LiveLevel::info, "reset undone: the objects are where they were", now);
 }
 
-void LiveSessions::send_notice_to_all(LiveLevel level, const std::string& text, double now) {
+void LiveSessions::record(PageId id, bool is_wanted, double now) {
+  PageRecorder* const recorder = world_.recorder();
+  if (recorder == nullptr) {
+    return send_notice(id, LiveLevel::warning, "this server records no sessions for a page", now);
+  }
+  is_wanted ? recorder->start() : recorder->stop();
+}
+
+void LiveSessions::send_notice_to_all(LiveLevel level, const std::string& text, double now,
+                                      const std::string& about) {
   for (const auto& [page, state] : pages_) {
-    if (state.has_sent_hello) send_notice(page, level, text, now);
+    if (state.has_sent_hello) send(page, LiveNotice{level, text, about}, now);
   }
 }
 
@@ -352,6 +367,12 @@ void LiveSessions::release_device() {
 
 void LiveSessions::check_timeouts(double now) {
   while (const auto change = tool_.update(now)) notify_change(*change, now);
+  PageRecorder* const recorder = world_.recorder();
+  if (recorder == nullptr) return;
+  while (const auto message = recorder->take_message()) {
+    const LiveLevel level = message->is_error ? LiveLevel::error : LiveLevel::info;
+    send_notice_to_all(level, message->text, now, "recording");
+  }
 }
 
 void LiveSessions::write_state(PageId id, double now, double queue_age,
@@ -367,6 +388,7 @@ void LiveSessions::write_state(PageId id, double now, double queue_age,
       state_.has_tool || tool_.is_used_by_another(id, now) || world_.page_device() == nullptr;
   state_.is_tool_wanted = state_.has_tool && tool_.is_asked_for();
   state_.has_asked = tool_.has_asked(id);
+  state_.is_recording = world_.recorder() != nullptr && world_.recorder()->is_recording();
   state_.tool_age =
       is_from_page ? static_cast<float>(snapshot.page.age + snapshot.page.delay) : 0.0F;
   state_.state_age = static_cast<float>(now - snapshot.published);

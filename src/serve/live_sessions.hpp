@@ -39,7 +39,7 @@ class LiveSessions {
   /// False: close the connection after the replies that were sent.
   [[nodiscard]] bool on_message(PageId page, std::span<const std::uint8_t> bytes, double now);
   /// Releases the tool of an unresponsive page, and gives one that is not used to the page that
-  /// asks for it. Call it at least ten times a second.
+  /// asks for it; passes on what recordings report. Call it at least ten times a second.
   void check_timeouts(double now);
 
   /// Whether the page has sent a valid hello: it gets states from then on.
@@ -60,9 +60,11 @@ class LiveSessions {
   [[nodiscard]] bool on_hello(PageId page, const PageMessage& message, double now);
   void move_tool(PageId page, const LiveHeader& header, const LiveTool& tool, double now);
   void handle_command(PageId page, LiveCommand command, double now);
-  void send_notice_to_all(LiveLevel level, const std::string& text, double now);
+  void send_notice_to_all(LiveLevel level, const std::string& text, double now,
+                          const std::string& about = {});
   void reset(PageId page, double now);
   void undo_reset(double now);
+  void record(PageId page, bool is_wanted, double now);
   void change_time_scale(bool is_faster);
   void take_tool(PageId page, double now);
   void keep_tool(PageId page, double now);

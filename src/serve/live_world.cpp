@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <ctime>
@@ -22,6 +23,7 @@ namespace pcavr {
 namespace {
 
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
+constexpr std::chrono::milliseconds kSwitchWait{1};  // a cycle
 
 std::int64_t now_in_nanoseconds() noexcept {
   timespec now{};
@@ -95,6 +97,7 @@ struct LiveWorld::Content {
   std::atomic<bool> is_stopping{false};
   std::thread thread;
   std::vector<std::string> notes;  ///< of start()
+  PageRecorder* page_recorder = nullptr;
 };
 
 LiveWorld::LiveWorld(HapticWorld world, std::unique_ptr<Device> device,
@@ -107,6 +110,16 @@ LiveWorld::~LiveWorld() { stop(); }
 double LiveWorld::clock() noexcept { return in_seconds(now_in_nanoseconds()); }
 
 void LiveWorld::record(SessionRecorder& recorder) noexcept { content_->cycle.record(recorder); }
+
+void LiveWorld::switch_recorder(SessionRecorder* recorder) noexcept {
+  content_->cycle.switch_recorder(recorder);
+  if (recorder != nullptr) return;
+  while (content_->cycle.uses_switched_recorder()) std::this_thread::sleep_for(kSwitchWait);
+}
+
+void LiveWorld::offer(PageRecorder& recorder) noexcept { content_->page_recorder = &recorder; }
+
+PageRecorder* LiveWorld::recorder() noexcept { return content_->page_recorder; }
 
 Expected<std::vector<std::string>> LiveWorld::start() {
   PCAVR_REQUIRE(!content_->thread.joinable());

@@ -128,6 +128,9 @@ struct OperatorPage::Content {
     if (link.robot != nullptr) shown.robot = *link.robot;
     shown.delays = link.delays;
     shown.picture = picture;
+    shown.picture_width = picture_width;
+    shown.picture_height = picture_height;
+    shown.picture_camera = picture_camera;
     shown.picture_age = picture > 0 ? link.now - picture_t : 0.0;
   }
 
@@ -169,6 +172,9 @@ struct OperatorPage::Content {
   RobotPicture* pictures = nullptr;
   std::uint32_t picture = 0;  ///< number of the newest
   double picture_t = 0.0;     ///< [s] CLOCK_MONOTONIC
+  std::uint16_t picture_width = 0;
+  std::uint16_t picture_height = 0;
+  std::optional<LinkPictureCamera> picture_camera = {};
   std::atomic<Request> stop{Request::none};
   std::atomic<Request> hold{Request::none};
 };
@@ -229,6 +235,9 @@ void OperatorPage::show_picture(const LinkPicture& picture, double t) {
   if (content_->pictures == nullptr) return;
   content_->pictures->set(picture, ++content_->picture);
   content_->picture_t = t;
+  content_->picture_width = picture.width;
+  content_->picture_height = picture.height;
+  content_->picture_camera = picture.camera;
 }
 
 OperatorRequests OperatorPage::take_requests() {

@@ -11,9 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pcavr/base/core/json_text.hpp"
-#include "pcavr/pipeline/identify_robot.hpp"
-#include "pcavr/robots/robot_identification/log_checks.hpp"
-#include "pcavr/serve/scene_arm.hpp"
+#include "pcavr/serve/scene_joints.hpp"
 
 #include "content_text.hpp"
 #include "replay_rows.hpp"
@@ -119,23 +117,6 @@ Json frames_json(const Recording& recording, double start) {
       {"t", times}, {"width", camera ? camera->width : 0}, {"height", camera ? camera->height : 0}};
 }
 
-/// The recorded joints in the order of the scene's arm; nothing where either is missing.
-Expected<std::optional<JointLog>> arm_log(const Recording& recording, const SceneManifest& scene) {
-  const Expected<std::optional<SceneArm>> arm = read_scene_arm(scene);
-  if (!arm) return arm.error();
-  if (!*arm || recording.joints.empty()) return std::optional<JointLog>();
-  const Expected<JointLog> log = read_joint_log(recording.folder, false);
-  if (!log) return log.error();
-  const Expected<MatchedRobot> matched = match_joints(*log, (*arm)->model);
-  if (!matched) return matched.error();
-  if (matched->columns.size() != (*arm)->model.dof) {
-    return Error{.message = "has other joints than the scene's arm",
-                 .file = (recording.folder / "joints.csv").string(),
-                 .hint = "replay the recording in the scene that was built from it"};
-  }
-  return std::optional<JointLog>(reordered(*log, matched->columns));
-}
-
 Json replay_json(const Recording& recording, const Replay& replay,
                  const std::optional<JointLog>& arm, ReplaySpan span, ReplayTables& tables) {
   Json json = {{"duration", span.end - span.start}, {"start", span.start}};
@@ -164,7 +145,7 @@ Expected<ReplayContent> ReplayContent::create(const Recording& recording,
                                               const ContentOptions& options) {
   const ReplaySpan span = span_of(recording, replay);
   ReplayTables tables(span.start);
-  const Expected<std::optional<JointLog>> arm = arm_log(recording, scene);
+  const Expected<std::optional<JointLog>> arm = read_scene_joints(recording, scene);
   if (!arm) return arm.error();
   const Json json = replay_json(recording, replay, *arm, span, tables);
   ReplayContent content;

@@ -35,7 +35,6 @@ using Bytes = std::vector<std::uint8_t>;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kMcapMagic = "\x89MCAP0\r\n";
-constexpr char kCameraFrame[] = "camera";
 constexpr double kStampRounding = 1e-6;  ///< [s] of times since 1970 as double
 
 bool is_mcap_file(const fs::path& file) {
@@ -58,10 +57,11 @@ Bytes json_bytes(const Json& json) {
 class ReplayMessages {
  public:
   ReplayMessages(const Recording& recording, const Replay& replay, const ViewerScene& scene,
-                 double rate, McapWriter& file)
+                 const JointLog* joints, double rate, McapWriter& file)
       : recording_(recording),
         replay_(replay),
         scene_(scene),
+        joints_(joints),
         interval_(1.0 / rate),
         file_(file),
         names_(names_of(replay)),
@@ -69,6 +69,7 @@ class ReplayMessages {
 
   Expected<void> write() {
     add_recording();
+    if (joints_) add_joints(*joints_);
     add_tracking();
     if (replay_.teleop) add_run(*replay_.teleop);
     std::stable_sort(messages_.begin(), messages_.end(),
@@ -143,6 +144,11 @@ class ReplayMessages {
     written = put("/points", cdr::kPointCloudType, cdr::point_cloud_definition(),
                   cdr::point_cloud(start, scene_.points_base));
     if (!written) return written;
+    if (!scene_.urdf.empty()) {
+      written = put("/robot_description", cdr::kStringType, cdr::string_definition(),
+                    cdr::text_message(scene_.urdf));
+      if (!written) return written;
+    }
     return put("/parameters", cdr::kParametersType, cdr::parameters_definition(),
                cdr::parameters(start, parameter_rows(parameters())));
   }
@@ -175,6 +181,23 @@ class ReplayMessages {
     }
     if (recording_.manifest.camera && !recording_.frames.empty()) {
       add_images(*recording_.manifest.camera);
+    }
+  }
+
+  /// As logged, at the rate of what is predicted.
+  void add_joints(const JointLog& log) {
+    const std::uint16_t channel =
+        cdr_channel("/joint_states", cdr::kJointStateType, cdr::joint_state_definition());
+    double next = -1.0;
+    for (std::size_t row = 0; row < log.stamps.size(); ++row) {
+      if (log.t[row] < next) continue;
+      next = log.t[row] + interval_ - kStampRounding;
+      messages_.push_back(
+          {log.stamps[row], channel, [this, &log, row] {
+             const Eigen::VectorXd q = log.position.row(static_cast<Eigen::Index>(row));
+             return cdr::joint_state(log.stamps[row], scene_.joints,
+                                     {q.data(), static_cast<std::size_t>(q.size())});
+           }});
     }
   }
 
@@ -288,7 +311,8 @@ class ReplayMessages {
   const Recording& recording_;
   const Replay& replay_;
   const ViewerScene& scene_;
-  double interval_;  ///< [s]
+  const JointLog* joints_;  ///< null: none
+  double interval_;         ///< [s]
   McapWriter& file_;
   std::vector<std::string> names_;
   std::vector<std::string> frames_;  ///< of the objects, in characters of topics
@@ -310,7 +334,8 @@ Expected<void> check_replay_log(const fs::path& file, bool replace) {
 
 Expected<std::uint64_t> write_replay_log(const fs::path& file, const Recording& recording,
                                          const Replay& replay, const ViewerScene& scene,
-                                         const ReplayLogOptions& options) {
+                                         const ReplayLogOptions& options,
+                                         const std::optional<JointLog>& joints) {
   Expected<OutputFile> output = OutputFile::create(file, log_options(options.replace));
   if (!output) return output.error();
   McapWriterOptions format;
@@ -320,7 +345,8 @@ Expected<std::uint64_t> write_replay_log(const fs::path& file, const Recording& 
   Expected<McapWriter> writer = McapWriter::create(output->path(), format);
   if (!writer) return writer.error();
   const Expected<void> written =
-      ReplayMessages(recording, replay, scene, options.rate, *writer).write();
+      ReplayMessages(recording, replay, scene, joints ? &*joints : nullptr, options.rate, *writer)
+          .write();
   if (!written) return written.error();
   const Expected<void> closed = writer->close();
   if (!closed) return closed.error();

@@ -135,6 +135,9 @@ class PageFill {
       if (file.is_object() && file.contains("path") && file["path"].is_string()) {
         paths.push_back(file["path"]);
       }
+      if (file.is_object() && file.contains("texture") && file["texture"].is_string()) {
+        paths.push_back(file["texture"]);
+      }
     };
     for (const Json& object : scene["objects"]) add(object);
     if (scene["robot"].is_object()) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,7 @@ namespace pcavr {
 namespace {
 
 constexpr char kTexturePath[] = "/scene/texture.jpg";
+constexpr char kObjectsPath[] = "/scene/objects/";
 
 /// One file of a page; independent of the others, so that several are created in parallel.
 struct Item {
@@ -32,7 +34,7 @@ struct Item {
   std::size_t bytes = 0;     ///< before gzip
   std::size_t count = 0;     ///< triangles, points or cells; 0: no file
   double edge = 0.0;         ///< [m] of an occupied cell
-  std::string texture = {};  ///< of a level of detail: a JPEG file
+  std::string texture = {};  ///< of a level of detail or an object: a JPEG file
   std::optional<Error> error = {};
   std::optional<Error> warning = {};
 };
@@ -65,6 +67,21 @@ Expected<void> make_unseen_support(Item& item, const std::filesystem::path& file
   if (!mesh) return mesh.error();
   item.count = mesh->triangles;
   if (item.count > 0) set_mesh(item, std::move(mesh.value().bytes), options);
+  return {};
+}
+
+/// The object with its texture, in the display file's node.
+Expected<void> make_textured_object(Item& item, const std::filesystem::path& file,
+                                    const std::string& name, const ContentOptions& options) {
+  Expected<NodeGlb> mesh = read_node_glb(file, name, "texture.jpg");
+  if (!mesh) return mesh.error();
+  if (mesh->triangles == 0) {
+    return Error{.message = "has no node '" + name + "'",
+                 .file = file.string(),
+                 .hint = "build the scene again"};
+  }
+  item.texture = std::move(mesh.value().texture);
+  set_mesh(item, std::move(mesh.value().bytes), options);
   return {};
 }
 
@@ -112,13 +129,28 @@ std::vector<Item> items_of(const SceneManifest& scene, const ContentOptions& opt
   add("/scene/occupancy.bin", kOccupancyFile, make_occupancy);
   add("/scene/unseen_support.glb", kDisplayFile, make_unseen_support);
   for (const SceneObjectEntry& object : scene.objects) {
-    add("/scene/objects/" + object.name + ".glb", object.mesh, make_object);
+    const std::string path = kObjectsPath + object.name + ".glb";
+    if (object.texture) {
+      add(path, kDisplayFile,
+          [name = object.name](Item& item, const std::filesystem::path& file,
+                               const ContentOptions& of) {
+            return make_textured_object(item, file, name, of);
+          });
+    } else {
+      add(path, object.mesh, make_object);
+    }
   }
   if (!scene.robot) return items;
   for (std::size_t i = 0; i < scene.robot->links.size(); ++i) {
     add("/scene/" + link_file(i).string(), scene.robot->links[i].mesh, make_object);
   }
   return items;
+}
+
+/// All levels have the same texture, an object its own.
+std::string texture_path(const Item& item) {
+  if (!item.path.starts_with(kObjectsPath)) return kTexturePath;
+  return item.path.substr(0, item.path.size() - std::string_view(".glb").size()) + ".jpg";
 }
 
 SceneFile scene_file(const Item& item) { return {item.path, item.bytes, item.count}; }
@@ -135,7 +167,9 @@ SceneFiles scene_files(const std::vector<Item>& items, const SceneManifest& scen
   if (items[levels + 2].content) files.unseen_support = scene_file(items[levels + 2]);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     files.objects.push_back(scene_file(items[levels + 3 + i]));
-    files.objects.back().path = "/scene/objects/" + percent_encoded(scene.objects[i].name) + ".glb";
+    const std::string path = kObjectsPath + percent_encoded(scene.objects[i].name);
+    files.objects.back().path = path + ".glb";
+    if (!items[levels + 3 + i].texture.empty()) files.objects.back().texture = path + ".jpg";
   }
   for (std::size_t i = levels + 3 + scene.objects.size(); i < items.size(); ++i) {
     files.links.push_back(scene_file(items[i]));
@@ -185,9 +219,9 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
   content.contents_["/api/scene.json"] =
       std::make_shared<const Content>(make_content(kJsonMedia, text));
   for (Item& item : items) {
-    // All levels have the same texture.
-    if (!item.texture.empty() && !content.contents_.contains(kTexturePath)) {
-      content.contents_[kTexturePath] =
+    const std::string texture = texture_path(item);
+    if (!item.texture.empty() && !content.contents_.contains(texture)) {
+      content.contents_[texture] =
           std::make_shared<const Content>(make_content(kJpegMedia, std::move(item.texture)));
     }
     if (item.content) content.contents_[item.path] = std::move(item.content);

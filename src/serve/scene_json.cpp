@@ -48,6 +48,8 @@ Json parameters_json(const ObjectParameters& known) {
 Json object_json(const SceneObjectEntry& object, const SceneFile& file,
                  const ObjectParameters& known) {
   Json json = {{"name", object.name}, {"path", file.path}, {"bytes", file.bytes}};
+  json["texture"] = nullptr;
+  if (!file.texture.empty()) json["texture"] = file.texture;
   add_pose(json, object.T_base_object);
   json["mass"] = nullptr;
   if (known.mass) json["mass"] = known.mass->value;

@@ -23,6 +23,7 @@ struct SceneFile {
   std::string path;
   std::size_t bytes = 0;
   std::size_t count = 0;
+  std::string texture = {};  ///< path of an object's; empty: it has none
 };
 
 /// The files that a page loads for a scene.

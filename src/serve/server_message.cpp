@@ -33,6 +33,7 @@ enum StateFlag : std::uint32_t {
   kCanUndoReset = 128,
   kToolWanted = 1U << 16U,
   kHasAsked = 1U << 17U,
+  kRecording = 1U << 18U,
 };
 
 void write_object(const LiveObject& object, ByteWriter& writer) {
@@ -71,6 +72,7 @@ std::uint32_t flags_of(const LiveState& state) {
          (state.tool_taken ? kToolTaken : 0U) | (state.is_stopped ? kStopped : 0U) |
          (state.link ? kHasLink : 0U) | (state.can_undo_reset ? kCanUndoReset : 0U) |
          (state.is_tool_wanted ? kToolWanted : 0U) | (state.has_asked ? kHasAsked : 0U) |
+         (state.is_recording ? kRecording : 0U) |
          static_cast<std::uint32_t>(std::lround(kPercents * state.time_scale)) << kTimeScaleShift;
 }
 
@@ -147,6 +149,7 @@ void read_flags(std::uint32_t flags, LiveState& state) {
   state.can_undo_reset = (flags & kCanUndoReset) != 0;
   state.is_tool_wanted = (flags & kToolWanted) != 0;
   state.has_asked = (flags & kHasAsked) != 0;
+  state.is_recording = (flags & kRecording) != 0;
   state.time_scale = (flags >> kTimeScaleShift & 0xffU) / kPercents;
 }
 
@@ -193,7 +196,9 @@ Expected<ServerMessage> read_notice(const LiveFrame& frame, const ordered_json& 
   }
   for (std::size_t i = 0; i < kLevels.size(); ++i) {
     if (json["level"] != kLevels[i]) continue;
-    return ServerMessage{frame.header, LiveNotice{static_cast<LiveLevel>(i), json["text"]}};
+    LiveNotice notice{static_cast<LiveLevel>(i), json["text"]};
+    if (json.contains("about") && json["about"].is_string()) notice.about = json["about"];
+    return ServerMessage{frame.header, std::move(notice)};
   }
   return invalid_message("a notice has an unknown level");
 }
@@ -214,9 +219,10 @@ Expected<ServerMessage> read_welcome(const LiveFrame& frame, const ordered_json&
       !has("device", text)) {
     return invalid_message("a welcome lacks a field");
   }
+  const bool can_record = json.contains("can_record") && json["can_record"] == true;
   LiveWelcome welcome{*protocol,     json["version"], json["mode"] == "replay",
                       json["scene"], json["objects"], json["tool_radius"],
-                      json["rate"],  json["device"]};
+                      json["rate"],  json["device"],  can_record};
   return ServerMessage{frame.header, std::move(welcome)};
 }
 
@@ -230,15 +236,16 @@ struct ServerBody {
                                                 {"objects", welcome.objects},
                                                 {"tool_radius", welcome.tool_radius},
                                                 {"rate", welcome.rate},
-                                                {"device", welcome.device}}),
+                                                {"device", welcome.device},
+                                                {"can_record", welcome.can_record}}),
                writer);
   }
   void operator()(const LiveState& state) { write_state(state, writer); }
   void operator()(const LiveNotice& notice) {
-    write_text(
-        json_text(nlohmann::ordered_json{{"level", kLevels[static_cast<std::size_t>(notice.level)]},
-                                         {"text", notice.text}}),
-        writer);
+    nlohmann::ordered_json json{{"level", kLevels[static_cast<std::size_t>(notice.level)]},
+                                {"text", notice.text}};
+    if (!notice.about.empty()) json["about"] = notice.about;
+    write_text(json_text(json), writer);
   }
   void operator()(const LivePong& pong) { writer.f64(pong.clock); }
 };

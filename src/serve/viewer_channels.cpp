@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "pcavr/physics/prediction/predicted_world.hpp"
+#include "pcavr/recordings/rosbag/cdr_camera_info.hpp"
 #include "pcavr/recordings/rosbag/cdr_messages.hpp"
 #include "pcavr/recordings/rosbag/cdr_scene_messages.hpp"
 #include "pcavr/teleoperation/sites/black_box.hpp"
@@ -139,6 +140,8 @@ void ViewerChannels::add_link() {
   }
   add("/camera/image/compressed", cdr::kCompressedImageType, cdr::compressed_image_definition(),
       Rate::changed, [this](const WorldSnapshot& snapshot) { return encode_picture(snapshot); });
+  add("/camera/camera_info", cdr::kCameraInfoType, cdr::camera_info_definition(), Rate::changed,
+      [this](const WorldSnapshot& snapshot) { return encode_camera(snapshot); });
 }
 
 void ViewerChannels::add_state() {
@@ -214,8 +217,32 @@ Bytes ViewerChannels::encode_picture(const WorldSnapshot& snapshot) {
   picture_ = number;
   const std::string& body = (*found)->body;
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(body.data()), body.size());
-  const Stamp seen = stamp_ + duration_from_seconds(-snapshot.link->picture_age);
-  return cdr::compressed_image(seen, "camera", "jpeg", bytes);
+  return cdr::compressed_image(taken(*snapshot.link), kCameraFrame, "jpeg", bytes);
+}
+
+Stamp ViewerChannels::taken(const LinkSnapshot& link) const {
+  return stamp_ + duration_from_seconds(-link.picture_age);
+}
+
+Bytes ViewerChannels::encode_camera(const WorldSnapshot& snapshot) {
+  if (!snapshot.link || !snapshot.link->picture_camera) return {};
+  const LinkSnapshot& link = *snapshot.link;
+  if (link.picture == described_picture_) return {};
+  described_picture_ = link.picture;
+  const LinkPictureCamera& known = *link.picture_camera;
+  if (known.lens != lens_.model() || known.coefficients != coefficients_) {
+    coefficients_ = known.coefficients;
+    const std::vector<double> values(known.coefficients.begin(), known.coefficients.end());
+    lens_ = LensDistortion(known.lens, std::span(values).first(coefficient_count(known.lens)));
+  }
+  return cdr::camera_info(taken(link), kCameraFrame,
+                          {.width = link.picture_width,
+                           .height = link.picture_height,
+                           .fx = double{known.fx},
+                           .fy = double{known.fy},
+                           .cx = double{known.cx},
+                           .cy = double{known.cy},
+                           .distortion = lens_});
 }
 
 void ViewerChannels::update(double now) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "pcavr/base/core/stamp.hpp"
+#include "pcavr/base/geometry/lens.hpp"
 #include "pcavr/serve/content.hpp"
 #include "pcavr/serve/page_world.hpp"
 #include "pcavr/serve/viewer_scene.hpp"
@@ -70,6 +72,10 @@ class ViewerChannels {
   [[nodiscard]] std::vector<std::uint8_t> encode_phases(const WorldSnapshot& snapshot) const;
   [[nodiscard]] std::vector<std::uint8_t> encode_diagnostics(const WorldSnapshot& snapshot) const;
   [[nodiscard]] std::vector<std::uint8_t> encode_picture(const WorldSnapshot& snapshot);
+  /// Of each picture whose camera is known.
+  [[nodiscard]] std::vector<std::uint8_t> encode_camera(const WorldSnapshot& snapshot);
+  /// When the newest picture was taken, by the system's clock.
+  [[nodiscard]] Stamp taken(const LinkSnapshot& link) const;
 
   PageWorld& world_;
   const ContentSource& content_;
@@ -80,7 +86,10 @@ class ViewerChannels {
   Stamp clock_start_;  ///< the system's clock at 0 of LiveWorld::clock
   Stamp stamp_;
   std::uint64_t updates_ = 0;
-  std::uint32_t picture_ = 0;  ///< number of the last one
+  std::uint32_t picture_ = 0;            ///< number of the last one
+  std::uint32_t described_picture_ = 0;  ///< number of the last one whose camera was encoded
+  LensDistortion lens_;                  ///< that camera's, by these coefficients
+  std::array<float, 8> coefficients_ = {};
 };
 
 }  // namespace pcavr

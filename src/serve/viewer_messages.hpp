@@ -11,6 +11,9 @@
 
 namespace pcavr {
 
+/// The frame of the robot's camera.
+inline constexpr char kCameraFrame[] = "camera";
+
 /// The scan in base and the bodies, each in its frame of `frames`, in the order of `names`. They
 /// refer to the scene's meshes.
 [[nodiscard]] std::vector<cdr::MeshMarker> scene_markers(const ViewerScene& scene,

@@ -22,9 +22,8 @@ struct PlantCamera::Content {
   Content(World simulated_world, const SimulationCase& simulation, std::uint64_t noise_seed)
       : world(std::move(simulated_world)),
         bodies(world),
-        renderer(
-            world, bodies,
-            on_grid(simulated_camera(simulation), simulation.width / 2, simulation.height / 2)),
+        camera(on_grid(simulated_camera(simulation), simulation.width / 2, simulation.height / 2)),
+        renderer(world, bodies, camera),
         T_base_camera(CameraPath(simulation, noise_seed).T_base_camera(0.0)),
         seed(noise_seed) {
     sensor.blur = 0.5 * simulation.corner_blur;
@@ -32,6 +31,7 @@ struct PlantCamera::Content {
 
   World world;
   RayBodies bodies;
+  CameraModel camera;
   Renderer renderer;
   Pose T_base_camera;
   ColorSensor sensor;
@@ -42,6 +42,8 @@ PlantCamera::PlantCamera(std::unique_ptr<Content> content) : content_(std::move(
 PlantCamera::PlantCamera(PlantCamera&&) noexcept = default;
 PlantCamera& PlantCamera::operator=(PlantCamera&&) noexcept = default;
 PlantCamera::~PlantCamera() = default;
+
+const CameraModel& PlantCamera::camera() const { return content_->camera; }
 
 Expected<PlantCamera> PlantCamera::create(const SimulationCase& simulation, std::uint64_t seed) {
   PCAVR_REQUIRE(simulation.task != ToolTask::none && !simulation.has_arm);

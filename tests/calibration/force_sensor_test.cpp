@@ -175,5 +175,23 @@ TEST(CalibrateForceSensor, KnowsPosesThatAreInverted) {
   EXPECT_LT(found->residual_rms, 1.1 * 0.2);
 }
 
+// The limit is that of an F distribution: too small a one with few poses would invent cross-talk.
+TEST(CalibrateForceSensor, InventsCrossTalkOfFewPosesOnceInAThousandTimes) {
+  for (const int poses : {6, 8, 12}) {
+    constexpr int kRigs = 1000;
+    int fitted = 0, invented = 0;
+    for (std::uint64_t seed = 1; seed <= kRigs; ++seed) {
+      const ForceRig rig(seed, {.poses = poses, .noise = 0.05});
+      const auto found = calibrate_force_sensor(rig.readings);
+      fitted += found ? 1 : 0;
+      invented += found && found->has_cross_talk ? 1 : 0;
+    }
+    std::printf("  %d poses: %d of %d with cross-talk that is not there\n", poses, invented,
+                fitted);
+    EXPECT_GT(fitted, kRigs / 2) << poses;
+    EXPECT_LE(invented, 6) << poses;
+  }
+}
+
 }  // namespace
 }  // namespace pcavr

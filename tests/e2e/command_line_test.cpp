@@ -129,6 +129,7 @@ TEST(PrintedConfiguration, HasEachSectionAtSomeCommand) {
                                              {"identify", "friction"},
                                              {"identify", "robot"},
                                              {"predict"},
+                                             {"record"},
                                              {"evaluate"},
                                              {"serve"},
                                              {"robot-site"},

@@ -1,21 +1,91 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // A simulated scene as a world for engines, with the real command.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/physics/object/parameters_file.hpp"
+
 #include "support/json_command.hpp"
+#include "support/parquet_reader.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/two_joint_arm.hpp"
 
 namespace pcavr {
 namespace {
+
+/// A CSV file whose first column is the time.
+struct TimedTable {
+  std::vector<std::vector<double>> rows;
+
+  explicit TimedTable(const std::string& file) {
+    std::ifstream stream(file);
+    std::string line;
+    std::getline(stream, line);
+    while (std::getline(stream, line)) {
+      std::ranges::replace(line, ',', ' ');
+      std::istringstream words(line);
+      rows.emplace_back(std::istream_iterator<double>(words), std::istream_iterator<double>());
+    }
+  }
+  /// Between the rows next to a time.
+  [[nodiscard]] std::vector<double> at(double t) const {
+    std::size_t i = 1;
+    while (i + 1 < rows.size() && rows[i][0] < t) ++i;
+    const double share = (t - rows[i - 1][0]) / (rows[i][0] - rows[i - 1][0]);
+    std::vector<double> row = rows[i];
+    for (std::size_t k = 0; k < row.size(); ++k) row[k] = std::lerp(rows[i - 1][k], row[k], share);
+    return row;
+  }
+  /// Of the rows in [begin, end).
+  [[nodiscard]] std::vector<double> mean(double begin, double end) const {
+    std::vector<double> sum(rows.front().size());
+    double count = 0.0;
+    for (const std::vector<double>& row : rows) {
+      if (row[0] < begin || row[0] >= end) continue;
+      for (std::size_t k = 0; k < row.size(); ++k) sum[k] += row[k];
+      ++count;
+    }
+    for (double& value : sum) value /= count;
+    return sum;
+  }
+};
+
+/// Whether an object slides, by a recording's truth.
+struct SlidingTruth {
+  std::vector<std::array<std::string, 3>> rows;  ///< time, object, phase
+
+  explicit SlidingTruth(const std::string& file) {
+    std::ifstream stream(file);
+    std::string line;
+    std::getline(stream, line);
+    while (std::getline(stream, line)) {
+      std::ranges::replace(line, ',', ' ');
+      std::istringstream words(line);
+      auto& [t, object, phase] = rows.emplace_back();
+      words >> t >> object >> phase;
+    }
+  }
+  [[nodiscard]] bool at(double t) const {
+    std::map<std::string, std::string> phases;
+    for (const auto& [begin, object, phase] : rows) {
+      if (std::stod(begin) <= t) phases[object] = phase;
+    }
+    return std::ranges::any_of(phases, [](const auto& each) { return each.second == "sliding"; });
+  }
+};
 
 class ExportCommand : public testing::Test {
  protected:
@@ -199,6 +269,116 @@ TEST_F(ExportCommand, RefusesBadInput) {
   expect_refused(command("urdf", "taken", identified()), "taken");
   EXPECT_EQ(contents(path_of("taken")).size(), 1U);
   EXPECT_EQ(run_pcavr(command("step", "refused", identified())).exit_code, 2);
+}
+
+// Two recordings, at 100 Hz: read by another implementation of Parquet.
+TEST_F(ExportCommand, WritesRecordingsAsADataSetForLerobot) {
+  const std::vector<std::string> words{
+      "export", path_of("recording"), path_of("recording"), "--to", "lerobot", "--fps", "100",
+      "-o",     path_of("dataset")};
+  const nlohmann::json report = run_json(words);
+  EXPECT_EQ(report["episodes"], 2);
+  const std::filesystem::path folder = path_of("dataset");
+  const nlohmann::json data = read_parquet(folder / "data/chunk-000/file-000.parquet");
+  if (data.is_null()) GTEST_SKIP() << kNoParquetReader;
+  const nlohmann::json info = nlohmann::json::parse(read_file(folder / "meta/info.json").value());
+  EXPECT_EQ(info["codebase_version"], "v3.0");
+  EXPECT_EQ(info["fps"], 100);
+  EXPECT_EQ(info["total_frames"], report["frames"]);
+  ASSERT_EQ(data["rows"].size(), report["frames"].get<std::size_t>());
+  EXPECT_EQ(data["row_groups"], 2);
+  std::set<std::string> columns, features;
+  for (const std::string column : data["columns"]) columns.insert(column);
+  for (const auto& [name, feature] : info["features"].items()) features.insert(name);
+  EXPECT_EQ(columns, features);
+  const std::size_t length = data["rows"].size() / 2;
+  const TimedTable tool(path_of("recording/tool.csv"));
+  const TimedTable wrench(path_of("recording/wrench.csv"));
+  const double start = std::max(tool.rows.front()[0], wrench.rows.front()[0]);
+  std::set<std::string> phases;
+  for (std::size_t i = 0; i < data["rows"].size(); ++i) {
+    const nlohmann::json& row = data["rows"][i];
+    const std::size_t frame = i % length;
+    ASSERT_EQ(row["index"], std::to_string(i));
+    ASSERT_EQ(row["frame_index"], std::to_string(frame));
+    ASSERT_EQ(row["episode_index"], std::to_string(i / length));
+    ASSERT_EQ(row["task_index"], "0");
+    ASSERT_NEAR(row["timestamp"].get<double>(), 0.01 * static_cast<double>(frame), 1e-5);
+    const double t = start + 0.01 * static_cast<double>(frame);
+    ASSERT_NEAR(row["observation.state"][0].get<double>(), tool.at(t)[1], 1e-6) << t;
+    if (frame + 1 < length) {
+      ASSERT_EQ(row["action"], data["rows"][i + 1]["observation.state"]);
+    }
+    const std::vector<double> mean = wrench.mean(t - 0.005, t + 0.005);
+    for (std::size_t axis = 0; axis < 6; ++axis)
+      ASSERT_NEAR(row["wrench"][axis].get<double>(), mean[axis + 1], 1e-4) << t;
+    phases.insert(row["phase"].get<std::string>());
+    ASSERT_EQ(row["contact"].get<bool>(), row["phase"] != "0");
+  }
+  EXPECT_GE(phases.size(), 3U);  // free, static and sliding at least
+}
+
+TEST_F(ExportCommand, StatesAFrictionThatIsGivenAndWhenTheBodySlides) {
+  std::vector<std::string> words{"export", path_of("recording"), "--to", "lerobot",
+                                 "--task", "push it there",      "-o",   path_of("stated_set")};
+  const std::vector<std::string> known = identified();
+  words.insert(words.end(), known.begin(), known.end());
+  run_json(words);
+  const std::filesystem::path folder = path_of("stated_set");
+  const nlohmann::json data = read_parquet(folder / "data/chunk-000/file-000.parquet");
+  if (data.is_null()) GTEST_SKIP() << kNoParquetReader;
+  const auto parameters = read_parameters(path_of("parameters.yaml"));
+  std::set<std::pair<float, float>> known_mu, mu;
+  for (const auto& [name, object] : *parameters) {
+    const auto& value = object.sliding_friction_coefficient;
+    if (value) known_mu.emplace(static_cast<float>(value->value), static_cast<float>(*value->std));
+  }
+  const SlidingTruth truth(path_of("recording/truth/phase.csv"));
+  const nlohmann::json& rows = data["rows"];
+  double agreeing = 0.0;
+  for (const nlohmann::json& row : rows) {
+    mu.emplace(row["mu"].get<float>(), row["mu_std"].get<float>());
+    const bool slides = truth.at(row["timestamp"].get<double>());
+    agreeing += (row["phase"] == "3") == slides ? 1.0 : 0.0;
+  }
+  EXPECT_EQ(mu, known_mu);  // of each of the two boxes
+  EXPECT_GT(agreeing / static_cast<double>(rows.size()), 0.95);
+  const nlohmann::json tasks = read_parquet(folder / "meta/tasks.parquet");
+  EXPECT_EQ(tasks["rows"],
+            nlohmann::json::parse(R"([{"task_index": "0", "task": "push it there"}])"));
+  EXPECT_EQ(nlohmann::json::parse(tasks["notes"]["pandas"].get<std::string>())["index_columns"],
+            nlohmann::json({"task"}));
+  const nlohmann::json episodes =
+      read_parquet(folder / "meta/episodes/chunk-000/file-000.parquet")["rows"];
+  ASSERT_EQ(episodes.size(), 1U);
+  EXPECT_EQ(episodes[0]["tasks"], nlohmann::json({"push it there"}));
+  EXPECT_EQ(episodes[0]["dataset_to_index"], std::to_string(rows.size()));
+  const nlohmann::json stats = nlohmann::json::parse(read_file(folder / "meta/stats.json").value());
+  double sum = 0.0, most = -1e9;
+  for (const nlohmann::json& row : rows) {
+    sum += row["wrench"][0].get<double>();
+    most = std::max(most, row["wrench"][0].get<double>());
+  }
+  EXPECT_NEAR(stats["wrench"]["mean"][0], sum / static_cast<double>(rows.size()), 1e-6);
+  EXPECT_NEAR(stats["wrench"]["max"][0], most, 1e-6);
+  EXPECT_EQ(episodes[0]["stats/wrench/mean"], stats["wrench"]["mean"]);
+}
+
+TEST_F(ExportCommand, RefusesADataSetOfWhatIsNoRecording) {
+  const auto dataset = [](const std::string& recording, std::vector<std::string> more = {}) {
+    std::vector<std::string> words{"export", path_of(recording), "--to", "lerobot",
+                                   "-o",     path_of("refused")};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  expect_refused(dataset("scene"), "recording.yaml");
+  expect_refused(dataset("absent"), "absent");
+  ASSERT_TRUE(write_file(path_of("others.yaml"),
+                         "format: pcavr-parameters/2\nanother_object:\n  mass: 2.0\n"));
+  expect_refused(dataset("recording", {"--parameters", path_of("others.yaml")}), "others.yaml");
+  EXPECT_EQ(run_pcavr(dataset("recording", {"--fps", "0"})).exit_code, 2);
+  EXPECT_EQ(run_pcavr(dataset("recording", {"--assume"})).exit_code, 2);
+  EXPECT_EQ(run_pcavr(command("obj", "refused", {"--fps", "30"})).exit_code, 2);
 }
 
 TEST_F(ExportCommand, RefusesABodyWhoseMeshCannotBeRead) {

@@ -35,19 +35,27 @@ inline std::vector<LinkMessage> every_message() {
                     0.03F,
                     MotionPhase::critical,
                     true}};
-  return {{header, LinkHello{"0.1.0", "alice"}},
-          {header, LinkWelcome{1.5, 0.01, false, "0.1.0", "two boxes", {"box_1", "box_2"}}},
-          {header, LinkReject{LinkRejection::busy, "another operator is connected"}},
-          {header, LinkPing{}},
-          {header, LinkPong{1.25, 2.5}},
-          {header, command},
-          {header, state},
-          {header, LinkCorrection{4, 11.25, 11.75, {1, 2, 3}}},
-          {header, LinkAcknowledgement{4, 2}},
-          {header, LinkHeartbeat{}},
-          {header, LinkStop::emergency_stop},
-          {header, LinkPicture{3.0, 640, 480, {0xff, 0xd8}}},
-          {header, LinkPictureReceipt{18, 3.25}}};
+  return {
+      {header, LinkHello{"0.1.0", "alice"}},
+      {header, LinkWelcome{1.5, 0.01, false, "0.1.0", "two boxes", {"box_1", "box_2"}}},
+      {header, LinkReject{LinkRejection::busy, "another operator is connected"}},
+      {header, LinkPing{}},
+      {header, LinkPong{1.25, 2.5}},
+      {header, command},
+      {header, state},
+      {header, LinkCorrection{4, 11.25, 11.75, {1, 2, 3}}},
+      {header, LinkAcknowledgement{4, 2}},
+      {header, LinkHeartbeat{}},
+      {header, LinkStop::emergency_stop},
+      {header,
+       LinkPicture{
+           3.0,
+           320,
+           240,
+           {0xff, 0xd8},
+           LinkPictureCamera{
+               300.0F, 301.0F, 159.5F, 119.5F, LensModel::fisheye, {0.1F, -0.2F, 0.01F, 0.002F}}}},
+      {header, LinkPictureReceipt{18, 3.25}}};
 }
 
 }  // namespace pcavr::test

@@ -30,6 +30,22 @@ TEST(LinkMessage, IsUnchangedByEncodingAndDecoding) {
   }
 }
 
+TEST(LinkMessage, CarriesTheCameraOfAPicture) {
+  const LinkPictureCamera camera{300.0F, 301.0F, 159.5F, 119.5F, LensModel::rational, {0.1F, 0.2F}};
+  const Expected<LinkMessage> decoded =
+      decode_link_message(encode({{1, 2, 3.0}, LinkPicture{3.0, 320, 240, {1, 2}, camera}}));
+  ASSERT_TRUE(decoded) << decoded.error().to_string();
+  EXPECT_EQ(std::get<LinkPicture>(decoded->content).camera, camera);
+  const Expected<LinkMessage> unknown =
+      decode_link_message(encode({{1, 2, 3.0}, LinkPicture{3.0, 320, 240, {1, 2}}}));
+  ASSERT_TRUE(unknown) << unknown.error().to_string();
+  EXPECT_FALSE(std::get<LinkPicture>(unknown->content).camera);
+  LinkPictureCamera wrong = camera;
+  wrong.fy = -1.0F;
+  EXPECT_FALSE(
+      decode_link_message(encode({{1, 2, 3.0}, LinkPicture{3.0, 320, 240, {1, 2}, wrong}})));
+}
+
 TEST(LinkMessage, CarriesEveryFieldOfACommand) {
   const Expected<LinkMessage> decoded = decode_link_message(encode(every_message()[5]));
   const auto& command = std::get<LinkCommand>(decoded->content);

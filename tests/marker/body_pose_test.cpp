@@ -128,6 +128,24 @@ TEST(SolveBodyPose, RejectsAnOutlierTag) {
 }
 
 /// Results of resolving the planar ambiguity of distant, small tags.
+TEST(SolveBodyPose, TrustsATagTheLessTheLessCertainItsPlaceIs) {
+  const CameraModel camera = a_camera();
+  const Pose T_camera_body = a_box_pose();
+  Random random(4);
+  std::vector<TagPlacement> placements = a_box();
+  const auto detections = detect(placements, T_camera_body, camera, 0.02, random);
+  placements[0].T_body_marker = placements[0].T_body_marker * Pose::from_translation({2e-3, 0, 0});
+  const auto error = [&] {
+    const BodyPose found =
+        solve_body_pose(placements, detections, camera, {}, with_stds(0.02, 0.02));
+    EXPECT_EQ(found.status, BodyPoseStatus::solved);
+    return (found.pose.T_camera_body.translation() - T_camera_body.translation()).norm();
+  };
+  const double alike = error();
+  placements[0].covariance.topLeftCorner<3, 3>() = 4e-6 * Eigen::Matrix3d::Identity();
+  EXPECT_LT(error(), 0.4 * alike);
+}
+
 struct FlipCount {
   int wrong = 0;  ///< solved, but with the wrong solution
   int ambiguous = 0;

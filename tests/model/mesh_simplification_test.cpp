@@ -3,6 +3,9 @@
 #include "pcavr/base/model/mesh_simplification.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -49,6 +52,28 @@ TEST(Simplified, KeepsAColourEdgeOnAFlatSheet) {
       EXPECT_GT(simple.colors[i].g, 245);
     }
   }
+}
+
+TEST(SimplifiedInParts, StaysClosedAndWithinTheMaximumError) {
+  const TriangleMesh mesh = test::sphere_mesh(1.0F, 60);
+  // Parts of 0.3 m: eight along the sphere.
+  const TriangleMesh simple = simplified_in_parts(mesh, 400, 0.02, 0.3);
+  EXPECT_LE(simple.triangles.size(), 800U);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const auto& t : simple.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
+  }
+  for (const auto& [edge, count] : edges) {
+    EXPECT_EQ(count, 1);
+    EXPECT_EQ(edges.count({edge.second, edge.first}), 1U) << "a crack between parts";
+  }
+  for (const Eigen::Vector3f& p : simple.vertices) EXPECT_NEAR(p.norm(), 1.0F, 0.04F);
+}
+
+TEST(SimplifiedInParts, KeepsAFlatSheetsOutline) {
+  const TriangleMesh simple = simplified_in_parts(test::flat_square(40), 32, 0.001, 0.26);
+  EXPECT_LE(simple.triangles.size(), 32U);
+  EXPECT_NEAR(surface_area(simple), 1.0, 0.001);
 }
 
 TEST(Simplified, DoesNotChangeASmallMesh) {

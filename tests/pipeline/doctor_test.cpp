@@ -4,6 +4,7 @@
 #include "pcavr/pipeline/doctor.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "pcavr/base/core/output.hpp"
 
 #include "support/temporary_folder.hpp"
+#include "support/two_joint_arm.hpp"
 
 namespace pcavr {
 namespace {
@@ -82,6 +84,47 @@ class Doctor : public testing::Test {
     }
   }
 
+  /// 4 s of a tool that turns by 60 degrees in the air, and the force of its weight.
+  void write_turning_tool(bool in_tool_axes) {
+    constexpr double kWeight = 3.0;  // [N]
+    std::string tool = "t,x,y,z,qx,qy,qz,qw\n";
+    std::string wrench = "t,fx,fy,fz,tx,ty,tz\n";
+    for (int i = 0; i < 400; ++i) {
+      const double half = 0.5 * std::sin(0.004 * i) * 1.05;
+      tool += fmt::format("{:.6f},0.2,0,0.3,0,{:.9f},0,{:.9f}\n", 0.01 * i, std::sin(half),
+                          std::cos(half));
+      const double turn = in_tool_axes ? 2.0 * half : 0.0;
+      wrench += fmt::format("{:.6f},{:.6f},0,{:.6f},0,0,0\n", 0.01 * i + 0.001,
+                            kWeight * std::sin(turn) + 0.01 * ((i * 37) % 11 - 5),
+                            -kWeight * std::cos(turn) + 0.01 * ((i * 53) % 13 - 6));
+    }
+    write("tool.csv", tool);
+    write("wrench.csv", wrench);
+  }
+  /// An arm of two joints whose flange the tool is on; joints.csv is `lag` [s] late.
+  void write_arm(double lag) {
+    write("recording.yaml", std::string(kManifest) + "robot: {urdf: robot.urdf, tip: flange}\n");
+    write("robot.urdf", two_joint_urdf());
+    std::string tool = "t,x,y,z,qx,qy,qz,qw\n", joints = "t,q_j1,q_j2\n";
+    for (int i = 0; i < 400; ++i) {
+      const double t = 0.01 * i, q1 = 0.5 * std::sin(3.0 * t), q2 = 0.2 * std::cos(2.0 * t);
+      const double angle = 1.0 + q1;
+      tool += fmt::format("{:.6f},{:.9f},{:.9f},0.8,0,0,{:.9f},{:.9f}\n", t, -q2 * std::sin(angle),
+                          q2 * std::cos(angle), std::sin(0.5 * angle), std::cos(0.5 * angle));
+      joints += fmt::format("{:.6f},{:.9f},{:.9f}\n", t + lag, q1, q2);
+    }
+    write("tool.csv", tool);
+    write("joints.csv", joints);
+  }
+  /// The row of a check.
+  DiagnosisRow row(const std::string& what) {
+    const DiagnosisReport report = diagnose();
+    const auto found = std::find_if(report.rows.begin(), report.rows.end(),
+                                    [&](const DiagnosisRow& one) { return one.what == what; });
+    EXPECT_NE(found, report.rows.end()) << what;
+    return found == report.rows.end() ? DiagnosisRow() : *found;
+  }
+
   TemporaryFolder folder_;
 };
 
@@ -110,6 +153,44 @@ TEST_F(Doctor, NamesAGapWithItsLengthAndTime) {
 TEST_F(Doctor, NamesAForceAtRestAndTheToolWhoseWeightItMayBe) {
   write_series({.bias = -2.943});
   expect_disagreement({"2.94 N without contact", "z -2.94", "a tool of 0.30 kg", "--tare"});
+}
+
+TEST_F(Doctor, TellsTheToolsWeightFromABiasByItsOrientations) {
+  const std::string what = "gravity of the tool by its orientation";
+  EXPECT_EQ(row(what).verdict, DiagnosisVerdict::not_checked);  // it keeps its orientation
+  write_turning_tool(false);
+  const DiagnosisRow weight = row(what);
+  EXPECT_EQ(weight.verdict, DiagnosisVerdict::disagrees) << weight.figure;
+  EXPECT_NE(weight.cause.find("a tool of 0.31 kg"), std::string::npos) << weight.cause;
+  write_turning_tool(true);
+  const DiagnosisRow turned = row(what);
+  EXPECT_EQ(turned.verdict, DiagnosisVerdict::disagrees) << turned.figure;
+  EXPECT_NE(turned.cause.find("in the sensor's axes"), std::string::npos) << turned.cause;
+}
+
+TEST_F(Doctor, ComparesTheJointsWithTheToolThroughTheRobot) {
+  const std::string what = "joints.csv against tool.csv through the URDF";
+  EXPECT_EQ(row(what).verdict, DiagnosisVerdict::not_checked);
+  write_arm(0.0);
+  const DiagnosisRow agreeing = row(what);
+  EXPECT_EQ(agreeing.verdict, DiagnosisVerdict::agrees) << agreeing.figure;
+  EXPECT_NE(agreeing.figure.find("the tool is 0.100 m from link flange"), std::string::npos)
+      << agreeing.figure;
+  write_arm(0.1);
+  const DiagnosisRow late = row(what);
+  EXPECT_EQ(late.verdict, DiagnosisVerdict::disagrees) << late.figure;
+  EXPECT_NE(late.cause.find("joints.csv is 100 ms later"), std::string::npos) << late.cause;
+}
+
+TEST_F(Doctor, StatesWhatACamerasFileSaysOfItself) {
+  CameraFile content{
+      .name = "camera",
+      .camera = {.width = 640, .height = 480, .fx = 525.0, .fy = 525.0, .cx = 319.5, .cy = 239.5}};
+  EXPECT_FALSE(diagnose_camera("camera.yaml", content).has_disagreement());
+  content.camera.cx = 639.5;  // of twice the resolution
+  const DiagnosisReport report = diagnose_camera("camera.yaml", content);
+  EXPECT_NE(rows_of(report, DiagnosisVerdict::disagrees).find("of another resolution"),
+            std::string::npos);
 }
 
 TEST_F(Doctor, NamesJointsInDegrees) {

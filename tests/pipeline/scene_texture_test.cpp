@@ -53,6 +53,13 @@ TEST(SceneTexture, ATagOfARecordingIsDecodedInTheCoarsestLevel) {
   const std::size_t level = scene->levels_of_detail_base.size() - 1;
   EXPECT_LE(scene->levels_of_detail_base[level].triangles.size(), 20'000U);
 
+  for (const SceneObject& object : scene->objects) {
+    ASSERT_TRUE(object.texture) << object.model.name;
+    EXPECT_GT(object.texture->seen_fraction, 0.3) << object.model.name;
+    EXPECT_LE(object.texture->width, BuildOptions().texture.bodies_edge);
+    EXPECT_EQ(object.texture->coordinates.size(), object.texture->mesh_object.vertices.size());
+  }
+
   const SceneTexture& texture = *scene->texture;
   ImageDecoder decoder;
   const ColorImage atlas =

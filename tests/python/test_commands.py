@@ -93,6 +93,27 @@ def test_build_identify_replay_evaluate_export(scene, push_folder, tmp_path, com
     assert {"scene.xml", "motion.csv", "run.py"} <= set(files_of(tmp_path / "world"))
 
 
+@pytest.mark.parametrize("format", ["mjcf", "urdf", "sdf", "usd", "moveit", "gltf", "ply", "obj", "stl"])
+def test_export_has_the_bytes_of_the_command(format, scene, tmp_path, command):
+    is_engine = format in ("mjcf", "urdf", "sdf", "usd")
+    pcavr.export(scene.folder, tmp_path / "by_python", format, assume=is_engine)
+    done = command("export", scene.folder, "--to", format, *(["--assume"] if is_engine else []),
+                   "-o", tmp_path / "by_command")
+    assert done.returncode == 0, done.stderr
+    assert files_of(tmp_path / "by_python") == files_of(tmp_path / "by_command")
+
+
+def test_data_set_has_the_bytes_of_the_command(push_folder, tmp_path, command):
+    stages = []
+    frames = pcavr.export_lerobot(push_folder, tmp_path / "by_python", fps=20,
+                                  progress=lambda *stage: stages.append(stage))
+    assert stages[-1] == ("episodes", 1, 1)
+    done = command("export", push_folder, "--to", "lerobot", "--fps", "20", "-o", tmp_path / "by_command")
+    assert done.returncode == 0, done.stderr
+    assert f"{frames} frames" in done.stdout
+    assert files_of(tmp_path / "by_python") == files_of(tmp_path / "by_command")
+
+
 def test_run_has_the_bytes_of_the_command(scene, push_folder, tmp_path, command):
     identified = pcavr.identify_recording(push_folder, scene=scene.folder)
     pcavr.write_parameters(tmp_path / "parameters.yaml", identified.parameters)
@@ -123,6 +144,12 @@ def test_bad_arguments(scene, push_folder, tmp_path):
         pcavr.evaluate(push_folder, push_folder / "truth")
     with pytest.raises(pcavr.Error, match="format"):
         pcavr.export(scene.folder, tmp_path / "world", "vrml")
+    with pytest.raises(pcavr.Error, match="friction"):
+        pcavr.export(scene.folder, tmp_path / "world", "obj", assume=True)
+    with pytest.raises(pcavr.Error, match="fps"):
+        pcavr.export_lerobot(push_folder, tmp_path / "set", fps=0)
+    with pytest.raises(pcavr.Error, match="recordings"):
+        pcavr.export_lerobot([], tmp_path / "set")
     with pytest.raises(pcavr.Error):
         pcavr.simulate("nothing", tmp_path / "recording")
     with pytest.raises(pcavr.Error):

@@ -59,3 +59,17 @@ def test_without_numpy_the_import_works_and_arrays_are_an_import_error():
               "except ImportError:\n    print('no numpy')\n")
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (0, "no numpy\n"), done.stderr
+
+
+@pytest.mark.parametrize("is_loaded_before", [True, False])
+def test_another_interpreter_of_the_process_is_refused(is_loaded_before):
+    script = (("import pcavr\n" if is_loaded_before else "") +
+              "import _xxsubinterpreters as interpreters\n"
+              "other = interpreters.create()\n"
+              "try:\n    interpreters.run_string(other, 'import pcavr')\n"
+              "except interpreters.RunFailedError as error:\n    print(error)\n"
+              "import pcavr\nprint(pcavr.World([], [0.0, 0.0, 1.0]).now)\n")
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    refusal, used = done.stdout.splitlines()
+    assert "ImportError" in refusal and "main interpreter" in refusal and used == "0.0"

@@ -71,3 +71,51 @@ def test_bad_arguments(arm, tmp_path):
         pcavr.Robot(tmp_path / "absent.urdf")
     with pytest.raises(pcavr.Error):
         pcavr.Robot(ARM.with_name("loop.urdf"))
+
+
+FRICTION = {"viscous": 2.0, "coulomb": 1.5}  # of each joint
+
+
+@pytest.fixture(scope="module")
+def log(arm):
+    """(t, q, tau) of 15 s in which all joints swing to and fro."""
+    t = np.arange(0.0, 15.0, 0.01)
+    phase = 2 * np.pi * np.outer(t, [0.31, 0.47, 0.23])[:, None, :] + np.arange(6)[:, None] * [1.0, 2.0, 0.5]
+    weight = np.array([0.35, 0.2, 0.4])
+    rate = 2 * np.pi * np.array([0.31, 0.47, 0.23])
+    q, dq = np.sin(phase) @ weight, np.cos(phase) @ (weight * rate)
+    ddq = -np.sin(phase) @ (weight * rate**2)
+    tau = np.array([arm.inverse_dynamics(*row) for row in zip(q, dq, ddq)])
+    noise = np.random.default_rng(3).normal(0.0, 0.02, tau.shape)
+    return t, q, tau + FRICTION["viscous"] * dq + FRICTION["coulomb"] * np.sign(dq) + noise
+
+
+def test_friction_of_joints_is_identified(arm, log, tmp_path):
+    found = pcavr.identify_robot(ARM, log)
+    assert [joint.name for joint in found.joints] == arm.joints and found.is_physical
+    assert any(each.is_excited for each in found.base_parameters) and found.payload is None
+    for joint in found.joints:
+        assert joint.held_out_relative < 0.1
+        for term, truth in FRICTION.items():
+            value, std = joint.equivalent[term]
+            assert value == pytest.approx(truth, rel=0.1) and 0.0 < std < truth
+    found.write_report(tmp_path / "report")
+    assert (tmp_path / "report" / "report.json").exists()
+    with pytest.raises(pcavr.Error):
+        found.write_report(tmp_path / "report")
+
+
+def test_bad_logs(log):
+    t, q, tau = log
+    hole = tau.copy()
+    hole[7, 2] = np.nan
+    for bad, named in [((t, q[:, :5], tau), "log"), ((t, q, tau[:-1]), "log tau"), ((t, q, hole), "log tau"),
+                       ((t[::-1], q, tau), "log t"), ((t[:20], q[:20], tau[:20]), "log")]:
+        with pytest.raises(pcavr.Error) as raised:
+            pcavr.identify_robot(ARM, bad)
+        assert raised.value.place.startswith(named), str(raised.value)
+    for wrong in [(t, q), 3, (t, q, None)]:
+        with pytest.raises(TypeError, match="log"):
+            pcavr.identify_robot(ARM, wrong)
+    with pytest.raises(pcavr.Error):
+        pcavr.identify_robot(ARM, log, gains=[1.0])

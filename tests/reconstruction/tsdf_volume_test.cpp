@@ -109,6 +109,20 @@ TEST(TsdfVolume, IgnoresAFrameBeyondTheBlockCoordinates) {
   EXPECT_TRUE(volume.extract_mesh(1.0, {1}).triangles.empty());
 }
 
+TEST(TsdfVolume, CountsNothingBehindTheCameraAsFree) {
+  TsdfVolume volume(TsdfOptions{kVoxel});
+  for (int i = 0; i < 2; ++i) integrate(volume, wall(), Pose());
+  const double before = surface_area(volume.extract_mesh(2.0, {1}));
+  ASSERT_GT(before, 0.5);
+  // With its back 5 cm from the wall: its blocks reach in front of the camera.
+  for (int i = 0; i < 10; ++i) {
+    integrate(volume, plane({0.0, 0.0, -1.0}, 0.5), looking_at({0.0, 0.0, 0.95}, {0.0, 0.0, 0.0}));
+  }
+  EXPECT_NEAR(area_nearer_than(volume.extract_mesh(2.0, {1}), 2.0F) -
+                  area_nearer_than(volume.extract_mesh(2.0, {1}), 0.5F),
+              before, 1e-3);
+}
+
 TEST(TsdfVolume, MeshesASphereWithoutHolesOrDuplicates) {
   const TriangleMesh mesh = fused_sphere(0.2, 1).extract_mesh(1.0, {1});
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;

@@ -9,8 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/manifest_parser.hpp"
 
 #include "support/source_folder.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace pcavr {
 namespace {
@@ -107,7 +109,93 @@ TEST(Manifest, StatesTheUnitOfAMesh) {
   }
   const auto refused = with(", unit: feet");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().hint, "write m, cm, mm or in");
+  EXPECT_EQ(refused.error().hint, "write m, cm, mm, in, or a number of metres");
+  EXPECT_EQ(with(", unit: 0.00102")->objects[0].mesh_unit, 0.00102);
+  EXPECT_FALSE(with(", unit: 0"));
+}
+
+TEST(Manifest, StatesTheDepthsOffsetAndWhereAMeshIsInTheTrackersFrame) {
+  const auto manifest = parse_manifest(
+      full_with("depth_scale: 5000", "depth_scale: 5000, depth_offset: -0.0125"), "m.yaml");
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  EXPECT_EQ(manifest->depth_offset, -0.0125);
+  EXPECT_EQ(parse_manifest(format_manifest(*manifest), "m.yaml")->depth_offset, -0.0125);
+  const auto tracked = parse_manifest(
+      full_with("movable: true",
+                "movable: true, tracked_to_object: {t: [0.01, 0, 0.02], q: [0, 0, 1, 0]}"),
+      "m.yaml");
+  ASSERT_TRUE(tracked) << tracked.error().to_string();
+  const auto again = parse_manifest(format_manifest(*tracked), "m.yaml");
+  ASSERT_TRUE(again) << again.error().to_string();
+  EXPECT_EQ(again->objects[0].T_tracked_object.translation().z(), 0.02);
+  EXPECT_EQ(again->objects[0].T_tracked_object.rotation().z(), 1.0);
+  EXPECT_FALSE(parse_manifest(full_with("depth_scale: 5000", "depth_scale: 5000, depth_offset: 3"),
+                              "m.yaml"));
+}
+
+class CalibratedManifest : public testing::Test {
+ protected:
+  static constexpr char kTags[] =
+      "format: pcavr-calibration/1\nkind: tags\nmarkers:\n"
+      "  - {family: tag36h11, id: 0, size: 0.15, role: base,\n"
+      "     pose: {t: [0.5, 0.3, 0], q: [0, 0, 0, 1]}}\n"
+      "accuracy:\n  - tag: tag36h11:0\n    covariance:\n";
+
+  [[nodiscard]] std::filesystem::path file(const char* name) const { return folder_.path() / name; }
+  Expected<Manifest> with(const std::string& calibration) const {
+    for (const char* name : {"robot.urdf", "box.obj"}) EXPECT_TRUE(write_file(file(name), "x"));
+    return parse_manifest(full_with("objects/box.obj", "box.obj") + "calibration: " + calibration,
+                          "m.yaml", folder_.path());
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(CalibratedManifest, TakesWhatEachCalibrationFound) {
+  std::string tags = kTags;
+  for (int row = 0; row < 6; ++row) {
+    tags += "      - [";
+    for (int column = 0; column < 6; ++column) {
+      tags += std::string(column > 0 ? ", " : "") + (row == column ? "4e-6" : "0");
+    }
+    tags += "]\n";
+  }
+  ASSERT_TRUE(write_file(file("tags.yaml"), tags));
+  ASSERT_TRUE(write_file(file("depth.yaml"),
+                         "format: pcavr-calibration/1\nkind: depth\ndepth_scale: 4900\n"
+                         "depth_offset: 0.004\n"));
+  ASSERT_TRUE(write_file(file("objects.yaml"),
+                         "format: pcavr-calibration/1\nkind: objects\nobjects:\n  - name: box\n"
+                         "    tracked_to_object: {t: [0, 0.1, 0], q: [0, 0, 0, 1]}\n"
+                         "    unit: 0.00101\n"));
+  const auto manifest = with("[tags.yaml, depth.yaml, objects.yaml]\n");
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  EXPECT_EQ(manifest->depth_scale, 4900.0);
+  EXPECT_EQ(manifest->depth_offset, 0.004);
+  EXPECT_EQ(manifest->objects[0].mesh_unit, 0.00101);
+  EXPECT_EQ(manifest->objects[0].T_tracked_object.translation().y(), 0.1);
+  ASSERT_EQ(manifest->markers.size(), 2U);
+  const MarkerEntry& tag = manifest->markers.back();
+  EXPECT_EQ(tag.size, 0.15);
+  EXPECT_TRUE(tag.covariance.isApprox(4e-6 * Matrix6d::Identity()));
+  EXPECT_TRUE(manifest->markers.front().covariance.isZero());
+}
+
+TEST_F(CalibratedManifest, NamesWhatIsWrongWithACalibration) {
+  const auto refused = [&](const std::string& text) {
+    EXPECT_TRUE(write_file(file("c.yaml"), text));
+    const auto manifest = with("c.yaml\n");
+    return manifest ? std::string() : manifest.error().to_string();
+  };
+  EXPECT_NE(refused(std::string(kTags) + "      - [-1, 0, 0, 0, 0, 0]\n").find("six rows"),
+            std::string::npos);
+  EXPECT_NE(refused("format: pcavr-calibration/1\nkind: touch\n").find("is 'touch'"),
+            std::string::npos);
+  EXPECT_NE(refused("format: pcavr-calibration/1\nkind: objects\nobjects:\n  - name: ball\n")
+                .find("'ball' is not declared"),
+            std::string::npos);
+  EXPECT_NE(
+      refused("format: pcavr-calibration/1\nkind: depth\ndepth_scale: 0\n").find("depth scale"),
+      std::string::npos);
 }
 
 TEST(Manifest, NeedsNoMoreThanItsFormat) {

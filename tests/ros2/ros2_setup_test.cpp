@@ -9,6 +9,7 @@
 #include "pcavr/base/core/output.hpp"
 
 #include "support/source_folder.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace pcavr {
 namespace {
@@ -46,6 +47,29 @@ command: {topic: /target, rate: 250, max_distance: 0.1}
   EXPECT_EQ(setup->camera->image.type, "sensor_msgs/msg/CompressedImage");
   EXPECT_EQ(setup->camera->tags, "folder/tags.yaml");
   EXPECT_EQ(setup->command_rate, 250.0);
+}
+
+TEST(Ros2Setup, ReadsWhatIsPublishedWithOrWithoutARobot) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "ros2.yaml";
+  const std::string begin = "format: pcavr-ros2/1\ndomain: 9\nbase_frame: table\n";
+  ASSERT_TRUE(write_file(file, begin + "publish: {prefix: /left/pcavr, rate: 20}\n"));
+  const auto publication = read_ros2_publication(file);
+  ASSERT_TRUE(publication) << publication.error().to_string();
+  EXPECT_EQ(publication->dds.domain, 9U);
+  EXPECT_EQ(publication->base_frame, "table");
+  EXPECT_EQ(publication->prefix, "/left/pcavr");
+  EXPECT_EQ(publication->rate, 20.0);
+  const std::string robot = begin + "tool: {topic: /pose}\n";
+  EXPECT_FALSE(parse_ros2_setup(robot, "ros2.yaml")->publication);
+  EXPECT_EQ(parse_ros2_setup(robot + "publish: {}\n", "ros2.yaml")->publication->prefix, "/pcavr");
+  ASSERT_TRUE(write_file(file, robot));
+  EXPECT_NE(read_ros2_publication(file).error().message.find("nothing to publish"),
+            std::string::npos);
+  for (const char* wrong : {"{prefix: no_slash}", "{rate: 0}", "{topic: /a}"}) {
+    ASSERT_TRUE(write_file(file, begin + "publish: " + wrong + "\n"));
+    EXPECT_FALSE(read_ros2_publication(file)) << wrong;
+  }
 }
 
 TEST(Ros2Setup, ReadsJointStatesInPlaceOfPoses) {

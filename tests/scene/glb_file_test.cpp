@@ -6,8 +6,8 @@
 
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/core/raw_bytes.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
 
-#include "perception/scene/display_mesh.hpp"
 #include "perception/scene/glb_writer.hpp"
 #include "scene/scene_builder.hpp"
 #include "support/temporary_folder.hpp"
@@ -137,6 +137,38 @@ TEST(GlbFile, SeparatesTheTextureOfANode) {
   const auto absent = read_node_glb(folder.path() / "a.glb", kUnseenSupportNode, "t.jpg");
   ASSERT_TRUE(absent) << absent.error().to_string();
   EXPECT_EQ(absent->triangles, 0U);
+}
+
+TEST(GlbFile, HasATextureForEachMesh) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> jpegs = {"\xFF\xD8 of the scan", "\xFF\xD8 of a box, longer"};
+  const std::vector<std::string> names = {kStaticMeshNode, "box"};
+  GlbWriter writer;
+  std::vector<int> nodes;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int mesh =
+        writer.add_textured_mesh(names[i], a_triangle(), {{0, 0}, {1, 0}, {0, 1}}, jpegs[i]);
+    nodes.push_back(writer.add_node(names[i], Pose(), mesh));
+  }
+  const int plain = writer.add_mesh("plain", a_box({1, 2, 3}), GlbMaterial::body);
+  nodes.push_back(writer.add_node("plain", Pose(), plain));
+  ASSERT_TRUE(write_file(folder.path() / "a.glb",
+                         writer.finish(writer.add_node("base", glb_root_pose(), -1), nodes)));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto separate = read_node_glb(folder.path() / "a.glb", names[i], "texture.jpg");
+    ASSERT_TRUE(separate) << separate.error().to_string();
+    EXPECT_EQ(separate->texture, jpegs[i]) << names[i];
+    const Glb glb(separate->bytes);
+    EXPECT_EQ(glb.document["meshes"].size(), 1U);
+    EXPECT_EQ(glb.document["images"], json::parse(R"([{"uri": "texture.jpg"}])"));
+    EXPECT_EQ(glb.at<float>("TEXCOORD_0", 2), 1.0F);
+    EXPECT_EQ(glb.at<float>("POSITION", 3), 1.0F);
+  }
+  const auto box = read_node_glb(folder.path() / "a.glb", "plain", "texture.jpg");
+  ASSERT_TRUE(box) << box.error().to_string();
+  EXPECT_TRUE(box->texture.empty());
+  EXPECT_FALSE(Glb(box->bytes).document.contains("images"));
+  EXPECT_EQ(box->triangles, 12U);
 }
 
 TEST(DisplayMesh, HasSharpEdgesForABox) {

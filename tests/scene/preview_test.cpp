@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/base/geometry/sharp_edges.hpp"
+#include "pcavr/perception/scene/palette.hpp"
 #include "pcavr/recordings/recording/image_codec.hpp"
 
 #include "scene/scene_builder.hpp"
@@ -229,6 +231,38 @@ TEST(Preview, ShowsTheTexture) {
   texture.coordinates = {
       std::vector<Eigen::Vector2f>(scene.mesh_base.vertices.size(), Eigen::Vector2f(0.5F, 0.5F))};
   EXPECT_GT(green(), 20'000);
+}
+
+TEST(Preview, ShowsTheTextureOfAnObjectOutlinedInItsColour) {
+  Scene scene = a_box_on_a_table();
+  ColorImage image(16, 16);
+  std::ranges::fill(image.pixels(), Rgb8{10, 220, 10});
+  const TriangleMesh box = with_sharp_edges(scene.objects[0].model.mesh_object);
+  scene.objects[0].texture =
+      BodyTexture{.jpeg = encode_color(image).value(),
+                  .mesh_object = box,
+                  .coordinates = std::vector<Eigen::Vector2f>(box.vertices.size(), {0.5F, 0.5F}),
+                  .width = 16,
+                  .height = 16};
+  const ColorImage picture = render_preview(scene, {1});
+  const auto count = [&](auto is_it) { return std::ranges::count_if(picture.pixels(), is_it); };
+  const Rgb8 color = object_color(0);
+  EXPECT_GT(count([](const Rgb8& c) { return c.g > 150 && c.r < 80 && c.b < 80; }), 2000);
+  EXPECT_GT(count([&](const Rgb8& c) { return c == color; }), 200);
+}
+
+TEST(Preview, ShowsTheArmWithoutHidingWhatIsBehindIt) {
+  Scene scene = a_box_on_a_table();
+  const ColorImage before = render_preview(scene, {1});
+  scene.robot.emplace();
+  scene.robot->links.push_back(
+      {"link", a_box({0.1F, 0.1F, 0.6F}), Pose::from_translation({0.3, 0.0, 0.3})});
+  const ColorImage after = render_preview(scene, {1});
+  std::size_t changed = 0;
+  for (std::size_t i = 0; i < after.pixels().size(); ++i) {
+    changed += after.pixels()[i] == before.pixels()[i] ? 0U : 1U;
+  }
+  EXPECT_GT(changed, 10'000U);
 }
 
 TEST(Preview, DrawsAnObjectInItsColour) {

@@ -10,6 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
+#include "pcavr/perception/scene/glb_file.hpp"
 #include "pcavr/perception/scene/ply_file.hpp"
 #include "pcavr/perception/scene/scene_text.hpp"
 #include "pcavr/recordings/recording/image_codec.hpp"
@@ -173,6 +175,38 @@ TEST_F(SceneBundle, StatesItsTexture) {
   EXPECT_EQ(read.color_camera.cy, texture.color_camera.cy);
   EXPECT_EQ(translation_distance(read.T_color_depth, texture.T_color_depth), 0.0);
   EXPECT_EQ(read.vignetting, texture.vignetting);
+}
+
+TEST_F(SceneBundle, HasTheTexturesOfItsObjectsInTheDisplayFile) {
+  EXPECT_FALSE(read_scene_manifest(folder_.path())->objects.at(0).texture);
+  Scene scene = a_box_on_a_table();
+  const TriangleMesh box = with_sharp_edges(scene.objects[0].model.mesh_object);
+  scene.objects[0].texture =
+      BodyTexture{.jpeg = encode_color(ColorImage(16, 8)).value(),
+                  .mesh_object = box,
+                  .coordinates = std::vector<Eigen::Vector2f>(box.vertices.size(), {0.5F, 0.5F}),
+                  .width = 16,
+                  .height = 8,
+                  .texel = 0.0012,
+                  .views = 5,
+                  .seen_fraction = 0.61};
+  const TemporaryFolder written;
+  ASSERT_TRUE(write_scene(scene, written.path(), {1}));
+  const auto manifest = read_scene_manifest(written.path());
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  ASSERT_TRUE(manifest->objects.at(0).texture);
+  const BodyTextureEntry& read = *manifest->objects[0].texture;
+  EXPECT_EQ(read.width, 16);
+  EXPECT_EQ(read.height, 8);
+  EXPECT_EQ(read.texel, 0.0012);
+  EXPECT_EQ(read.views, 5U);
+  EXPECT_EQ(read.seen_fraction, 0.61);
+  const auto node = read_node_glb(written.path() / "scene.glb", "box", "box.jpg");
+  ASSERT_TRUE(node) << node.error().to_string();
+  EXPECT_EQ(node->texture, scene.objects[0].texture->jpeg);
+  // The CAD file is as without a texture: whoever computes with it gets the same vertices.
+  EXPECT_EQ(read_file(written.path() / "objects/box.glb").value(),
+            read_file(folder_.path() / "objects/box.glb").value());
 }
 
 TEST_F(SceneBundle, StatesWhichWayIsUpWhereTheWorldFrameIsArbitrary) {

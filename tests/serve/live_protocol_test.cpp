@@ -43,6 +43,7 @@ LiveState a_state(Random& random, std::size_t objects) {
   state.can_undo_reset = random.below(2) == 1;
   state.is_tool_wanted = random.below(2) == 1;
   state.has_asked = random.below(2) == 1;
+  state.is_recording = random.below(2) == 1;
   if (random.below(5) > 0) state.touched_object = random.below(4);
   state.p_base_hip = vector(random);
   state.p_base_proxy = vector(random);
@@ -228,7 +229,7 @@ TEST(LiveProtocol, RejectsNumbersOutOfRange) {
   EXPECT_TRUE(is_rejected({.device = static_cast<LiveInputDevice>(4)}));
   EXPECT_TRUE(is_rejected({}, {0, 0.0}));
   EXPECT_TRUE(is_rejected({}, {1, std::numeric_limits<double>::infinity()}));
-  for (const std::uint32_t command : {0U, 13U, 0xffffffffU}) {
+  for (const std::uint32_t command : {0U, 15U, 0xffffffffU}) {
     EXPECT_FALSE(
         decode_page_message(encode(PageMessage{{1, 0.0}, static_cast<LiveCommand>(command)})));
   }

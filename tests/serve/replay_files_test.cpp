@@ -165,6 +165,44 @@ class ReplayLogTest : public testing::Test {
   ViewerScene scene_;
 };
 
+TEST_F(ReplayLogTest, HasTheRecordedJointsAndTheArmsDescription) {
+  scene_.urdf = "<robot name='arm'/>";
+  scene_.joints = {"shoulder", "elbow"};
+  JointLog log;
+  log.joints = {"1", "2"};
+  log.position = Eigen::MatrixXd(1000, 2);
+  for (int i = 0; i < 1000; ++i) {
+    log.t.push_back(0.001 * i);
+    log.stamps.push_back(Stamp::from_seconds(100.0 + log.t.back()));
+    log.position.row(i) << 0.001 * i, -1.0;
+  }
+  const Expected<std::uint64_t> written =
+      write_replay_log(file_, recording_, a_pushed_body(), scene_, {.rate = 100.0}, log);
+  ASSERT_TRUE(written) << written.error().to_string();
+  const test::ReadBag bag = test::read_all(open_bag(file_));
+  std::vector<RosJointState> states;
+  int descriptions = 0;
+  for (const test::ReadMessage& message : bag.messages) {
+    if (message.topic == "/robot_description") ++descriptions;
+    if (message.topic != "/joint_states") continue;
+    const auto state =
+        decode_ros_message({.name = "",
+                            .type = "sensor_msgs/msg/JointState",
+                            .encoding = "cdr",
+                            .schema_encoding = {},
+                            .schema = {}},
+                           std::span(reinterpret_cast<const std::uint8_t*>(message.payload.data()),
+                                     message.payload.size()));
+    ASSERT_TRUE(state) << state.error().to_string();
+    states.push_back(std::get<RosJointState>(*state));
+  }
+  EXPECT_EQ(descriptions, 1);
+  ASSERT_EQ(states.size(), 100U);
+  EXPECT_EQ(states[50].names, scene_.joints);
+  EXPECT_NEAR(states[50].position[0], 0.5, 1e-9);
+  EXPECT_EQ(states[50].position[1], -1.0);
+}
+
 TEST_F(ReplayLogTest, HasTheChannelsOfALiveSiteInTheOrderOfTime) {
   const Expected<std::uint64_t> written =
       write_replay_log(file_, recording_, a_pushed_body(), scene_);

@@ -11,7 +11,9 @@
 #include "pcavr/base/core/bytes.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/core/raw_bytes.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
 #include "pcavr/perception/scene/ply_file.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
 
 #include "scene/scene_builder.hpp"
 #include "serve/content_text.hpp"
@@ -86,6 +88,33 @@ TEST_F(SceneContentTest, HasAllFieldsThatThePageReads) {
   EXPECT_EQ(json["tags"][1]["size"], 0.05);
   EXPECT_EQ(json["support_planes"][0]["outline"].size(), 4U);
   EXPECT_EQ(json["cameras"].size(), 5U);
+}
+
+TEST_F(SceneContentTest, HasTheTexturesOfObjects) {
+  EXPECT_TRUE(json_of(*content_, "/api/scene.json")["objects"][0]["texture"].is_null());
+  Scene scene = a_scene();
+  for (SceneObject& object : scene.objects) {
+    const TriangleMesh box = with_sharp_edges(object.model.mesh_object);
+    object.texture = BodyTexture{
+        .jpeg = encode_color(ColorImage(16, object.model.name == "box" ? 16 : 8)).value(),
+        .mesh_object = box,
+        .coordinates = std::vector<Eigen::Vector2f>(box.vertices.size(), {0.5F, 0.5F}),
+        .width = 16,
+        .height = 8};
+  }
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_scene(scene, folder.path(), {1}));
+  const Expected<SceneContent> content = create(folder.path());
+  ASSERT_TRUE(content) << content.error().to_string();
+  const nlohmann::json json = json_of(*content, "/api/scene.json");
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const auto path = json["objects"][i]["texture"].get<std::string>();
+    EXPECT_TRUE(path.starts_with("/scene/objects/") && path.ends_with(".jpg")) << path;
+    EXPECT_EQ(body_of(*content, path), scene.objects[i].texture->jpeg);
+    const std::string glb = body_of(*content, json["objects"][i]["path"].get<std::string>());
+    EXPECT_NE(glb.find("TEXCOORD_0"), std::string::npos);
+    EXPECT_EQ(json["objects"][i]["bytes"], glb.size());
+  }
 }
 
 TEST_F(SceneContentTest, CountsBytesAsThePageReceivesThem) {

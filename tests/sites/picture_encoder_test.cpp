@@ -55,6 +55,28 @@ TEST(EncodePicture, IsCoarserAndThenSmallerWhereThereIsLess) {
   EXPECT_TRUE(decoder.color(bytes, {"picture", small->width, small->height}));
 }
 
+TEST(EncodePicture, HasTheCameraOfTheSmallerPicture) {
+  const CameraModel camera{.width = 640,
+                           .height = 480,
+                           .fx = 600.0,
+                           .fy = 602.0,
+                           .cx = 319.5,
+                           .cy = 239.5,
+                           .distortion = {0.1, -0.05, 0.001, 0.0, 0.0}};
+  int quality = 90;
+  const auto small = encode_picture({0.0, grainy(640, 480), camera}, 15'000, quality);
+  ASSERT_TRUE(small);
+  ASSERT_LT(small->width, 640);
+  ASSERT_TRUE(small->camera);
+  const double ratio = 640.0 / small->width;
+  EXPECT_NEAR(small->camera->fx, 600.0 / ratio, 1e-3);
+  EXPECT_NEAR(small->camera->fy, 602.0 / ratio, 1e-3);
+  EXPECT_NEAR(small->camera->cx, (319.5 + 0.5) / ratio - 0.5, 1e-3);
+  EXPECT_EQ(small->camera->lens, LensModel::plumb_bob);
+  EXPECT_EQ(small->camera->coefficients[1], -0.05F);
+  EXPECT_FALSE(encode_picture({0.0, ColorImage(64, 48)}, 15'000, quality)->camera);
+}
+
 TEST(EncodePicture, EndsWithTheCoarsestOne) {
   int quality = 90;
   const auto picture = encode_picture({0.0, grainy(640, 480)}, 200, quality);

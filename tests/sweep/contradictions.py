@@ -10,9 +10,12 @@ other programs), `logs` (clocks, rates, filters, losses). An input is a simulate
 or of an arm, or one of the folder `plants` of PCAVR_DATA where that is present; one in eight is left as it is.
 A trial fails where the command
 
-- succeeds with a value that is more than 4 of its stds off the truth,
+- succeeds with a value that is more than 4 of its stds off the truth, whether or not it names what is wrong,
 - succeeds without a word that names what is wrong, where the data contradict each other by a factor of 1.5 or more,
 - or refuses an input that is left as it is.
+
+The family `sound` has sound recordings of random rigs alone (sound_rigs): the command may refuse none, and `doctor`
+may not name a disagreement in any.
 
 Where the data of a recording do not show what is wrong, as the force's scale without accelerations, `doctor` has to
 say that it was not checked. The same seed and count give the same trials; `--only 17` runs the 17th alone and keeps
@@ -35,6 +38,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "bench"))
 import coverage
+import sound_rigs
 import sources
 import wrong_arms
 import wrong_recordings
@@ -44,6 +48,7 @@ from trial import Trial, run_shell
 
 MAX_STDS = 4.0
 MAX_FACTOR = 1.5  # contradictions from here on have to be named
+NOT_COMPARED = "the force's scale is not compared"  # a note of the command
 LEFT_AS_IT_IS = 0.125  # share of the trials
 ARM_COULOMB, ARM_VISCOUS = 1.5, 0.8  # of sources.arm_torques
 SIMULATED = (("push", ()), ("probe", ()), ("push", ("--wide",)), ("turn", ()), ("press", ()))
@@ -61,6 +66,7 @@ class Base:
     kind: str
     excites_mass: bool = False
     base_tags: int = 1
+    is_wide: bool = False  # sensors as in a workshop, with faults that are corrected
 
 
 @dataclasses.dataclass
@@ -179,10 +185,15 @@ def run_command(pcavr, base, recording, work):
     return Outcome(code, words_of(out, err), scores)
 
 
+def diagnosis(pcavr, recording, verdict):
+    """The rows of `doctor` with this verdict."""
+    _, out, _, _ = run_shell(pcavr, Trial("", ["--json", "doctor", recording], []))
+    return json.loads(out)[verdict] if out.strip() else []
+
+
 def not_checked(pcavr, recording):
     """What `doctor` could not check, in lower case."""
-    _, out, _, _ = run_shell(pcavr, Trial("", ["--json", "doctor", recording], []))
-    return json.dumps(json.loads(out)["not_checked"]).lower() if out.strip() else ""
+    return json.dumps(diagnosis(pcavr, recording, "not_checked")).lower()
 
 
 def faults_of(pcavr, recording, wrong, outcome):
@@ -191,10 +202,13 @@ def faults_of(pcavr, recording, wrong, outcome):
     if outcome.exit_code == 1:
         return [] if wrong else ["refused, although nothing is wrong"]
     is_named = wrong is not None and any(word in outcome.said for word in wrong.words)
+    if wrong and wrong.unchecked and NOT_COMPARED in outcome.said:
+        return []  # and what a wrong one would do to the result
     if wrong and wrong.unchecked and not is_named:
         row = wrong.unchecked
         return [] if row in not_checked(pcavr, recording) else [f"doctor does not say that {row} was not checked"]
-    found = [f"{where}: {z:.1f} std off, in silence" for z, where in outcome.scores if z > MAX_STDS and not is_named]
+    how = "although something is named" if is_named else "in silence"
+    found = [f"{where}: {z:.1f} std off, {how}" for z, where in outcome.scores if z > MAX_STDS]
     if wrong and wrong.factor >= MAX_FACTOR and not is_named:
         found.append(f"data contradict each other by {wrong.factor:.3g}, in silence")
     return found
@@ -223,7 +237,39 @@ def make_wrong(rng, family, pools, recording):
         shutil.rmtree(recording)  # it has nothing that could be wrong in this way
 
 
+def make_sound(pcavr, rng, private):
+    """A sound recording of a random rig, and what is special about it."""
+    if rng.random() < SHARES[2]:
+        path = private / "recording"
+        path.mkdir()
+        (path / "arm.urdf").write_text(sources.arm_urdf())
+        (path / "joints.csv").write_text(sources.arm_log(rng, rng.uniform(15.0, 30.0), rng.choice((100.0, 250.0, 500.0))))
+        return Base(path, "arm"), "arm"
+    is_scene = rng.random() < SHARES[1]
+    task, options = sound_rigs.scene_case(rng) if is_scene else sound_rigs.push_case(rng)
+    path = simulate(pcavr, private / "recording", task, rng.randint(1, 10**6), *options)
+    changes = [] if is_scene else sound_rigs.change_some(rng, path)
+    return Base(path, task, is_wide="--wide" in options), ", ".join([task, *options, *changes])
+
+
+def run_sound(arguments, work, number):
+    pcavr = arguments.pcavr.resolve()
+    rng = random.Random(f"{arguments.seed}/sound/{number}")
+    private = work / str(number)
+    private.mkdir()
+    base, name = make_sound(pcavr, rng, private)
+    outcome = run_command(pcavr, base, base.path, private)
+    faults = faults_of(pcavr, base.path, None, outcome)
+    if base.kind != "arm" and not base.is_wide:
+        faults += [f"doctor: {row}" for row in diagnosis(pcavr, base.path, "disagrees")]
+    if arguments.only is None:
+        shutil.rmtree(private, ignore_errors=True)
+    return number, dataclasses.replace(base, path=pathlib.Path(name)), base.kind, None, outcome, faults
+
+
 def run_one(arguments, pools, work, number):
+    if arguments.family == "sound":
+        return run_sound(arguments, work, number)
     family = list(FAMILIES)[number % len(FAMILIES)] if arguments.family == "all" else arguments.family
     rng = random.Random(f"{arguments.seed}/{family}/{number}")
     private = work / str(number)
@@ -248,7 +294,8 @@ def describe(number, base, name, wrong, outcome, faults):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pcavr", required=True, type=pathlib.Path, help="the command")
-    parser.add_argument("--family", choices=(*FAMILIES, "all"), default="all", help="all: one after the other")
+    parser.add_argument("--family", choices=(*FAMILIES, "sound", "all"), default="all",
+                        help="all: those that are wrong, one after the other")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--only", type=int, help="run this trial alone and keep its files")
@@ -260,8 +307,10 @@ def main():
     work = arguments.work or pathlib.Path(tempfile.mkdtemp(prefix="pcavr-contradictions-"))
     sound = work / "sound"
     sound.mkdir(parents=True)
-    pools = (make_pushes(arguments.pcavr.resolve(), sound, arguments.seed),
-             make_scenes(arguments.pcavr.resolve(), sound, arguments.seed), make_arms(sound, arguments.seed))
+    pcavr = arguments.pcavr.resolve()
+    pools = () if arguments.family == "sound" else (
+        make_pushes(pcavr, sound, arguments.seed), make_scenes(pcavr, sound, arguments.seed),
+        make_arms(sound, arguments.seed))
     numbers = [arguments.only] if arguments.only is not None else range(arguments.count)
     failed, kinds = 0, collections.Counter()
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:

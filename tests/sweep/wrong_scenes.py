@@ -38,7 +38,8 @@ def number_times(key, factor):
 def tag_size(rng, recording, base):
     factor = either_way(rng, 1.02, 2.2)
     role = rng.choice(("base", "object"))
-    edit_marker(rng, recording, role, lambda text, t, q: re.sub(*number_times("size", factor), text))
+    if not edit_marker(rng, recording, role, lambda text, t, q: re.sub(*number_times("size", factor), text)):
+        return None
     return Wrong(f"size of a {role} tag times {factor:.3g}", TAG + ("size", "depth"), max(factor, 1.0 / factor))
 
 
@@ -51,18 +52,21 @@ def tag_pose(rng, recording, base):
         return with_pose(text, pose[:3], pose[3:])
 
     role = "base" if base.base_tags > 1 and rng.random() < 0.5 else "object"
-    edit_marker(rng, recording, role, moved)
+    if not edit_marker(rng, recording, role, moved):
+        return None
     return Wrong(f"pose of a {role} tag off by {size:.1f} mm, {angle:.0f} degrees", TAG + ("pose", "surface", "depth"))
 
 
 def tag_w_first(rng, recording, base):
     role = rng.choice(("base", "object"))
-    edit_marker(rng, recording, role, lambda text, t, q: with_pose(text, t, [q[3], *q[:3]]))
+    if not edit_marker(rng, recording, role, lambda text, t, q: with_pose(text, t, [q[3], *q[:3]])):
+        return None
     return Wrong(f"quaternion of a {role} tag w first", TAG + ("upright", "vertical", "level", "quaternion", "depth"))
 
 
 def tag_ids(rng, recording, base):
-    edit_manifest(recording, r"\bid: 5\b", lambda m: "id: 905")
+    if not edit_manifest(recording, r"\bid: 5\b", lambda m: "id: 905"):
+        return None
     edit_manifest(recording, r"\bid: 6\b", lambda m: "id: 5")
     edit_manifest(recording, r"\bid: 905\b", lambda m: "id: 6")
     return Wrong("ids of two tags exchanged", TAG + ("size", "depth"))

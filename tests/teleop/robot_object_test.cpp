@@ -69,16 +69,16 @@ TEST(RobotObject, TakesTheNewestFrameWhenASlowSlideIsNoticed) {
   for (double t = 0.0; t < 4.0; t += kSlowInterval) {
     push.advance();
     if (t >= next_frame) {
-      object.add_tracked({t, push.T_base_object(), 0.001, 0.010});
+      object.pose().add_tracked({t, push.T_base_object(), 0.001, 0.010});
       next_frame += kSlowFrameInterval;
     }
-    object.update_tracking(t, 0.0);
+    object.pose().update_tracking(t, 0.0);
     const Eigen::Vector3d p_base_tip(push.tip, 0.0, 0.03);
     const Eigen::Vector3d force_base(push.force, 0.0, 0.0);
-    object.monitor.step({t, p_base_tip, force_base, Eigen::Vector3d::UnitX(), true}, std::nullopt,
-                        0.0);
+    object.monitor().step({t, p_base_tip, force_base, Eigen::Vector3d::UnitX(), true}, std::nullopt,
+                          0.0);
     const PoseEstimate estimate = object.estimate_pose({t, p_base_tip, force_base}, {});
-    if (object.monitor.phase() != MotionPhase::sliding) continue;
+    if (object.monitor().phase() != MotionPhase::sliding) continue;
     EXPECT_GT(push.yaw, 0.1 * kTurnRate) << "noticed late";
     EXPECT_NEAR(heading_of(estimate.T_base_object), push.yaw, 1.1 * kSlowFrameInterval * kTurnRate);
     return;
@@ -114,16 +114,16 @@ double estimated_x(const RestingTip& given) {
   for (double t = 0.0; t < 4.0; t += kSlowInterval) {
     depth = std::min(depth + kTipSpeed * kSlowInterval, max_depth);
     if (t >= next_frame) {
-      object.add_tracked(
+      object.pose().add_tracked(
           {t, Pose::from_translation({given.tracked_offset, 0.0, 0.03}), given.tracked_std, 0.010});
       next_frame += kSlowFrameInterval;
     }
-    object.update_tracking(t, 0.0);
+    object.pose().update_tracking(t, 0.0);
     const Eigen::Vector3d p_base_tip(depth - kSlowHalf - kTipRadius, 0.0, 0.03);
     const Eigen::Vector3d force_base(kFoamStiffness * std::pow(std::max(depth, 0.0), kFoamExponent),
                                      0.0, 0.0);
-    object.monitor.step({t, p_base_tip, force_base, Eigen::Vector3d::UnitX(), true}, std::nullopt,
-                        0.0);
+    object.monitor().step({t, p_base_tip, force_base, Eigen::Vector3d::UnitX(), true}, std::nullopt,
+                          0.0);
     x = object.estimate_pose({t, p_base_tip, force_base}, {}).T_base_object.translation().x();
   }
   return x;
@@ -154,14 +154,15 @@ class RestingBox {
     for (int i = 0; i < frames; ++i, t_ += kSlowFrameInterval) {
       const Eigen::Vector3d noise(random_.normal(), random_.normal(), random_.normal());
       const Eigen::Vector3d shift(x + (i == 0 ? outlier : 0.0), 0.0, 0.03);
-      object_.add_tracked({t_, Pose::from_translation(shift + 2e-4 * noise), position_std_, 0.002});
-      object_.update_tracking(t_, 0.0);
+      object_.pose().add_tracked(
+          {t_, Pose::from_translation(shift + 2e-4 * noise), position_std_, 0.002});
+      object_.pose().update_tracking(t_, 0.0);
     }
     return object_.estimate_pose({t_, {-1.0, 0.0, 0.03}, Eigen::Vector3d::Zero()}, {})
                .T_base_object.translation() -
            Eigen::Vector3d(0.0, 0.0, 0.03);
   }
-  [[nodiscard]] const TrackedPose& latest() const { return object_.latest(); }
+  [[nodiscard]] const TrackedPose& latest() const { return object_.pose().latest(); }
 
  private:
   TeleopObject box_ = slow_box();

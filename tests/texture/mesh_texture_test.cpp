@@ -306,5 +306,51 @@ TEST(MeshTexture, IsEmptyWithoutViews) {
   EXPECT_EQ(levels[0].vertices.size(), wall_levels()[0].vertices.size());
 }
 
+// A camera that stands still, before which the wall moves, masked as all that moves.
+TEST(BodyTexture, IsPaintedFromTheViewsOfABodyThatMoves) {
+  std::vector<TextureView> views = take_views(blobs);
+  std::vector<BodyView> seen_in;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    seen_in.push_back({i, views[i].T_base_camera});
+    views[i].T_base_camera = Pose();
+    views[i].is_dynamic = MaskImage(views[i].depth.width(), views[i].depth.height(), 1);
+  }
+  TriangleMesh body = test::wall_mesh(30, 20);
+  MeshTexture scene;
+  scene.registration.camera = wall_camera();
+  const MeshTexture texture = paint_body(body, views, seen_in, scene, 512, DepthNoise(), {}, {2});
+  ASSERT_FALSE(texture.empty());
+  EXPECT_LE(texture.image.width(), 512);
+  EXPECT_LE(texture.image.height(), 512);
+  EXPECT_GT(texture.seen_fraction, 0.95);
+  EXPECT_EQ(texture.coordinates.front().size(), body.vertices.size());
+  for (double x = -0.2; x < 0.2; x += 0.017) {
+    for (double y = -0.13; y < 0.13; y += 0.013) {
+      const Eigen::Vector3d difference = texture_at(texture, body, 0, x, y) - blobs(x, y);
+      EXPECT_LT(difference.cwiseAbs().maxCoeff(), 10.0) << x << ", " << y;
+    }
+  }
+}
+
+TEST(BodyTexture, HasTheExposuresThatWereFoundForTheScene) {
+  const auto gray = [](double, double) { return Eigen::Vector3d::Constant(100.0).eval(); };
+  const std::vector<TextureView> views = {take_view(wall_views()[0], gray)};
+  TriangleMesh body = test::wall_mesh(1, 1);
+  MeshTexture scene;
+  scene.registration.camera = wall_camera();
+  scene.exposures = {{Eigen::Vector3f::Constant(1.5F), Eigen::Vector3f::Constant(10.0F)}};
+  const MeshTexture texture =
+      paint_body(body, views, {{0, views[0].T_base_camera}}, scene, 256, DepthNoise(), {}, {1});
+  EXPECT_NEAR(texture_at(texture, body, 0, 0.0, 0.0).x(), 160.0, 2.0);
+}
+
+TEST(BodyTexture, IsEmptyWhereNoViewShowsTheBody) {
+  TriangleMesh body = test::wall_mesh(1, 1);
+  MeshTexture scene;
+  scene.registration.camera = wall_camera();
+  EXPECT_TRUE(paint_body(body, take_views(blobs), {}, scene, 256, DepthNoise(), {}, {1}).empty());
+  EXPECT_EQ(body.vertices.size(), 4U);
+}
+
 }  // namespace
 }  // namespace pcavr

@@ -41,6 +41,8 @@ export const Command = {
   undoReset: 10,
   handOver: 11,
   keep: 12,
+  startRecording: 13,
+  stopRecording: 14,
 } as const;
 export type Command = (typeof Command)[keyof typeof Command];
 
@@ -66,11 +68,13 @@ export interface Welcome {
   tool_radius: number; // [m]
   rate: number; // [Hz] of the world
   device: string;
+  can_record?: boolean; // sessions, at a page's request
 }
 
 export interface Notice {
   level: 'info' | 'warning' | 'error';
   text: string;
+  about?: 'recording';
 }
 
 export interface ObjectState {
@@ -114,6 +118,7 @@ export interface LiveState {
   canUndoReset: boolean; // since the last reset no body was touched
   isToolWanted: boolean; // this page has the tool, and another one asks for it
   hasAsked: boolean; // this page has asked for the tool
+  isRecording: boolean; // the server writes the session to a folder
   touchedObject: number; // -1: none
   hip: Vector; // haptic interface point: where the hand is
   proxy: Vector; // god-object: the tool's sphere, kept outside of all surfaces
@@ -207,6 +212,7 @@ export function readState(buffer: ArrayBuffer): LiveState | null {
     canUndoReset: (flags & 128) !== 0,
     isToolWanted: (flags & 0x10000) !== 0,
     hasAsked: (flags & 0x20000) !== 0,
+    isRecording: (flags & 0x40000) !== 0,
     touchedObject: view.getInt32(20, true),
     hip: readVector(view, 24),
     proxy: readVector(view, 36),

@@ -152,6 +152,12 @@ test('a link gives the measured poses and force beside the predicted ones', limi
   const all = [...viewer.topics.values()];
   await until(() => all.every(({ newest }) => newest), 'a message of every channel', 30_000);
   assert.deepEqual([...viewer.newest('/camera/image/compressed').data.slice(0, 2)], [0xff, 0xd8]);
+  const camera = viewer.newest('/camera/camera_info');
+  assert.ok(camera.width > 0 && camera.height > 0);
+  const [fx, , cx, , fy, cy] = camera.k;
+  assert.ok(fx > 0.3 * camera.width && Math.abs(fx / fy - 1) < 0.05, `fx ${fx}, fy ${fy}`);
+  assert.ok(Math.abs(cx - camera.width / 2) < 0.1 * camera.width, `cx ${cx}`);
+  assert.ok(Math.abs(cy - camera.height / 2) < 0.1 * camera.height, `cy ${cy}`);
   const link = () => viewer.newest('/diagnostics').status.find(({ name }) => name === 'link');
   await until(() => link().message === 'connected', 'the link', 30_000);
   for (const topic of viewer.topics.keys()) {

@@ -77,3 +77,58 @@ test('a recorded live session is read by replay, evaluate and the page', limit, 
     await shown.stop();
   }
 });
+
+test(
+  'a session is recorded by the button on the page, which says where it went',
+  limit,
+  async () => {
+    const folder = path('by-page');
+    const server = await serve(
+      ...[made.scene, '--parameters', made.parameters, '--recordings', folder],
+    );
+    servers.push(server);
+    const browser = await openBrowser();
+    try {
+      const { page, seen } = await openPage(browser.context, server.url);
+      await loaded(page);
+      const place = page.locator('#recording-place');
+      for (const name of ['recording_001', 'recording_002']) {
+        await page.getByRole('button', { name: 'Record session' }).click();
+        const stop = page.getByRole('button', { name: 'Stop recording' });
+        await stop.waitFor();
+        assert.equal(await stop.getAttribute('aria-pressed'), 'true');
+        assert.equal(await place.textContent(), `recording to ${folder}/${name}`);
+        if (name === 'recording_001') {
+          await pushABox(server.url);
+          await screenshot(page, 'recording-by-page');
+        }
+        await stop.click();
+        await page.getByRole('button', { name: 'Record session' }).waitFor();
+        await page.waitForFunction(() =>
+          document.querySelector('#recording-place').textContent.startsWith('recorded '),
+        );
+        assert.match(
+          await place.textContent(),
+          new RegExp(`^recorded [\\d.]+ s to ${folder}/${name}$`),
+        );
+      }
+      assert.deepEqual(seen.errors, []);
+    } finally {
+      await browser.close();
+    }
+    const replayed = run(
+      'replay',
+      `${folder}/recording_001`,
+      '--scene',
+      made.scene,
+      '-o',
+      path('run2'),
+    );
+    assert.ok(replayed, 'a result');
+    const rows = readFileSync(join(folder, 'recording_001', 'tool.csv'), 'utf8')
+      .trim()
+      .split('\n');
+    const [first, last] = [rows[1], rows.at(-1)].map((row) => Number(row.split(',')[0]));
+    assert.ok(last - first > 4, `${last - first} s of the push`);
+  },
+);

@@ -29,10 +29,9 @@ const missing = [
   [existsSync(process.env.PCAVR_COMMAND ?? ''), 'the pcavr command in PCAVR_COMMAND'],
   [existsSync(`${page}/index.html`), `the built page in ${page}: npm run build`],
   [existsSync(report), `the reports' built page in ${report}: npm run build`],
-  ...['playwright-core', 'iwer', 'ws', '@foxglove/ws-protocol', 'axe-core'].map((name) => [
-    hasPackage(name),
-    `${name}: npm ci`,
-  ]),
+  ...['playwright-core', 'iwer', 'ws', '@foxglove/ws-protocol', '@mcap/core', 'axe-core'].map(
+    (name) => [hasPackage(name), `${name}: npm ci`],
+  ),
 ].filter(([isPresent]) => !isPresent);
 
 if (missing.length > 0) {

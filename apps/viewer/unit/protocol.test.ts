@@ -37,6 +37,7 @@ const state: LiveState = {
   canUndoReset: true,
   isToolWanted: true,
   hasAsked: false,
+  isRecording: true,
   touchedObject: -1,
   hip: [0.5, -0.25, 0.125],
   proxy: [0.5, -0.25, 0.25],
@@ -179,7 +180,7 @@ test('the layout of a state matches the protocol byte for byte', () => {
   assert.equal(view.getUint8(5), 2);
   assert.equal(view.getUint32(12, true), 104 + 2 * 48);
   assert.equal(view.getFloat64(16, true), 12.5);
-  assert.equal(view.getUint32(24 + 16, true), 1 | 4 | 16 | 128 | 65536 | (25 << 8));
+  assert.equal(view.getUint32(24 + 16, true), 1 | 4 | 16 | 128 | 65536 | 262144 | (25 << 8));
   assert.equal(view.getInt32(24 + 20, true), -1);
   assert.equal(view.getFloat32(24 + 24, true), 0.5);
   assert.equal(view.getFloat32(24 + 56, true), 8);

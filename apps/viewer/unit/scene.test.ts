@@ -2,8 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { BoxGeometry, Matrix4, PerspectiveCamera, Ray, Vector3 } from 'three';
+import {
+  BoxGeometry,
+  LineBasicMaterial,
+  LineSegments,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  PerspectiveCamera,
+  Ray,
+  Raycaster,
+  Texture,
+  Vector3,
+} from 'three';
 import { Body } from '../src/scene/bodies';
+import { joinedNormals } from '../src/scene/body_outline';
 import { isHidden } from '../src/scene/hidden';
 import { DragPlane } from '../src/input/drag_plane';
 import { linearColors, readGrid } from '../src/scene/cells';
@@ -188,12 +201,20 @@ test('a concave support is not below a point in its notch', () => {
 });
 
 /// A cube of 0.1 m at x [m].
-function cube(name: string, x: number): Body {
+function cube(name: string, x: number, map: Texture | null = null): Body {
   const quaternion: Quaternion = [0, 0, 0, 1];
-  const properties = { path: '', bytes: 0, mass: 1, movable: true, evidence: '', parameters: {} };
+  const properties = {
+    path: '',
+    bytes: 0,
+    texture: null,
+    mass: 1,
+    movable: true,
+    evidence: '',
+    parameters: {},
+  };
   const body = new Body({ name, position: [x, 0, 0], quaternion, ...properties }, 0);
   const geometry = new BoxGeometry(0.1, 0.1, 0.1);
-  body.addParts([{ geometry, matrix: new Matrix4(), color: null, hasTexture: false }]);
+  body.addParts([{ geometry, matrix: new Matrix4(), color: null, hasTexture: map !== null }], map);
   body.solid.updateMatrixWorld(true);
   return body;
 }
@@ -208,4 +229,40 @@ test('a body behind another one of its size is hidden, one that looks out is not
   assert.ok(!isHidden(behind, [behind], near));
   // Bodies that touch: each has a side that is seen.
   assert.ok(!isHidden(cube('d', 0.1), [front, cube('d', 0.1)], new Vector3(0.1, 1, 0)));
+});
+
+test('the corners of an outline point away from the body, with all their faces', () => {
+  const box = new BoxGeometry(0.1, 0.1, 0.1);
+  const joined = joinedNormals(box);
+  const { position } = box.attributes;
+  for (let i = 0; i < position.count; ++i) {
+    const corner = new Vector3().fromBufferAttribute(position, i).normalize();
+    const normal = new Vector3().fromBufferAttribute(joined, i);
+    assert.ok(normal.distanceTo(corner) < 1e-5, `vertex ${i}`);
+  }
+});
+
+test('a body with a texture is drawn with it, outlined in its colour, pointed at as one', () => {
+  const map = new Texture();
+  const body = cube('a', 0, map);
+  const meshes = body.solid.children.filter((child): child is Mesh => child instanceof Mesh);
+  const materials = meshes.map(({ material }) => material as MeshBasicMaterial);
+  assert.deepEqual(
+    materials.map((material) => material.map),
+    [map, null],
+  );
+  assert.equal(`#${materials[1].color.getHexString()}`, body.color);
+  const edges = body.solid.children.find((child) => child instanceof LineSegments)!;
+  const edgeColor = () =>
+    ((edges as LineSegments).material as LineBasicMaterial).color.getHexString();
+  assert.equal(`#${edgeColor()}`, body.color);
+  body.setPhase('sliding', false);
+  assert.notEqual(`#${edgeColor()}`, body.color, 'its edges show its phase');
+  const ray = new Raycaster(new Vector3(1, 0.01, 0.02), new Vector3(-1, 0, 0));
+  assert.equal(
+    ray.intersectObject(body.solid).filter(({ object }) => object instanceof Mesh).length,
+    1,
+  );
+  const painted = cube('b', 0).solid.children.filter((child) => child instanceof Mesh);
+  assert.equal(painted.length, 1, 'without a texture there is no outline');
 });

@@ -43,7 +43,8 @@ export function writeState(sequence: number, clock: number, state: LiveState): A
       (Math.round(100 * state.timeScale) << 8) |
         (state.canUndoReset ? 128 : 0) |
         (state.isToolWanted ? 0x10000 : 0) |
-        (state.hasAsked ? 0x20000 : 0),
+        (state.hasAsked ? 0x20000 : 0) |
+        (state.isRecording ? 0x40000 : 0),
     ),
   );
   view.setInt32(headerBytes + 20, state.touchedObject, true);

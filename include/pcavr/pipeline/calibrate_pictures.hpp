@@ -34,6 +34,19 @@ enum class CameraFormat { pcavr, ros, opencv, kalibr };
                                                   const std::string& pictures, const Board& board,
                                                   CameraFormat format);
 
+/// How far apart views have the same surfaces, by their depth and the poses of the rig.
+struct DepthAgreement {
+  std::size_t views = 0, pairs = 0;   ///< ordered pairs of views that overlap
+  double median = 0.0;                ///< [m] of all points to the nearest of the other view
+  double least = 0.0, largest = 0.0;  ///< [m] of the pairs' medians
+};
+/// Compares depth images (16-bit PNG, aligned to the pictures, in a folder that may be named by
+/// what its files' names begin with) of the same numbers as the rig's pictures, up to 1.5 times the
+/// board's distance and 5 cm apart. An Error where fewer than two are there, or none overlap.
+[[nodiscard]] Expected<DepthAgreement> compare_depth(const PictureRig& rig, const Board& board,
+                                                     const std::string& depth_images,
+                                                     double units_per_metre);
+
 /// A calibration of kind hand-eye, with the camera, if it was estimated, and each view's pose.
 [[nodiscard]] std::string format_picture_rig(const PictureRig& found, const PoseInput& robot,
                                              const std::string& pictures, const Board& board);

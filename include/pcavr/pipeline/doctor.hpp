@@ -9,6 +9,7 @@
 #include "pcavr/pipeline/perception_options.hpp"
 #include "pcavr/recordings/bag_import/bag_selection.hpp"
 #include "pcavr/recordings/bag_import/bag_survey.hpp"
+#include "pcavr/recordings/recording/camera_file.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 
 namespace pcavr {
@@ -42,6 +43,16 @@ struct DiagnosisReport {
 /// survey.
 [[nodiscard]] DiagnosisReport diagnose_bag(const std::filesystem::path& bag,
                                            const BagSurvey& survey, const BagSelection& selection);
+
+/// Checks what a camera's file states of itself: field of view, square pixels, principal point.
+[[nodiscard]] DiagnosisReport diagnose_camera(const std::filesystem::path& file,
+                                              const CameraFile& content);
+
+/// The report on a recording that can't be read even where its bad rows are left out: the first
+/// error, and what could not be checked for it.
+[[nodiscard]] DiagnosisReport diagnose_unreadable(const Error& error);
+/// The same, for one of which the rest can be read: the error comes first.
+void add_unreadable(const Error& error, DiagnosisReport& report);
 
 /// The command line that imports the bag, with the options whose files the bag lacks.
 [[nodiscard]] std::string import_command(const std::filesystem::path& bag,

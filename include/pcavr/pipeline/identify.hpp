@@ -36,6 +36,7 @@ struct IdentificationInput {
   std::vector<Eigen::Matrix3d> tip_covariance_base = {};
   std::vector<double> t_force;
   std::vector<Eigen::Vector3d> force_base;  ///< that the tool exerts [N]
+  double force_direction_std = 0.0;         ///< [rad] by a calibration of the sensor; 0: not known
   ParameterTable known = {};                ///< identified earlier; new results replace it
   std::vector<SkippedRows> left_out = {};   ///< rows and frames of the recording
   std::vector<std::string> notes = {};      ///< what was put right in the streams

@@ -108,8 +108,14 @@ struct TrackedFileOptions {
   /// Times are seconds from here: exact from a recording's start, but only to 0.2 us since 1970
   /// (double).
   Stamp zero = {};
-  bool skip_bad = false;  ///< skip and count bad rows of tracked.txt instead of failing
+  bool skip_bad = false;       ///< skip and count bad rows of tracked.txt instead of failing
+  Pose T_tracked_object = {};  ///< of the mesh in the frame that the folder's poses are of
 };
+
+/// TrackedFileOptions::T_tracked_object: the recording's own `tracked` has the poses of the
+/// tracker's frame, a run's folder those of the mesh.
+[[nodiscard]] Pose tracked_to_object(const Recording& recording,
+                                     const std::filesystem::path& folder, const std::string& name);
 
 /// Reads objects/NAME/tracked.txt of a run, with the stds from tracking.csv next to
 /// it (1 mm and 10 mrad where that file is absent). Poses that a tracker repeated are left out

@@ -57,11 +57,13 @@ enum class LiveCommand : std::uint32_t {
   release_tool,
   slower,  ///< the next slower of kTimeScales
   faster,
-  emergency_stop,  ///< the tool is disengaged and stays where it is
-  release_stop,    ///< of the emergency stop: the world is then on hold
-  undo_reset,      ///< until a body is touched
-  hand_over_tool,  ///< to the first page that has asked for it
-  keep_tool        ///< refuses those that have asked for it
+  emergency_stop,   ///< the tool is disengaged and stays where it is
+  release_stop,     ///< of the emergency stop: the world is then on hold
+  undo_reset,       ///< until a body is touched
+  hand_over_tool,   ///< to the first page that has asked for it
+  keep_tool,        ///< refuses those that have asked for it
+  start_recording,  ///< into a folder of its own, which a notice names
+  stop_recording
 };
 /// Time scales that pages choose from.
 inline constexpr double kTimeScales[] = {0.1, 0.25, 0.5, 1.0};
@@ -89,6 +91,7 @@ struct LiveWelcome {
   double tool_radius = 0.01;  ///< [m]
   double rate = 72.0;         ///< [Hz] at which states are sent
   std::string device = {};    ///< name of the device that moves the tool
+  bool can_record = false;    ///< at a page's request
 };
 
 struct LiveObject {
@@ -160,6 +163,7 @@ struct LiveState {
   bool can_undo_reset = false;
   bool is_tool_wanted = false;  ///< the receiving page has the tool, and another one asks for it
   bool has_asked = false;       ///< the receiving page has asked for the tool
+  bool is_recording = false;    ///< as a page has requested
   std::optional<std::size_t> touched_object;
   Eigen::Vector3f p_base_hip = Eigen::Vector3f::Zero();
   Eigen::Vector3f p_base_proxy = Eigen::Vector3f::Zero();
@@ -183,6 +187,7 @@ enum class LiveLevel { info, warning, error };
 struct LiveNotice {
   LiveLevel level = LiveLevel::info;
   std::string text;
+  std::string about = {};  ///< "recording": where a recording goes or went; else empty
 };
 
 struct LivePong {

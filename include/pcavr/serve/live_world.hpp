@@ -89,6 +89,12 @@ class LiveWorld final : public PageWorld {
   /// Each cycle is added to the recorder, which must outlive the thread. Before start().
   void record(SessionRecorder& recorder) noexcept;
 
+  /// A further recorder, from the next cycle on, while the thread runs or before. Null ends that:
+  /// returns when no cycle uses the one before. One thread at a time.
+  void switch_recorder(SessionRecorder* recorder) noexcept;
+  /// What pages start and stop recordings by; must outlive what serves them. Before start().
+  void offer(PageRecorder& recorder) noexcept;
+
   /// Starts the thread with real-time priority (SCHED_FIFO) and locked memory (mlockall), if
   /// permitted; if not, runs without and returns a note. Call once.
   [[nodiscard]] Expected<std::vector<std::string>> start();
@@ -109,6 +115,7 @@ class LiveWorld final : public PageWorld {
   void undo_reset() noexcept override;
   void set_time_scale(double scale) noexcept override;
   [[nodiscard]] double time_scale() const noexcept override;
+  [[nodiscard]] PageRecorder* recorder() noexcept override;
   [[nodiscard]] const WorldSnapshot& newest() noexcept override;
 
  private:

@@ -20,6 +20,8 @@
 
 namespace pcavr {
 
+class PageRecorder;
+
 /// The link to a robot's site, in a snapshot. Times [s] are CLOCK_MONOTONIC.
 struct LinkSnapshot {
   bool is_connected = false;            ///< false: the robot holds, and the clutch is open
@@ -29,8 +31,11 @@ struct LinkSnapshot {
   double clock_std = 0.0;               ///< [s] of the shared clock
   std::optional<LinkState> robot = {};  ///< its newest state, of this session or of the last one
   std::optional<DelayStamps> delays = {};
-  std::uint32_t picture = 0;  ///< number of the newest one of the robot's camera; 0: none
-  double picture_age = 0.0;   ///< [s]
+  std::uint32_t picture = 0;         ///< number of the newest one of the robot's camera; 0: none
+  double picture_age = 0.0;          ///< [s]
+  std::uint16_t picture_width = 0;   ///< [px]
+  std::uint16_t picture_height = 0;  ///< [px]
+  std::optional<LinkPictureCamera> picture_camera = {};
 };
 
 /// The world at the end of one cycle, with timing statistics.
@@ -81,6 +86,9 @@ class PageWorld {
   /// Sets the time scale, clamped to 0.1 to 1. Takes effect with the next cycle.
   virtual void set_time_scale(double scale) noexcept = 0;
   [[nodiscard]] virtual double time_scale() const noexcept = 0;
+
+  /// What records it at a page's request; null where nothing does.
+  [[nodiscard]] virtual PageRecorder* recorder() noexcept { return nullptr; }
 
   /// The newest snapshot; valid until the next call. One thread at a time.
   [[nodiscard]] virtual const WorldSnapshot& newest() noexcept = 0;

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/geometry/camera.hpp"
 #include "pcavr/base/geometry/image.hpp"
 #include "pcavr/base/geometry/pose.hpp"
 #include "pcavr/simulation/simulate.hpp"
@@ -27,6 +28,8 @@ class PlantCamera {
   PlantCamera& operator=(PlantCamera&&) noexcept;
   ~PlantCamera();
 
+  /// Of the pictures.
+  [[nodiscard]] const CameraModel& camera() const;
   /// The tip's centre [m], and the bodies in the order of the plant. The noise is that of the
   /// picture's number. Thread-safe.
   [[nodiscard]] ColorImage render(const Eigen::Vector3d& p_base_tip,

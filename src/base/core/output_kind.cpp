@@ -65,16 +65,16 @@ const std::array<OutputKindInfo, 4>& all_kinds() {
            "parameters.yaml"},
           {"run.yaml"},
           {"objects/*/predicted.txt", "objects/*/tracked.txt", "objects/*/tracking.csv"}},
-      OutputKindInfo{
-          OutputKind::report,
-          "report",
-          "report.json",
-          {"pcavr-report/", "pcavr-identification/", "pcavr-pooled-identification/",
-           "pcavr-evaluated-runs/"},
-          {"report.json", "report.html", "report_data.json", "mesh_errors.ply", "runs.csv",
-           "parameters.tex", "evaluations.csv", "paired.csv", "friction_atlas.csv", "parameters"},
-          {"report.json"},
-          {"parameters/*.yaml"}}};
+      OutputKindInfo{OutputKind::report,
+                     "report",
+                     "report.json",
+                     {"pcavr-report/", "pcavr-identification/", "pcavr-pooled-identification/",
+                      "pcavr-evaluated-runs/"},
+                     {"report.json", "report.html", "report_data.json", "mesh_errors.ply",
+                      "runs.csv", "parameters.tex", "evaluations.csv", "paired.csv",
+                      "friction_atlas.csv", "friction_atlas.parquet", "parameters"},
+                     {"report.json"},
+                     {"parameters/*.yaml"}}};
   return kinds;
 }
 

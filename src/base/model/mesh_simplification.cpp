@@ -10,6 +10,7 @@
 
 #include "pcavr/base/core/check.hpp"
 
+#include "base/model/fixed_simplification.hpp"
 #include "base/model/quadric.hpp"
 
 namespace pcavr {
@@ -47,13 +48,18 @@ bool is_cheaper(const Collapse& left, const Collapse& right) {
 /// cost.
 class Simplifier {
  public:
-  Simplifier(const TriangleMesh& mesh, double max_error)
-      : mesh_(mesh), max_error_(max_error), quadrics_(mesh.vertices.size()) {
+  /// `is_fixed`: vertices that no collapse moves; empty: none.
+  Simplifier(TriangleMesh mesh, double max_error, std::vector<bool> is_fixed = {})
+      : mesh_(std::move(mesh)),
+        max_error_(max_error),
+        is_fixed_(std::move(is_fixed)),
+        quadrics_(mesh_.vertices.size()) {
     find_triangles_around();
     add_triangle_planes();
     add_border_planes();
   }
 
+  /// Leaves the vertices that no triangle uses any more.
   TriangleMesh run(std::size_t target) {
     while (mesh_.triangles.size() > target) {
       const std::size_t before = mesh_.triangles.size();
@@ -65,7 +71,6 @@ class Simplifier {
       if (removed < kMinRemovedShare * static_cast<double>(before) && is_stalled_) break;
       is_stalled_ = removed < kMinRemovedShare * static_cast<double>(before);
     }
-    remove_unused_vertices(mesh_);
     return std::move(mesh_);
   }
 
@@ -182,6 +187,7 @@ class Simplifier {
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t a = t[i];
         const std::uint32_t b = t[(i + 1) % 3];
+        if (!is_fixed_.empty() && (is_fixed_[a] || is_fixed_[b])) continue;
         // Each inner edge once; an edge between two borders would pinch the surface.
         const bool both_border = is_border_[a] && is_border_[b];
         if (!both_border && a > b) continue;
@@ -295,6 +301,7 @@ class Simplifier {
 
   TriangleMesh mesh_;
   double max_error_;
+  std::vector<bool> is_fixed_;
   bool is_stalled_ = false;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> first_;  ///< by vertex: where its triangles begin in around_
@@ -310,7 +317,14 @@ class Simplifier {
 TriangleMesh simplified(const TriangleMesh& mesh, std::size_t target_triangles, double max_error) {
   PCAVR_REQUIRE(max_error >= 0.0, max_error);
   if (mesh.triangles.size() <= target_triangles) return mesh;
-  return Simplifier(mesh, max_error).run(target_triangles);
+  TriangleMesh simple = Simplifier(mesh, max_error).run(target_triangles);
+  remove_unused_vertices(simple);
+  return simple;
+}
+
+TriangleMesh simplified_between(TriangleMesh mesh, std::vector<bool> is_fixed,
+                                std::size_t target_triangles, double max_error) {
+  return Simplifier(std::move(mesh), max_error, std::move(is_fixed)).run(target_triangles);
 }
 
 }  // namespace pcavr

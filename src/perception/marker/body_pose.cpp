@@ -31,9 +31,34 @@ bool is_finite(const TagDetection& detection) {
                      [](const Eigen::Vector2d& corner) { return corner.allFinite(); });
 }
 
-double corner_std_of(const TagDetection& detection, const BodyPoseOptions& options) {
+/// [m^2] Of a corner in the tag's plane, by the covariance of where the tag is: mean over both axes
+/// and the four corners.
+double placement_variance(const TagPlacement& placement) {
+  double sum = 0.0;
+  for (const Eigen::Vector3d& corner : tag_corners(placement.size)) {
+    Eigen::Matrix<double, 2, 6> moves = Eigen::Matrix<double, 2, 6>::Zero();
+    moves.leftCols<2>().setIdentity();
+    // w x corner, of which z is 0.
+    moves(0, 5) = -corner.y();
+    moves(1, 5) = corner.x();
+    sum += (moves * placement.covariance * moves.transpose()).trace() / 8.0;
+  }
+  return sum;
+}
+
+/// [px] Of one pixel coordinate of a corner. The corners of a tag share the error of its placement:
+/// each has four times that variance, so that all four together have it once.
+double corner_std_of(const TagDetection& detection, const TagPlacement& placement,
+                     const BodyPoseOptions& options) {
   const double own = detection.corner_std > 0.0 ? detection.corner_std : options.corner_std;
-  return std::hypot(own, options.model_std);
+  const double pixels = std::hypot(own, options.model_std);
+  if (placement.covariance.isZero()) return pixels;
+  double edges = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    edges += 0.25 * (detection.corners[(i + 1) % 4] - detection.corners[i]).norm();
+  }
+  const double pixels_per_metre = edges / placement.size;
+  return std::hypot(pixels, pixels_per_metre * 2.0 * std::sqrt(placement_variance(placement)));
 }
 
 BodyPoseProblem pose_problem(const std::vector<TagPlacement>& placements,
@@ -44,7 +69,7 @@ BodyPoseProblem pose_problem(const std::vector<TagPlacement>& placements,
     const TagPlacement* placement = find_placement(placements, detection.id);
     if (placement == nullptr || !is_finite(detection)) continue;
     SeenTag tag{placement->T_body_marker, placement->size, tag_corners(placement->size),
-                detection.corners, corner_std_of(detection, options)};
+                detection.corners, corner_std_of(detection, *placement, options)};
     for (Eigen::Vector3d& corner : tag.corners_body) corner = tag.T_body_marker * corner;
     problem.tags.push_back(tag);
   }
@@ -156,7 +181,7 @@ std::vector<TagPlacement> base_placements(const Manifest& manifest) {
   std::vector<TagPlacement> placements;
   for (const MarkerEntry& marker : manifest.markers) {
     if (marker.role != MarkerRole::base) continue;
-    placements.push_back({marker.id, marker.size, marker.T_parent_marker});
+    placements.push_back({marker.id, marker.size, marker.T_parent_marker, marker.covariance});
   }
   return placements;
 }
@@ -165,7 +190,7 @@ std::vector<TagPlacement> object_placements(const Manifest& manifest, const std:
   std::vector<TagPlacement> placements;
   for (const MarkerEntry& marker : manifest.markers) {
     if (marker.role != MarkerRole::object || marker.object != object) continue;
-    placements.push_back({marker.id, marker.size, marker.T_parent_marker});
+    placements.push_back({marker.id, marker.size, marker.T_parent_marker, marker.covariance});
   }
   return placements;
 }

@@ -89,15 +89,23 @@ struct ReducedEquations {
   std::vector<LayoutEquations> views = {};
 };
 
+void add_gradient(const LayoutProblem& problem, const LayoutEquations& view,
+                  const Eigen::LDLT<Matrix6d>& camera, Eigen::VectorXd& gradient) {
+  const Vector6d camera_step = camera.solve(view.gradient);
+  for (const TagEquations& tag : view.tags) {
+    gradient.segment<6>(row_of(problem, tag.tag)) +=
+        tag.gradient - tag.mixed.transpose() * camera_step;
+  }
+}
+
 void add_reduced(const LayoutProblem& problem, const LayoutEquations& view,
                  ReducedEquations& reduced) {
   const Eigen::LDLT<Matrix6d> camera(view.camera);
-  const Vector6d camera_step = camera.solve(view.gradient);
+  add_gradient(problem, view, camera, reduced.gradient);
   for (const TagEquations& a : view.tags) {
     const Eigen::Index row = row_of(problem, a.tag);
     const Matrix6d eliminated = camera.solve(a.mixed);
     reduced.matrix.block<6, 6>(row, row) += a.own;
-    reduced.gradient.segment<6>(row) += a.gradient - a.mixed.transpose() * camera_step;
     for (const TagEquations& b : view.tags) {
       reduced.matrix.block<6, 6>(row_of(problem, b.tag), row) -= b.mixed.transpose() * eliminated;
     }
@@ -181,14 +189,15 @@ double correlation_of(const LayoutProblem& problem, const ReducedEquations& redu
   const std::size_t blocks = std::min(kBlocks, count / 2);
   if (blocks < 2) return 1.0;
   double alone = 0.0, together = 0.0;
-  const Eigen::Index n = unknowns_of(problem);
+  Eigen::VectorXd sum(unknowns_of(problem)), one(unknowns_of(problem));
   for (std::size_t block = 0; block < blocks; ++block) {
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(n);
+    sum.setZero();
     for (std::size_t i = block * count / blocks; i < (block + 1) * count / blocks; ++i) {
-      ReducedEquations one{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
-      add_reduced(problem, reduced.views[i], one);
-      alone += one.gradient.dot(factors.solve(one.gradient));
-      sum += one.gradient;
+      const LayoutEquations& view = reduced.views[i];
+      one.setZero();
+      add_gradient(problem, view, Eigen::LDLT<Matrix6d>(view.camera), one);
+      alone += one.dot(factors.solve(one));
+      sum += one;
     }
     together += sum.dot(factors.solve(sum));
   }

@@ -153,6 +153,8 @@ void prepare_frame(const DepthImage& depth, const ColorImage& color, const MaskI
   const int width = frame.depth.width();
   const std::size_t pixels = frame.depth.pixels().size() + 1;
   if (frame.pixels.size() != pixels) frame.pixels.assign(pixels, PixelSurface{});
+  // The one of all voxels outside the image, those behind the camera too: it sees none of them.
+  frame.pixels.back().free_depth = -1e9F;
   PaddedInverse inverse(frame.depth);
   const PixelRow first = row_template(frame.camera, tables);
   parallel_for(parallelism, static_cast<std::size_t>(frame.depth.height()), kSurfaceGrainRows,

@@ -35,6 +35,12 @@ BlockCoordinates cell_at(const Eigen::Vector3f& p, float inverse_size) {
   return {floor(p.x()), floor(p.y()), floor(p.z())};
 }
 
+Eigen::Vector3i block_of(const BlockCoordinates& cell) {
+  // An arithmetic shift rounds down, also for negative numbers.
+  static_assert(kBlockSide == 8);
+  return {cell.x >> 3, cell.y >> 3, cell.z >> 3};
+}
+
 /// Weighted sums over the points of a voxel, relative to its corner.
 struct VoxelSum {
   Eigen::Vector3f corner = Eigen::Vector3f::Zero();
@@ -126,6 +132,18 @@ std::optional<Eigen::Vector3f> normal_at(const RayTable& rays, const DepthImage&
   return Eigen::Vector3f(normal / length);
 }
 
+template <typename IsKept>
+PointCloud selected(const PointCloud& cloud, const IsKept& is_kept) {
+  PointCloud kept;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!is_kept(cloud.points[i])) continue;
+    kept.points.push_back(cloud.points[i]);
+    if (!cloud.normals.empty()) kept.normals.push_back(cloud.normals[i]);
+    if (!cloud.colors.empty()) kept.colors.push_back(cloud.colors[i]);
+  }
+  return kept;
+}
+
 std::uint8_t rounded(float value) { return static_cast<std::uint8_t>(value + 0.5F); }
 
 }  // namespace
@@ -133,6 +151,7 @@ std::uint8_t rounded(float value) { return static_cast<std::uint8_t>(value + 0.5
 struct MeasuredCloud::State {
   double voxel_size;
   DepthNoise noise;
+  std::optional<BlockBox> kept;  ///< empty: all blocks
   CellIndex index;
   std::vector<VoxelSum> voxels;
   RayTable rays;
@@ -144,6 +163,7 @@ struct MeasuredCloud::State {
     const auto size = static_cast<float>(voxel_size);
     if (!(p_base.cwiseAbs().maxCoeff() < kMaxCell * size)) return;
     const BlockCoordinates cell = cell_at(p_base, 1.0F / size);
+    if (kept && !kept->contains(block_of(cell))) return;
     const std::uint32_t number = index.find_or_add(cell, static_cast<std::uint32_t>(voxels.size()));
     if (number == voxels.size()) {
       voxels.emplace_back().corner = Eigen::Vector3i(cell.x, cell.y, cell.z).cast<float>() * size;
@@ -174,11 +194,13 @@ struct MeasuredCloud::State {
   }
 };
 
-MeasuredCloud::MeasuredCloud(double voxel_size, const DepthNoise& noise)
+MeasuredCloud::MeasuredCloud(double voxel_size, const DepthNoise& noise,
+                             const std::optional<BlockBox>& part)
     : state_(std::make_unique<State>()) {
   PCAVR_REQUIRE(voxel_size > 0.0, voxel_size);
   state_->voxel_size = voxel_size;
   state_->noise = noise;
+  if (part) state_->kept = part->expanded(1);
 }
 
 MeasuredCloud::~MeasuredCloud() = default;
@@ -213,6 +235,8 @@ void MeasuredCloud::add(const DepthImage& depth, const ColorImage& color,
     }
   }
 }
+
+void MeasuredCloud::add_unseen() { ++state_->frames; }
 
 PointCloud MeasuredCloud::points(int min_frames) const {
   PCAVR_REQUIRE(min_frames >= 1, min_frames);
@@ -257,14 +281,14 @@ PointCloud points_near(const PointCloud& cloud, const TriangleMesh& mesh, double
     }
     return false;
   };
-  PointCloud near;
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    if (!is_near(cloud.points[i])) continue;
-    near.points.push_back(cloud.points[i]);
-    if (!cloud.normals.empty()) near.normals.push_back(cloud.normals[i]);
-    if (!cloud.colors.empty()) near.colors.push_back(cloud.colors[i]);
-  }
-  return near;
+  return selected(cloud, is_near);
+}
+
+PointCloud points_in(const PointCloud& cloud, const BlockBox& box, double voxel_size) {
+  const auto inverse_size = static_cast<float>(1.0 / voxel_size);
+  return selected(cloud, [&](const Eigen::Vector3f& point) {
+    return box.contains(block_of(cell_at(point, inverse_size)));
+  });
 }
 
 }  // namespace pcavr

@@ -12,14 +12,23 @@ constexpr float kDepthUnit = 0.00025F;  // [m]; 16 bits cover 16 m
 
 }  // namespace
 
-void PastViews::add(const FrameSurface& frame, const Pose& T_base_camera) {
-  if (frames_++ % stride_ != 0) return;
+bool PastViews::is_next_sampled() {
+  if (frames_++ % stride_ != 0) return false;
   if (views_.size() == kMaxViews) {
     for (std::size_t i = 1; 2 * i < views_.size(); ++i) views_[i] = std::move(views_[2 * i]);
     views_.resize(kMaxViews / 2);
     stride_ *= 2;
     // The current frame is a multiple of the doubled stride, as kMaxViews is even.
   }
+  return true;
+}
+
+void PastViews::add_unseen() {
+  if (is_next_sampled()) views_.emplace_back();
+}
+
+void PastViews::add(const FrameSurface& frame, const Pose& T_base_camera) {
+  if (!is_next_sampled()) return;
   const Pose T_camera_base = T_base_camera.inverse();
   View view{T_camera_base.rotation_matrix().cast<float>(),
             T_camera_base.translation().cast<float>(),
@@ -49,7 +58,9 @@ void PastViews::count_free_views(const BlockCoordinates& coordinates, double vox
   const Eigen::Vector3f p_base =
       Eigen::Vector3d(coordinates.x, coordinates.y, coordinates.z).cast<float>() *
       (kBlockSide * voxel);
-  for (const View& view : views_) count_free_views(view, p_base, voxel, block);
+  for (const View& view : views_) {
+    if (view.max_free_depth > 0.0F) count_free_views(view, p_base, voxel, block);
+  }
 }
 
 void PastViews::count_free_views(const View& view, const Eigen::Vector3f& p_base, float voxel_size,

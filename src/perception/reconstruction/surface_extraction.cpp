@@ -124,6 +124,22 @@ struct SurfaceMap {
   std::uint32_t first_triangle = 0;
 };
 
+/// Calls `visit(at, axis, index)` for each vertex of a block, in the order of their indices from
+/// `index` on: it lies on the edge from the voxel `at` of the block along the axis.
+template <typename Visit>
+void for_each_vertex(const SurfaceMap& surface, const Visit& visit) {
+  std::uint32_t next = surface.first_vertex;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (int z = 0; z < 8; ++z) {
+      for (std::uint64_t left = surface.edges[axis][static_cast<std::size_t>(z)]; left != 0;
+           left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        visit(std::array<int, 3>{bit % 8, bit / 8, z}, axis, next++);
+      }
+    }
+  }
+}
+
 /// Signs of the window, one bit per voxel; row and column 0 are voxel -1.
 struct SignRows {
   std::array<std::array<std::uint32_t, 10>, 10> inside{};
@@ -265,17 +281,10 @@ class BlockMesher {
         voxel_size_(voxel_size) {}
 
   void add_vertices(std::uint32_t number, TriangleMesh& mesh) const {
-    const SurfaceMap& surface = surfaces_[number];
-    std::size_t next = surface.first_vertex;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (int z = 0; z < 8; ++z) {
-        for (std::uint64_t left = surface.edges[axis][static_cast<std::size_t>(z)]; left != 0;
-             left &= left - 1) {
-          const int bit = std::countr_zero(left);
-          add_vertex(map_.coordinates(number), {bit % 8, bit / 8, z}, axis, next++, mesh);
-        }
-      }
-    }
+    for_each_vertex(surfaces_[number],
+                    [&](const std::array<int, 3>& at, std::size_t axis, std::uint32_t index) {
+                      add_vertex(map_.coordinates(number), at, axis, index, mesh);
+                    });
   }
 
   void add_triangles(std::uint32_t number, const SignRows& signs, TriangleMesh& mesh) const {
@@ -367,23 +376,105 @@ std::vector<Distances> decode_all(const BlockMap& map, const ExtractionParameter
   return distances;
 }
 
-/// Assigns each block its offsets in the mesh (prefix sum); returns the vertex and triangle counts.
-std::pair<std::size_t, std::size_t> assign_offsets(std::vector<SurfaceMap>& surfaces) {
+/// The blocks whose surface is extracted; all of the map where `part` is empty.
+class Owned {
+ public:
+  Owned(const BlockMap& map, const std::optional<BlockBox>& part) : map_(map), part_(part) {}
+  [[nodiscard]] bool operator()(std::uint32_t number) const {
+    if (!part_) return true;
+    const BlockCoordinates& at = map_.coordinates(number);
+    return part_->contains({at.x, at.y, at.z});
+  }
+
+ private:
+  const BlockMap& map_;
+  const std::optional<BlockBox>& part_;
+};
+
+/// Assigns each block its offsets in the mesh (prefix sum), first the owned ones; returns the
+/// counts of owned vertices and triangles.
+std::pair<std::size_t, std::size_t> assign_offsets(std::vector<SurfaceMap>& surfaces,
+                                                   const Owned& is_owned) {
   std::uint32_t vertices = 0;
   std::uint32_t triangles = 0;
-  for (SurfaceMap& surface : surfaces) {
-    surface.first_vertex = vertices;
-    surface.first_triangle = triangles;
-    vertices += surface.vertices;
-    triangles += surface.triangles;
+  const auto assign = [&](bool owned) {
+    for (std::uint32_t i = 0; i < surfaces.size(); ++i) {
+      if (is_owned(i) != owned) continue;
+      surfaces[i].first_vertex = vertices;
+      surfaces[i].first_triangle = triangles;
+      vertices += surfaces[i].vertices;
+      if (owned) triangles += surfaces[i].triangles;
+    }
+  };
+  assign(true);
+  const std::size_t owned_vertices = vertices;
+  assign(false);
+  return {owned_vertices, triangles};
+}
+
+GridEdge grid_edge(const BlockCoordinates& block, const std::array<int, 3>& at, std::size_t axis) {
+  return {block.x * kBlockSide + at[0], block.y * kBlockSide + at[1], block.z * kBlockSide + at[2],
+          static_cast<int>(axis)};
+}
+
+/// Renumbers the vertices that the triangles use of blocks that are not owned: 0 is the first of
+/// `borrowed`, behind the owned ones.
+void name_borrowed(const BlockMap& map, const std::vector<SurfaceMap>& surfaces,
+                   const Owned& is_owned, SurfaceTile& tile) {
+  constexpr std::uint32_t kUnused = 0xFFFFFFFFU;
+  const std::size_t owned = tile.mesh.vertices.size();
+  std::size_t others = 0;
+  for (std::uint32_t i = 0; i < surfaces.size(); ++i) {
+    if (!is_owned(i)) others += surfaces[i].vertices;
   }
-  return {vertices, triangles};
+  std::vector<std::uint32_t> number(others, kUnused);
+  for (const auto& triangle : tile.mesh.triangles) {
+    for (const std::uint32_t v : triangle) {
+      if (v >= owned) number[v - owned] = 0;
+    }
+  }
+  for (std::uint32_t i = 0; i < surfaces.size(); ++i) {
+    if (is_owned(i)) continue;
+    for_each_vertex(
+        surfaces[i], [&](const std::array<int, 3>& at, std::size_t axis, std::uint32_t index) {
+          if (number[index - owned] == kUnused) return;
+          number[index - owned] = static_cast<std::uint32_t>(owned + tile.borrowed.size());
+          tile.borrowed.push_back(grid_edge(map.coordinates(i), at, axis));
+        });
+  }
+  for (auto& triangle : tile.mesh.triangles) {
+    for (std::uint32_t& v : triangle) v = v < owned ? v : number[v - owned];
+  }
+}
+
+/// The owned vertices that cubes of other tiles touch: those on the box's low faces.
+void name_lent(const BlockMap& map, const std::vector<SurfaceMap>& surfaces, const BlockBox& part,
+               SurfaceTile& tile) {
+  for (std::uint32_t i = 0; i < surfaces.size(); ++i) {
+    const BlockCoordinates& block = map.coordinates(i);
+    const Eigen::Vector3i at_block(block.x, block.y, block.z);
+    const Eigen::Array<bool, 3, 1> is_first = at_block.array() == part.low.array();
+    if (!part.contains(at_block) || !is_first.any()) continue;
+    for_each_vertex(surfaces[i],
+                    [&](const std::array<int, 3>& at, std::size_t axis, std::uint32_t index) {
+                      for (Eigen::Index k = 0; k < 3; ++k) {
+                        if (!is_first[k] || at[static_cast<std::size_t>(k)] != 0) continue;
+                        tile.lent.emplace_back(grid_edge(block, at, axis), index);
+                        return;
+                      }
+                    });
+  }
 }
 
 }  // namespace
 
 TriangleMesh extract_surface(const BlockMap& map, const ExtractionParameters& parameters,
                              Parallelism parallelism) {
+  return extract_tile(map, parameters, {}, parallelism).mesh;
+}
+
+SurfaceTile extract_tile(const BlockMap& map, const ExtractionParameters& parameters,
+                         const std::optional<BlockBox>& part, Parallelism parallelism) {
   const std::vector<Distances> distances = decode_all(map, parameters, parallelism);
   std::vector<SurfaceMap> surfaces(map.size());
   parallel_for(parallelism, map.size(), kMeshGrainBlocks, [&](std::size_t begin, std::size_t end) {
@@ -392,16 +483,19 @@ TriangleMesh extract_surface(const BlockMap& map, const ExtractionParameters& pa
       surfaces[i] = map_surface(SignRows(window));
     }
   });
-  const auto [vertices, triangles] = assign_offsets(surfaces);
-  TriangleMesh mesh;
+  const Owned is_owned(map, part);
+  const auto [vertices, triangles] = assign_offsets(surfaces, is_owned);
+  SurfaceTile tile;
+  TriangleMesh& mesh = tile.mesh;
   mesh.vertices.resize(vertices);
   mesh.normals.resize(vertices);
   mesh.colors.resize(vertices);
   mesh.triangles.resize(triangles);
   parallel_for(parallelism, map.size(), kMeshGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (surfaces[i].vertices == 0 && surfaces[i].triangles == 0) continue;
       const auto number = static_cast<std::uint32_t>(i);
+      if (!is_owned(number)) continue;
+      if (surfaces[i].vertices == 0 && surfaces[i].triangles == 0) continue;
       const Neighbours neighbours = neighbours_of(map, number);
       const Window window(distances, neighbours);
       const BlockMesher mesher(map, surfaces, neighbours, window,
@@ -410,7 +504,10 @@ TriangleMesh extract_surface(const BlockMap& map, const ExtractionParameters& pa
       mesher.add_triangles(number, SignRows(window), mesh);
     }
   });
-  return mesh;
+  if (!part) return tile;
+  name_borrowed(map, surfaces, is_owned, tile);
+  name_lent(map, surfaces, *part, tile);
+  return tile;
 }
 
 }  // namespace pcavr

@@ -6,6 +6,7 @@
 
 #include "pcavr/base/core/parallel.hpp"
 #include "pcavr/base/geometry/mesh.hpp"
+#include "pcavr/perception/reconstruction/surface_tiles.hpp"
 
 #include "perception/reconstruction/block_map.hpp"
 
@@ -24,5 +25,10 @@ struct ExtractionParameters {
 [[nodiscard]] TriangleMesh extract_surface(const BlockMap& map,
                                            const ExtractionParameters& parameters,
                                            Parallelism parallelism);
+/// The part of that surface which the blocks of a box own (empty: all). The map must have the
+/// blocks next to the box too.
+[[nodiscard]] SurfaceTile extract_tile(const BlockMap& map, const ExtractionParameters& parameters,
+                                       const std::optional<BlockBox>& part,
+                                       Parallelism parallelism);
 
 }  // namespace pcavr

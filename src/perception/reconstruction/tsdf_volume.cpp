@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pcavr/base/core/check.hpp"
+#include "pcavr/perception/reconstruction/tsdf_part.hpp"
 
 #include "perception/reconstruction/block_map.hpp"
 #include "perception/reconstruction/block_selection.hpp"
@@ -42,15 +43,28 @@ BlockView view_of(const FrameSurface& frame, const Pose& T_camera_base, double v
   return view;
 }
 
+const TsdfOptions& checked(const TsdfOptions& options) {
+  PCAVR_REQUIRE(options.voxel_size > 0.0, options.voxel_size);
+  PCAVR_REQUIRE(options.truncation_voxels >= 2.0, options.truncation_voxels);
+  PCAVR_REQUIRE(options.truncation_std >= 0.0, options.truncation_std);
+  PCAVR_REQUIRE(
+      options.frames_to_clear >= 1 && options.frames_to_clear <= static_cast<int>(kMaxCount),
+      options.frames_to_clear);
+  return options;
+}
+
 }  // namespace
 
-struct TsdfVolume::Blocks {
-  explicit Blocks(const TsdfOptions& chosen)
-      : options(chosen),
+/// The blocks of a volume, or of a part of it.
+struct TsdfBlocks {
+  explicit TsdfBlocks(const TsdfOptions& chosen, const std::optional<BlockBox>& chosen_part = {})
+      : options(checked(chosen)),
+        part(chosen_part),
         tables(chosen.depth_noise, chosen.truncation_voxels * chosen.voxel_size,
                chosen.truncation_std) {}
 
   TsdfOptions options;
+  std::optional<BlockBox> part;
   NoiseTables tables;
   BlockMap map;
   PastViews past_views;
@@ -58,18 +72,30 @@ struct TsdfVolume::Blocks {
   FrameSurface frame;  ///< reused to avoid allocations
   std::uint32_t frames = 0;
 
+  IntegrationReport integrate(const DepthImage& depth, const ColorImage& color,
+                              const MaskImage& is_dynamic, const CameraModel& camera,
+                              const Pose& T_base_camera, Parallelism parallelism);
   /// Allocates the missing blocks; returns their number.
   std::uint32_t add_blocks(const std::vector<BlockCoordinates>& coordinates,
                            Parallelism parallelism);
   /// `next`: the block that is fused after it, or null; prefetched.
   void fuse(const VisibleBlock& visible, const VisibleBlock* next, BlockView view,
             const Pose& T_camera_base);
+  [[nodiscard]] ExtractionParameters extraction(const SurfaceEvidence& evidence) const {
+    return {.voxel_size = options.voxel_size,
+            .min_weight = evidence.min_weight,
+            .frames_to_clear = options.frames_to_clear,
+            .min_uncontradicted_weight = evidence.min_uncontradicted_weight};
+  }
 };
 
-std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockCoordinates>& coordinates,
-                                             Parallelism parallelism) {
+std::uint32_t TsdfBlocks::add_blocks(const std::vector<BlockCoordinates>& coordinates,
+                                     Parallelism parallelism) {
   const auto first = static_cast<std::uint32_t>(map.size());
+  // Marching cubes and normals reach into the blocks next to the part.
+  const BlockBox kept = part ? part->expanded(1) : BlockBox();
   for (const BlockCoordinates& block : coordinates) {
+    if (part && !kept.contains({block.x, block.y, block.z})) continue;
     if (map.find(block) == BlockHashTable::kNone) map.add(block);
   }
   parallel_for(parallelism, map.size() - first, 1, [&](std::size_t begin, std::size_t end) {
@@ -81,8 +107,8 @@ std::uint32_t TsdfVolume::Blocks::add_blocks(const std::vector<BlockCoordinates>
   return static_cast<std::uint32_t>(map.size()) - first;
 }
 
-void TsdfVolume::Blocks::fuse(const VisibleBlock& visible, const VisibleBlock* next, BlockView view,
-                              const Pose& T_camera_base) {
+void TsdfBlocks::fuse(const VisibleBlock& visible, const VisibleBlock* next, BlockView view,
+                      const Pose& T_camera_base) {
   if (visible.is_entirely_free) {
     std::uint8_t& count = map.block_free_count(visible.number);
     if (count < kMaxCount) ++count;
@@ -102,20 +128,7 @@ void TsdfVolume::Blocks::fuse(const VisibleBlock& visible, const VisibleBlock* n
   kernels().fuse_block(view, map.block(visible.number), next_block);
 }
 
-TsdfVolume::TsdfVolume(const TsdfOptions& options) {
-  PCAVR_REQUIRE(options.voxel_size > 0.0, options.voxel_size);
-  PCAVR_REQUIRE(options.truncation_voxels >= 2.0, options.truncation_voxels);
-  PCAVR_REQUIRE(options.truncation_std >= 0.0, options.truncation_std);
-  PCAVR_REQUIRE(
-      options.frames_to_clear >= 1 && options.frames_to_clear <= static_cast<int>(kMaxCount),
-      options.frames_to_clear);
-  blocks_ = std::make_unique<Blocks>(options);
-}
-
-TsdfVolume::~TsdfVolume() = default;
-TsdfVolume::TsdfVolume(TsdfVolume&&) noexcept = default;
-
-IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImage& color,
+IntegrationReport TsdfBlocks::integrate(const DepthImage& depth, const ColorImage& color,
                                         const MaskImage& is_dynamic, const CameraModel& camera,
                                         const Pose& T_base_camera, Parallelism parallelism) {
   PCAVR_REQUIRE(depth.width() == camera.width && depth.height() == camera.height, depth.width(),
@@ -123,35 +136,49 @@ IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImag
   PCAVR_REQUIRE(color.empty() || color.pixels().size() == depth.pixels().size(), color.width());
   PCAVR_REQUIRE(is_dynamic.empty() || is_dynamic.pixels().size() == depth.pixels().size(),
                 is_dynamic.width());
-  Blocks& blocks = *blocks_;
   if (camera.has_distortion()) {
-    blocks.undistortion.prepare(camera);
-    const Undistortion& undistort = blocks.undistortion;
+    undistortion.prepare(camera);
+    const Undistortion& undistort = undistortion;
     return integrate(undistort(depth), undistort(color), undistort(is_dynamic),
                      undistort.undistorted_camera(), T_base_camera, parallelism);
   }
-  const double voxel_size = blocks.options.voxel_size;
-  FrameSurface& frame = blocks.frame;
-  prepare_frame(depth, color, is_dynamic, camera, blocks.tables, parallelism, frame);
+  const double voxel_size = options.voxel_size;
+  prepare_frame(depth, color, is_dynamic, camera, tables, parallelism, frame);
   IntegrationReport report;
   report.pixels_used = frame.pixels_used;
-  report.blocks_added = blocks.add_blocks(
-      blocks_near_surface(frame, T_base_camera, blocks.tables, voxel_size, parallelism),
-      parallelism);
+  report.blocks_added = add_blocks(
+      blocks_near_surface(frame, T_base_camera, tables, voxel_size, parallelism), parallelism);
   const std::vector<VisibleBlock> visible =
-      visible_blocks(blocks.map, frame, T_base_camera, blocks.tables, voxel_size);
+      visible_blocks(map, frame, T_base_camera, tables, voxel_size);
   report.blocks_visible = visible.size();
   const Pose T_camera_base = T_base_camera.inverse();
-  const BlockView view = view_of(frame, T_camera_base, voxel_size, blocks.frames);
+  const BlockView view = view_of(frame, T_camera_base, voxel_size, frames);
   parallel_for(parallelism, visible.size(), kGrainBlocks, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const VisibleBlock* next = i + 1 < end ? &visible[i + 1] : nullptr;
-      blocks.fuse(visible[i], next, view, T_camera_base);
+      fuse(visible[i], next, view, T_camera_base);
     }
   });
-  blocks.past_views.add(frame, T_base_camera);
-  ++blocks.frames;
+  past_views.add(frame, T_base_camera);
+  ++frames;
   return report;
+}
+
+struct TsdfVolume::Blocks : TsdfBlocks {
+  using TsdfBlocks::TsdfBlocks;
+};
+struct TsdfPart::Blocks : TsdfBlocks {
+  using TsdfBlocks::TsdfBlocks;
+};
+
+TsdfVolume::TsdfVolume(const TsdfOptions& options) : blocks_(std::make_unique<Blocks>(options)) {}
+TsdfVolume::~TsdfVolume() = default;
+TsdfVolume::TsdfVolume(TsdfVolume&&) noexcept = default;
+
+IntegrationReport TsdfVolume::integrate(const DepthImage& depth, const ColorImage& color,
+                                        const MaskImage& is_dynamic, const CameraModel& camera,
+                                        const Pose& T_base_camera, Parallelism parallelism) {
+  return blocks_->integrate(depth, color, is_dynamic, camera, T_base_camera, parallelism);
 }
 
 TriangleMesh TsdfVolume::extract_mesh(double min_weight, Parallelism parallelism) const {
@@ -160,12 +187,7 @@ TriangleMesh TsdfVolume::extract_mesh(double min_weight, Parallelism parallelism
 
 TriangleMesh TsdfVolume::extract_mesh(const SurfaceEvidence& evidence,
                                       Parallelism parallelism) const {
-  return extract_surface(blocks_->map,
-                         {.voxel_size = blocks_->options.voxel_size,
-                          .min_weight = evidence.min_weight,
-                          .frames_to_clear = blocks_->options.frames_to_clear,
-                          .min_uncontradicted_weight = evidence.min_uncontradicted_weight},
-                         parallelism);
+  return extract_surface(blocks_->map, blocks_->extraction(evidence), parallelism);
 }
 
 std::size_t TsdfVolume::block_count() const { return blocks_->map.size(); }
@@ -174,5 +196,28 @@ std::size_t TsdfVolume::memory_bytes() const {
          blocks_->frame.memory_bytes();
 }
 const TsdfOptions& TsdfVolume::options() const { return blocks_->options; }
+
+TsdfPart::TsdfPart(const TsdfOptions& options, const std::optional<BlockBox>& part)
+    : blocks_(std::make_unique<Blocks>(options, part)) {}
+TsdfPart::~TsdfPart() = default;
+TsdfPart::TsdfPart(TsdfPart&&) noexcept = default;
+
+IntegrationReport TsdfPart::integrate(const DepthImage& depth, const ColorImage& color,
+                                      const MaskImage& is_dynamic, const CameraModel& camera,
+                                      const Pose& T_base_camera, Parallelism parallelism) {
+  return blocks_->integrate(depth, color, is_dynamic, camera, T_base_camera, parallelism);
+}
+
+void TsdfPart::integrate_unseen() {
+  blocks_->past_views.add_unseen();
+  ++blocks_->frames;
+}
+
+SurfaceTile TsdfPart::extract_tile(const SurfaceEvidence& evidence, Parallelism parallelism) const {
+  return pcavr::extract_tile(blocks_->map, blocks_->extraction(evidence), blocks_->part,
+                             parallelism);
+}
+
+std::size_t TsdfPart::block_count() const { return blocks_->map.size(); }
 
 }  // namespace pcavr

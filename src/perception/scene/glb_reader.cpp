@@ -105,37 +105,91 @@ GlbContent content_of(const Chunks& chunks) {
   return content;
 }
 
-/// Separates the texture, which GlbWriter puts at the end of the buffer; empty where there is none.
-std::string separate_texture(Chunks& chunks, const std::string& uri) {
-  json& document = chunks.document;
-  if (!document.contains("images")) return {};
-  json& image = document.at("images").at(0);
-  const json view = document.at("bufferViews").at(image.at("bufferView").get<std::size_t>());
-  const auto offset = view.at("byteOffset").get<std::size_t>();
-  const auto length = view.at("byteLength").get<std::size_t>();
-  const bool is_last = image.at("bufferView") == document.at("bufferViews").size() - 1;
-  if (!is_last || offset % 4 != 0 || offset > chunks.buffer.size() ||
-      length > chunks.buffer.size() - offset) {
-    throw InvalidGlb("has a texture that is not at the end of its buffer");
+/// A mesh of a file as a file of its own, whose buffer has nothing else.
+class SeparateMesh {
+ public:
+  SeparateMesh(const Chunks& chunks, const std::string& node, std::size_t mesh,
+               const std::string& texture_uri)
+      : chunks_(chunks) {
+    const json& from = chunks.document;
+    json primitive = from.at("meshes").at(mesh).at("primitives").at(0);
+    for (json& accessor : primitive.at("attributes")) keep_accessor(accessor);
+    keep_accessor(primitive.at("indices"));
+    if (primitive.contains("material")) keep_material(primitive.at("material"), texture_uri);
+    for (const char* key : {"asset", "extensionsUsed"}) {
+      if (from.contains(key)) document_[key] = from.at(key);
+    }
+    document_["scene"] = 0;
+    document_["scenes"] = json::array({{{"nodes", json::array({0})}}});
+    document_["nodes"] = json::array({{{"name", node}, {"mesh", 0}}});
+    document_["meshes"] =
+        json::array({{{"name", node}, {"primitives", json::array({std::move(primitive)})}}});
+    document_["buffers"] = json::array({{{"byteLength", buffer_.size()}}});
   }
-  std::string texture(chunks.buffer.substr(offset, length));
-  chunks.buffer = chunks.buffer.substr(0, offset);
-  document.at("bufferViews").erase(document.at("bufferViews").size() - 1);
-  document.at("buffers").at(0)["byteLength"] = offset;
-  image = {{"uri", uri}};
-  return texture;
-}
 
-NodeGlb node_of(Chunks chunks, const std::string& name, const std::string& texture_uri) {
-  json& document = chunks.document;
-  for (const json& node : document.at("nodes")) {
+  [[nodiscard]] std::string bytes() const { return assemble_glb(document_, buffer_); }
+  std::string take_texture() { return std::move(texture_); }
+
+ private:
+  [[nodiscard]] std::string_view bytes_of(const json& view) const {
+    const auto offset = view.at("byteOffset").get<std::size_t>();
+    const auto length = view.at("byteLength").get<std::size_t>();
+    if (offset > chunks_.buffer.size() || length > chunks_.buffer.size() - offset) {
+      throw InvalidGlb("has a part that exceeds its buffer");
+    }
+    return chunks_.buffer.substr(offset, length);
+  }
+
+  [[nodiscard]] const json& view_at(const json& index) const {
+    return chunks_.document.at("bufferViews").at(index.get<std::size_t>());
+  }
+
+  /// Copies an accessor with its bytes; `index` becomes its new one.
+  void keep_accessor(json& index) {
+    json accessor = chunks_.document.at("accessors").at(index.get<std::size_t>());
+    json view = view_at(accessor.at("bufferView"));
+    const std::string_view bytes = bytes_of(view);
+    view["byteOffset"] = buffer_.size();
+    buffer_ += bytes;
+    buffer_.resize((buffer_.size() + 3) / 4 * 4);  // glTF 2.0, 3.6.2.4: aligned to 4 bytes
+    accessor["bufferView"] = document_["bufferViews"].size();
+    document_["bufferViews"].push_back(std::move(view));
+    index = document_["accessors"].size();
+    document_["accessors"].push_back(std::move(accessor));
+  }
+
+  void keep_material(json& index, const std::string& texture_uri) {
+    const json& from = chunks_.document;
+    json material = from.at("materials").at(index.get<std::size_t>());
+    json& surface = material["pbrMetallicRoughness"];
+    if (surface.contains("baseColorTexture")) {
+      json& texture_index = surface["baseColorTexture"].at("index");
+      json texture = from.at("textures").at(texture_index.get<std::size_t>());
+      const json& image = from.at("images").at(texture.at("source").get<std::size_t>());
+      texture_ = bytes_of(view_at(image.at("bufferView")));
+      texture_index = 0;
+      texture["source"] = 0;
+      document_["textures"] = json::array({std::move(texture)});
+      document_["images"] = json::array({{{"uri", texture_uri}}});
+      document_["samplers"] = from.at("samplers");
+    }
+    index = 0;
+    document_["materials"] = json::array({std::move(material)});
+  }
+
+  const Chunks& chunks_;
+  json document_;
+  std::string buffer_;
+  std::string texture_;
+};
+
+NodeGlb node_of(const Chunks& chunks, const std::string& name, const std::string& texture_uri) {
+  for (const json& node : chunks.document.at("nodes")) {
     if (node.at("name") != name) continue;
     const auto mesh = node.at("mesh").get<std::size_t>();
     const std::size_t triangles = triangles_of(chunks, mesh);
-    document["nodes"] = json::array({{{"name", name}, {"mesh", mesh}}});
-    document["scenes"] = json::array({{{"nodes", json::array({0})}}});
-    std::string texture = separate_texture(chunks, texture_uri);
-    return {assemble_glb(document, chunks.buffer), triangles, std::move(texture)};
+    SeparateMesh separate(chunks, name, mesh, texture_uri);
+    return {separate.bytes(), triangles, separate.take_texture()};
   }
   return {};
 }
@@ -164,7 +218,7 @@ Expected<GlbContent> read_glb(const std::filesystem::path& file) {
 Expected<NodeGlb> read_node_glb(const std::filesystem::path& file, const std::string& node,
                                 const std::string& texture_uri) {
   return read_chunks<NodeGlb>(
-      file, [&](Chunks chunks) { return node_of(std::move(chunks), node, texture_uri); });
+      file, [&](const Chunks& chunks) { return node_of(chunks, node, texture_uri); });
 }
 
 }  // namespace pcavr

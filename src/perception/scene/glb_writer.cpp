@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "perception/scene/glb_writer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -54,6 +55,17 @@ std::vector<Eigen::Vector3f> unit_normals(const TriangleMesh& mesh) {
                                    : Eigen::Vector3f::UnitZ().eval());
   }
   return normals;
+}
+
+json matt() { return {{"metallicFactor", 0.0}, {"roughnessFactor", 0.9}}; }
+
+/// An unlit, two-sided material: its colours contain the lighting.
+json captured(json& document, const char* name) {
+  document["extensionsUsed"] = json::array({"KHR_materials_unlit"});
+  json material = {{"name", name}, {"doubleSided", true}};
+  material["extensions"]["KHR_materials_unlit"] = json::object();
+  material["pbrMetallicRoughness"] = matt();
+  return material;
 }
 
 }  // namespace
@@ -118,28 +130,7 @@ int GlbWriter::add_indices(const TriangleMesh& mesh) {
                       mesh.triangles.size() * 3);
 }
 
-int GlbWriter::material_index(GlbMaterial kind, bool has_colors, bool has_texture,
-                              const Rgb8& color) {
-  json material;
-  if (kind == GlbMaterial::captured) {
-    material["name"] = has_texture ? "captured_texture" : "captured";
-    material["doubleSided"] = true;
-    material["extensions"]["KHR_materials_unlit"] = json::object();
-    document_["extensionsUsed"] = json::array({"KHR_materials_unlit"});
-  } else {
-    material["name"] = has_colors ? "body" : "plain_body";
-  }
-  auto& surface = material["pbrMetallicRoughness"];
-  surface["metallicFactor"] = 0.0;
-  surface["roughnessFactor"] = 0.9;
-  if (has_texture) surface["baseColorTexture"]["index"] = 0;
-  if (kind == GlbMaterial::body && !has_colors) {
-    json& factor = surface["baseColorFactor"];
-    for (const std::uint8_t channel : {color.r, color.g, color.b}) {
-      factor.push_back(linear_of_srgb(channel) / 65535.0);
-    }
-    factor.push_back(1.0);
-  }
+int GlbWriter::material_index(const json& material) {
   auto& materials = document_["materials"];
   for (std::size_t i = 0; i < materials.size(); ++i) {
     if (materials[i] == material) return static_cast<int>(i);
@@ -148,13 +139,33 @@ int GlbWriter::material_index(GlbMaterial kind, bool has_colors, bool has_textur
   return static_cast<int>(materials.size()) - 1;
 }
 
+int GlbWriter::surface_material(GlbMaterial kind, bool has_colors, const Rgb8& color) {
+  if (kind == GlbMaterial::captured) return material_index(captured(document_, "captured"));
+  json material = {{"name", has_colors ? "body" : "plain_body"}};
+  auto& surface = material["pbrMetallicRoughness"] = matt();
+  if (!has_colors) {
+    json& factor = surface["baseColorFactor"];
+    for (const std::uint8_t channel : {color.r, color.g, color.b}) {
+      factor.push_back(linear_of_srgb(channel) / 65535.0);
+    }
+    factor.push_back(1.0);
+  }
+  return material_index(material);
+}
+
+int GlbWriter::textured_material(std::size_t texture) {
+  json material = captured(document_, "captured_texture");
+  material["pbrMetallicRoughness"]["baseColorTexture"]["index"] = texture;
+  return material_index(material);
+}
+
 int GlbWriter::add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material,
                         const Rgb8& color) {
   PCAVR_REQUIRE(!mesh.triangles.empty(), name);
   json primitive = begin_primitive(mesh);
   if (!mesh.colors.empty()) primitive["attributes"]["COLOR_0"] = add_colors(mesh.colors);
   primitive["indices"] = add_indices(mesh);
-  primitive["material"] = material_index(material, !mesh.colors.empty(), false, color);
+  primitive["material"] = surface_material(material, !mesh.colors.empty(), color);
   return add_primitive(name, primitive);
 }
 
@@ -162,11 +173,13 @@ int GlbWriter::add_textured_mesh(const std::string& name, const TriangleMesh& me
                                  const std::vector<Eigen::Vector2f>& coordinates,
                                  const std::string& jpeg) {
   PCAVR_REQUIRE(!mesh.triangles.empty() && coordinates.size() == mesh.vertices.size(), name);
-  texture_ = jpeg;
+  const auto known = std::find(textures_.begin(), textures_.end(), jpeg);
+  const auto texture = static_cast<std::size_t>(known - textures_.begin());
+  if (known == textures_.end()) textures_.push_back(jpeg);
   json primitive = begin_primitive(mesh);
   primitive["attributes"]["TEXCOORD_0"] = add_texture_coordinates(coordinates);
   primitive["indices"] = add_indices(mesh);
-  primitive["material"] = material_index(GlbMaterial::captured, false, true, {});
+  primitive["material"] = textured_material(texture);
   return add_primitive(name, primitive);
 }
 
@@ -193,21 +206,24 @@ int GlbWriter::add_node(const std::string& name, const Pose& T_parent_node, int 
   return static_cast<int>(document_["nodes"].size()) - 1;
 }
 
-/// Last in the buffer, so that a reader can separate it (glb_reader.cpp).
-void GlbWriter::add_texture() {
+/// Last in the buffer, so that a reader can separate them (glb_reader.cpp).
+void GlbWriter::add_textures() {
   constexpr int kLinear = 9729;
   constexpr int kLinearMipmapLinear = 9987;
   constexpr int kClampToEdge = 33071;
-  document_["bufferViews"].push_back(
-      {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", texture_.size()}});
-  buffer_ += texture_;
-  document_["images"] = json::array(
-      {{{"mimeType", "image/jpeg"}, {"bufferView", document_["bufferViews"].size() - 1}}});
   document_["samplers"] = json::array({{{"magFilter", kLinear},
                                         {"minFilter", kLinearMipmapLinear},
                                         {"wrapS", kClampToEdge},
                                         {"wrapT", kClampToEdge}}});
-  document_["textures"] = json::array({{{"sampler", 0}, {"source", 0}}});
+  for (std::size_t i = 0; i < textures_.size(); ++i) {
+    document_["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", buffer_.size()}, {"byteLength", textures_[i].size()}});
+    buffer_ += textures_[i];
+    pad(buffer_, '\0');
+    document_["images"].push_back(
+        {{"mimeType", "image/jpeg"}, {"bufferView", document_["bufferViews"].size() - 1}});
+    document_["textures"].push_back({{"sampler", 0}, {"source", i}});
+  }
 }
 
 std::string GlbWriter::finish(int root, const std::vector<int>& children) {
@@ -215,7 +231,7 @@ std::string GlbWriter::finish(int root, const std::vector<int>& children) {
   document_["scene"] = 0;
   document_["scenes"] = json::array({{{"nodes", json::array({root})}}});
   if (!children.empty()) document_["nodes"][static_cast<std::size_t>(root)]["children"] = children;
-  if (!texture_.empty()) add_texture();
+  if (!textures_.empty()) add_textures();
   pad(buffer_, '\0');
   if (!buffer_.empty()) {
     document_["buffers"] = json::array({{{"byteLength", buffer_.size()}}});

@@ -28,8 +28,8 @@ class GlbWriter {
   int add_mesh(const std::string& name, const TriangleMesh& mesh, GlbMaterial material,
                const Rgb8& color = kObjectColors.front());
 
-  /// A captured mesh with a texture, and without vertex colours, as a viewer would multiply both.
-  /// All meshes of a file have the same texture: a JPEG file.
+  /// A captured mesh with a texture, a JPEG file, and without vertex colours, as a viewer would
+  /// multiply both.
   int add_textured_mesh(const std::string& name, const TriangleMesh& mesh,
                         const std::vector<Eigen::Vector2f>& coordinates, const std::string& jpeg);
 
@@ -46,16 +46,18 @@ class GlbWriter {
   int add_colors(const std::vector<Rgb8>& colors);
   int add_indices(const TriangleMesh& mesh);
   int add_texture_coordinates(const std::vector<Eigen::Vector2f>& coordinates);
-  int material_index(GlbMaterial material, bool has_colors, bool has_texture, const Rgb8& color);
+  int material_index(const nlohmann::json& material);
+  int surface_material(GlbMaterial material, bool has_colors, const Rgb8& color);
+  int textured_material(std::size_t texture);
   /// Begins a primitive with positions and normals.
   nlohmann::json begin_primitive(const TriangleMesh& mesh);
   /// Adds a mesh of this primitive; returns its index.
   int add_primitive(const std::string& name, const nlohmann::json& primitive);
-  void add_texture();
+  void add_textures();
 
   nlohmann::json document_;
   std::string buffer_;
-  std::string texture_;
+  std::vector<std::string> textures_;
 };
 
 /// The bytes of a file with these JSON and binary chunks; the latter must be padded to 4 bytes.

@@ -2,13 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/perception/scene/ply_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/output_parts.hpp"
 #include "pcavr/base/core/raw_bytes.hpp"
+
+#include "ply_parts.hpp"
 
 namespace pcavr {
 namespace {
@@ -49,12 +54,18 @@ void append(std::string& bytes, const Eigen::Vector3f& vector) {
   for (const float number : vector) append_bytes(bytes, number);
 }
 
-std::string header_and_vertices(const Layout& layout, const std::vector<Eigen::Vector3f>& points,
-                                const std::vector<Eigen::Vector3f>& normals,
-                                const std::vector<Rgb8>& colors) {
-  std::string bytes = layout.header();
-  bytes.reserve(bytes.size() + layout.content_bytes());
-  for (std::size_t i = 0; i < points.size(); ++i) {
+/// Rows of a file, begin <= i < end.
+struct IndexRange {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+std::string vertex_rows(const Layout& layout, const std::vector<Eigen::Vector3f>& points,
+                        const std::vector<Eigen::Vector3f>& normals,
+                        const std::vector<Rgb8>& colors, IndexRange rows) {
+  std::string bytes;
+  bytes.reserve((rows.end - rows.begin) * layout.vertex_bytes());
+  for (std::size_t i = rows.begin; i < rows.end; ++i) {
     append(bytes, points[i]);
     if (layout.has_normals) append(bytes, normals[i]);
     if (!layout.has_colors) continue;
@@ -63,6 +74,20 @@ std::string header_and_vertices(const Layout& layout, const std::vector<Eigen::V
     }
   }
   return bytes;
+}
+
+std::string triangle_rows(const TriangleMesh& mesh, IndexRange rows) {
+  std::string bytes;
+  bytes.reserve((rows.end - rows.begin) * kTriangleBytes);
+  for (std::size_t i = rows.begin; i < rows.end; ++i) {
+    append_bytes(bytes, std::uint8_t{3});
+    for (const std::uint32_t vertex : mesh.triangles[i]) append_bytes(bytes, vertex);
+  }
+  return bytes;
+}
+
+Layout layout_of(const TriangleMesh& mesh) {
+  return {mesh.vertices.size(), mesh.triangles.size(), !mesh.normals.empty(), !mesh.colors.empty()};
 }
 
 /// Parses a header; nullopt unless it is exactly one that format_ply writes.
@@ -125,20 +150,38 @@ bool read_triangles(const char* bytes, const Layout& layout, TriangleMesh& mesh)
 }  // namespace
 
 std::string format_ply(const TriangleMesh& mesh) {
-  const Layout layout{mesh.vertices.size(), mesh.triangles.size(), !mesh.normals.empty(),
-                      !mesh.colors.empty()};
-  std::string bytes = header_and_vertices(layout, mesh.vertices, mesh.normals, mesh.colors);
-  for (const auto& triangle : mesh.triangles) {
-    append_bytes(bytes, std::uint8_t{3});
-    for (const std::uint32_t vertex : triangle) append_bytes(bytes, vertex);
-  }
-  return bytes;
+  const Layout layout = layout_of(mesh);
+  return layout.header() +
+         vertex_rows(layout, mesh.vertices, mesh.normals, mesh.colors, {0, layout.vertices}) +
+         triangle_rows(mesh, {0, mesh.triangles.size()});
 }
 
 std::string format_ply(const PointCloud& cloud) {
   const Layout layout{cloud.points.size(), std::nullopt, !cloud.normals.empty(),
                       !cloud.colors.empty()};
-  return header_and_vertices(layout, cloud.points, cloud.normals, cloud.colors);
+  return layout.header() +
+         vertex_rows(layout, cloud.points, cloud.normals, cloud.colors, {0, layout.vertices});
+}
+
+Expected<void> write_ply(const TriangleMesh& mesh, const std::filesystem::path& file) {
+  constexpr std::size_t kRows = 1 << 16;  // of a part: 2 MB
+  const Layout layout = layout_of(mesh);
+  bool has_header = false;
+  std::size_t vertex = 0;
+  std::size_t triangle = 0;
+  const auto next_rows = [](std::size_t& next, std::size_t count) {
+    const IndexRange rows{next, std::min(next + kRows, count)};
+    next = rows.end;
+    return rows;
+  };
+  return write_file_in_parts(file, [&] {
+    if (!std::exchange(has_header, true)) return layout.header();
+    if (vertex < layout.vertices) {
+      return vertex_rows(layout, mesh.vertices, mesh.normals, mesh.colors,
+                         next_rows(vertex, layout.vertices));
+    }
+    return triangle_rows(mesh, next_rows(triangle, mesh.triangles.size()));
+  });
 }
 
 Expected<TriangleMesh> read_ply(const std::filesystem::path& file) {

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "pcavr/base/geometry/image_scaling.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
+#include "pcavr/perception/scene/object_colors.hpp"
 #include "pcavr/perception/scene/preview_parts.hpp"
 #include "pcavr/recordings/recording/image_codec.hpp"
-
-#include "display_mesh.hpp"
-#include "object_colors.hpp"
 
 namespace pcavr {
 namespace {
@@ -23,11 +23,13 @@ constexpr int kSupersampling = 2;  ///< along each axis: four samples a pixel sm
 constexpr std::uint8_t kStatic = 1;
 constexpr std::uint8_t kTrajectory = 2;
 constexpr std::uint8_t kAxis = 3;
-constexpr std::uint8_t kFirstObject = 4;
+constexpr std::uint8_t kArm = 4;
+constexpr std::uint8_t kFirstObject = 5;
 
 constexpr double kAxisLength = 0.15;    ///< of the base frame's axes [m]
 constexpr std::size_t kFrustums = 8;    ///< drawn along the camera trajectory
 constexpr int kTrajectoryOpacity = 40;  ///< opacity of the camera trajectory [%]
+constexpr int kArmOpacity = 75;         ///< [%]: what it hides remains visible
 constexpr double kFrustumDepth = 0.04;  ///< [m]
 
 Eigen::Vector3f as_vector(const Rgb8& c) { return Eigen::Vector3f(c.r, c.g, c.b) / 255.0F; }
@@ -50,8 +52,9 @@ class PreviewRenderer {
     draw_scan();
     if (!scene_.unseen_support_base.triangles.empty()) draw_static(scene_.unseen_support_base);
     draw_objects();
+    draw_arm();
     draw_base_axes();
-    draw_contours(canvas_, kFirstObject);
+    draw_contours(canvas_, kFirstObject, contour_colors());
     draw_camera_trajectory();
     ColorImage picture = halved(canvas_.color);
     draw_labels(picture);
@@ -107,12 +110,64 @@ class PreviewRenderer {
       if (object.evidence == kNotSeen) continue;
       const Eigen::Vector3f tint = as_vector(object_colors_[i]);
       const auto id = static_cast<std::uint8_t>(std::min<std::size_t>(kFirstObject + i, 255));
+      if (draw_textured(object, id)) continue;
       draw(transformed(object.T_base_object, with_sharp_edges(object.model.mesh_object)), id,
            [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
              const Eigen::Vector3f mixed =
                  tint.cwiseProduct(0.4F * color + Eigen::Vector3f::Constant(0.6F));
              return Eigen::Vector3f(mixed * (0.62F + 0.42F * lambert(n)));
            });
+    }
+  }
+
+  /// Draws an object as recorded; its contour is of its colour. False where it has no texture.
+  bool draw_textured(const SceneObject& object, std::uint8_t id) {
+    if (!object.texture) return false;
+    const BodyTexture& texture = *object.texture;
+    ImageDecoder decoder;
+    const auto image = decoder.color(texture.jpeg, {"texture", texture.width, texture.height});
+    if (!image) return false;
+    const MeshImage on_mesh{*image, texture.coordinates};
+    draw(
+        transformed(object.T_base_object, texture.mesh_object), id,
+        [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
+          return Eigen::Vector3f(color * (0.88F + 0.24F * lambert(n)));
+        },
+        &on_mesh);
+    return true;
+  }
+
+  /// By object: its colour where it is drawn with its texture.
+  [[nodiscard]] std::vector<std::optional<Rgb8>> contour_colors() const {
+    std::vector<std::optional<Rgb8>> colors(scene_.objects.size());
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+      if (scene_.objects[i].texture) colors[i] = object_colors_[i];
+    }
+    return colors;
+  }
+
+  /// The arm at the recording's end.
+  void draw_arm() {
+    if (!scene_.robot) return;
+    const ColorImage before = canvas_.color;
+    for (const SceneRobot::Link& link : scene_.robot->links) {
+      draw(transformed(link.T_base_link, with_sharp_edges(link.mesh_link)), kArm,
+           [&](const Eigen::Vector3f& color, const Eigen::Vector3f& n) {
+             return Eigen::Vector3f(color * (0.5F + 0.38F * lambert(n)));
+           });
+    }
+    blend(before, kArm, kArmOpacity);
+  }
+
+  /// Alpha blending of what was drawn as `id` over the canvas before.
+  void blend(const ColorImage& before, std::uint8_t id, int opacity) {
+    for (std::size_t i = 0; i < before.pixels().size(); ++i) {
+      if (canvas_.id.pixels()[i] != id) continue;
+      Rgb8& pixel = canvas_.color.pixels()[i];
+      for (std::uint8_t Rgb8::*channel : {&Rgb8::r, &Rgb8::g, &Rgb8::b}) {
+        pixel.*channel = static_cast<std::uint8_t>(
+            (pixel.*channel * opacity + before.pixels()[i].*channel * (100 - opacity)) / 100);
+      }
     }
   }
 
@@ -149,17 +204,8 @@ class PreviewRenderer {
       const std::size_t index = count == 1 ? 0 : i * (poses.size() - 1) / (count - 1);
       draw_frustum(poses[index].pose, color);
     }
-    // Alpha blending: the trajectory is secondary, and may occlude the scene.
-    for (std::size_t i = 0; i < before.pixels().size(); ++i) {
-      if (canvas_.id.pixels()[i] != kTrajectory) continue;
-      Rgb8& pixel = canvas_.color.pixels()[i];
-      for (std::uint8_t Rgb8::*channel : {&Rgb8::r, &Rgb8::g, &Rgb8::b}) {
-        pixel.*channel =
-            static_cast<std::uint8_t>((pixel.*channel * kTrajectoryOpacity +
-                                       before.pixels()[i].*channel * (100 - kTrajectoryOpacity)) /
-                                      100);
-      }
-    }
+    // It is secondary, and may hide the scene.
+    blend(before, kTrajectory, kTrajectoryOpacity);
   }
 
   void draw_frustum(const Pose& T_base_camera, const Rgb8& color) {

@@ -81,7 +81,8 @@ void draw_background(Canvas& canvas) {
   }
 }
 
-void draw_contours(Canvas& canvas, std::uint8_t first_outlined) {
+void draw_contours(Canvas& canvas, std::uint8_t first_outlined,
+                   const std::vector<std::optional<Rgb8>>& colors) {
   constexpr int kRadius = 3;          // [px]
   constexpr float kStrength = 12.0F;  // of the darkening, by relative depth difference
   constexpr float kMinBrightness = 0.55F;
@@ -102,7 +103,10 @@ void draw_contours(Canvas& canvas, std::uint8_t first_outlined) {
       const bool is_outline = is_border && id >= first_outlined;
       const float brightness =
           is_outline ? 0.35F : std::max(kMinBrightness, 1.0F - kStrength * behind);
-      shaded(x, y) = scaled(canvas.color(x, y), brightness);
+      const std::size_t outlined = is_outline ? std::size_t{id} - first_outlined : colors.size();
+      shaded(x, y) = outlined < colors.size() && colors[outlined]
+                         ? *colors[outlined]
+                         : scaled(canvas.color(x, y), brightness);
     }
   }
   canvas.color = std::move(shaded);

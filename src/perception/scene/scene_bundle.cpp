@@ -7,16 +7,17 @@
 #include <limits>
 
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
 #include "pcavr/perception/scene/glb_file.hpp"
+#include "pcavr/perception/scene/object_colors.hpp"
 #include "pcavr/perception/scene/ply_file.hpp"
 #include "pcavr/perception/scene/scene_text.hpp"
 #include "pcavr/recordings/cloud/cloud_file.hpp"
 #include "pcavr/recordings/recording/image_codec.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 
-#include "display_mesh.hpp"
-#include "object_colors.hpp"
 #include "perception/scene/glb_writer.hpp"
+#include "ply_parts.hpp"
 #include "preview.hpp"
 
 namespace pcavr {
@@ -51,8 +52,11 @@ std::string format_display(const Scene& scene) {
     const SceneObject& object = scene.objects[i];
     if (object.evidence == kNotSeen) continue;
     const std::string& name = object.model.name;
-    const int mesh = glb.add_mesh(name, with_sharp_edges(object.model.mesh_object),
-                                  GlbMaterial::body, colors[i]);
+    const int mesh = object.texture
+                         ? glb.add_textured_mesh(name, object.texture->mesh_object,
+                                                 object.texture->coordinates, object.texture->jpeg)
+                         : glb.add_mesh(name, with_sharp_edges(object.model.mesh_object),
+                                        GlbMaterial::body, colors[i]);
     children.push_back(glb.add_node(name, object.T_base_object, mesh));
   }
   return glb.finish(root, children);
@@ -99,7 +103,6 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
   std::vector<File> files = {
       {kManifestFile, [&] { return format_scene_manifest(manifest_of(scene)); }},
       {kDisplayFile, [&] { return format_display(scene); }},
-      {kMeshFile, [&] { return format_ply(scene.mesh_base); }},
       {kCloudFile, [&] { return format_ply(scene.cloud_base); }},
       {kCloudPcdFile, [&] { return format_pcd(scene.cloud_base); }},
       {kTrajectoryFile, [&] { return format_trajectory(scene.camera_trajectory); }},
@@ -124,6 +127,9 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
     if (const auto written = write_with_folder(folder / file.name, file.content()); !written) {
       return written.error();
     }
+  }
+  if (const auto written = write_ply(scene.mesh_base, folder / kMeshFile); !written) {
+    return written.error();
   }
   return scene.occupancy.write(folder / kOccupancyFile);
 }

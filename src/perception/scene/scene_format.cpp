@@ -47,6 +47,22 @@ void emit_pose_values(YAML::Emitter& out, const char* key, double translation, d
 }
 
 /// Properties of the original CAD mesh, and the simplification error of the scene's mesh.
+/// The figures that the scan's texture and a body's have in common.
+template <typename Texture>
+void emit_texture_figures(YAML::Emitter& out, const Texture& texture) {
+  emit(out, "width", texture.width);
+  emit(out, "height", texture.height);
+  emit(out, "texel", texture.texel);
+  emit(out, "views", texture.views);
+  emit(out, "seen_fraction", texture.seen_fraction);
+}
+
+void emit_body_texture(YAML::Emitter& out, const BodyTextureEntry& texture) {
+  out << YAML::Key << "texture" << YAML::Value << YAML::Flow << YAML::BeginMap;
+  emit_texture_figures(out, texture);
+  out << YAML::EndMap;
+}
+
 void emit_simplified(YAML::Emitter& out, const SceneObjectEntry::Simplified& simplified) {
   emit(out, "simplified_error", simplified.simplification.max_error);
   emit(out, "full_triangles", simplified.simplification.full_triangles);
@@ -68,6 +84,7 @@ void emit_object(YAML::Emitter& out, const SceneObjectEntry& object) {
   emit_pose_values(out, "sigma", object.position_std, object.rotation_std);
   emit_pose_values(out, "refinement", object.refinement_translation, object.refinement_rotation);
   if (object.simplified) emit_simplified(out, *object.simplified);
+  if (object.texture) emit_body_texture(out, *object.texture);
   out << YAML::EndMap;
 }
 
@@ -153,11 +170,7 @@ void emit_files(YAML::Emitter& out, const SceneManifest& manifest) {
 void emit_texture(YAML::Emitter& out, const SceneTextureEntry& texture) {
   emit_section(out, "texture");
   out << YAML::BeginMap;
-  emit(out, "width", texture.width);
-  emit(out, "height", texture.height);
-  emit(out, "texel", texture.texel);
-  emit(out, "views", texture.views);
-  emit(out, "seen_fraction", texture.seen_fraction);
+  emit_texture_figures(out, texture);
   out << YAML::Key << "color_camera" << YAML::Value << YAML::BeginMap;
   emit(out, "width", texture.color_camera.width);
   emit(out, "height", texture.color_camera.height);
@@ -243,6 +256,16 @@ void emit_quality(YAML::Emitter& out, const SceneQuality& quality) {
   out << YAML::EndMap;
 }
 
+std::optional<BodyTextureEntry> texture_entry_of(const SceneObject& object) {
+  if (!object.texture) return std::nullopt;
+  const BodyTexture& texture = *object.texture;
+  return BodyTextureEntry{.width = texture.width,
+                          .height = texture.height,
+                          .texel = texture.texel,
+                          .views = texture.views,
+                          .seen_fraction = texture.seen_fraction};
+}
+
 std::optional<SceneObjectEntry::Simplified> simplified_of(const CadModel& model) {
   if (!model.simplification) return std::nullopt;
   return SceneObjectEntry::Simplified{*model.simplification, model.volume,
@@ -289,7 +312,8 @@ SceneManifest manifest_of(const Scene& scene) {
                                 .mass = object.mass,
                                 .is_movable = object.is_movable,
                                 .hertz_stiffness = object.hertz_stiffness,
-                                .simplified = simplified_of(object.model)});
+                                .simplified = simplified_of(object.model),
+                                .texture = texture_entry_of(object)});
   }
   if (scene.robot) {
     const SceneRobot& robot = *scene.robot;

@@ -11,7 +11,7 @@ namespace pcavr {
 namespace {
 
 constexpr char kFormat[] = "pcavr-scene/1";
-constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's or a normal's length
+constexpr double kUnitTolerance = 1e-3;  ///< of a normal's length
 
 /// Volume of a body within ranges::kBodySize, above the rounding error of its bounding cube's
 /// volume.
@@ -43,17 +43,6 @@ Eigen::Vector3d unit_vector_of(const YamlValue& value) {
     value.fail("is not a unit vector", "write a direction with a length of 1");
   }
   return vector;
-}
-
-Pose pose_of(const YamlValue& value) {
-  value.expect_keys({"t", "q"});
-  const YamlValue rotation = value.at("q");
-  const std::vector<double> q = rotation.numbers(4);
-  const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
-  if (std::abs(quaternion.norm() - 1.0) > kUnitTolerance) {
-    rotation.fail("is not a unit quaternion", "write qx qy qz qw with a length of 1");
-  }
-  return Pose(quaternion, vector_of(value.at("t")));
 }
 
 std::filesystem::path path_of(const YamlValue& value) {
@@ -90,10 +79,19 @@ SceneObjectEntry::Simplified simplified_of(const YamlValue& object) {
   return simplified;
 }
 
+BodyTextureEntry body_texture_of(const YamlValue& value) {
+  value.expect_keys({"width", "height", "texel", "views", "seen_fraction"});
+  return {.width = static_cast<int>(count_of(value.at("width"))),
+          .height = static_cast<int>(count_of(value.at("height"))),
+          .texel = value.at("texel").number_in(ranges::kFigure),
+          .views = count_of(value.at("views")),
+          .seen_fraction = value.at("seen_fraction").number_in(ranges::kShare)};
+}
+
 SceneObjectEntry object_of(const YamlValue& value) {
   value.expect_keys({"name", "mesh", "movable", "mass", "hertz_stiffness", "pose", "start",
                      "evidence", "sigma", "refinement", "simplified_error", "full_triangles",
-                     "volume", "centre_of_mass"});
+                     "volume", "centre_of_mass", "texture"});
   SceneObjectEntry object;
   object.name = value.at("name").text();
   expect_object_name(object.name, value.at("name"));
@@ -113,6 +111,7 @@ SceneObjectEntry object_of(const YamlValue& value) {
   object.refinement_translation = refinement.translation;
   object.refinement_rotation = refinement.rotation;
   if (value.find("simplified_error")) object.simplified = simplified_of(value);
+  if (const auto texture = value.find("texture")) object.texture = body_texture_of(*texture);
   return object;
 }
 

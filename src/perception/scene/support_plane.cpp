@@ -20,6 +20,8 @@ namespace {
 /// Slope limit of vertex normals, wider due to mesh noise.
 const float kMinNormalUpward = std::cos(30.0F * static_cast<float>(M_PI) / 180.0F);
 using Points = std::vector<Eigen::Vector3d>;
+/// Of more vertices, as those of a hall, every second, third, ... is used.
+constexpr std::size_t kMaxVertices = 8'000'000;
 
 /// Vertices with an upward normal.
 Points upward_points(const TriangleMesh& mesh) {
@@ -31,7 +33,8 @@ Points upward_points(const TriangleMesh& mesh) {
     with_normals = &copy;
   }
   Points points;
-  for (std::size_t i = 0; i < with_normals->vertices.size(); ++i) {
+  const std::size_t stride = 1 + mesh.vertices.size() / kMaxVertices;
+  for (std::size_t i = 0; i < with_normals->vertices.size(); i += stride) {
     if (with_normals->normals[i].z() < kMinNormalUpward) continue;
     points.push_back(with_normals->vertices[i].cast<double>());
   }

@@ -16,7 +16,7 @@ namespace {
 
 /// Empty texels around a chart [px]: bilinear interpolation and two mipmaps do not reach the next.
 constexpr int kPadding = 3;
-constexpr int kHeightStep = 16;  ///< [px]; the height is a multiple, for JPEG's blocks
+constexpr int kSizeStep = 16;  ///< [px]; width and height are multiples, for JPEG's blocks
 constexpr float kCoarser = 1.05F;
 constexpr int kMaxRounds = 150;       ///< up to 1500 times coarser
 constexpr std::size_t kSamples = 24;  ///< of a chart's distances from the views
@@ -91,14 +91,15 @@ AtlasLayout lay_out(ChartSet& set, const std::vector<TriangleMesh>& levels_base,
     const auto corners = pack_rectangles(sizes, options.atlas_width, options.atlas_height);
     scale *= kCoarser;
     if (!corners) continue;
-    AtlasLayout layout{options.atlas_width, 0};
+    Eigen::Vector2i used = Eigen::Vector2i::Zero();
     for (std::size_t i = 0; i < sizes.size(); ++i) {
       set.charts[i].corner = (*corners)[i];
-      layout.height = std::max(layout.height, (*corners)[i].y() + sizes[i].y());
+      used = used.cwiseMax((*corners)[i] + sizes[i]);
     }
-    layout.height = std::min(options.atlas_height,
-                             (layout.height + kHeightStep - 1) / kHeightStep * kHeightStep);
-    return layout;
+    const auto up_to = [](int length, int max) {
+      return std::min(max, (length + kSizeStep - 1) / kSizeStep * kSizeStep);
+    };
+    return {up_to(used.x(), options.atlas_width), up_to(used.y(), options.atlas_height)};
   }
   return {};
 }

@@ -256,19 +256,46 @@ bool has_surface_and_colors(const std::vector<TriangleMesh>& levels) {
   });
 }
 
-std::vector<PaintedView> prepare(const std::vector<TextureView>& views,
-                                 const ColorRegistration& registration,
-                                 const DepthNoise& depth_noise, const TextureOptions& options,
-                                 Parallelism parallelism) {
-  std::vector<std::optional<PaintedView>> prepared(views.size());
-  parallel_for(parallelism, views.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      prepared[i].emplace(views[i], registration, depth_noise, options);
+/// Builds the views in parallel: `make` returns the view with this index.
+template <typename Make>
+std::vector<PaintedView> prepare(std::size_t count, Make make, Parallelism parallelism) {
+  std::vector<std::optional<PaintedView>> prepared(count);
+  parallel_for(parallelism, count, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) prepared[i].emplace(make(i));
   });
   std::vector<PaintedView> result;
   for (std::optional<PaintedView>& view : prepared) result.push_back(std::move(*view));
   weigh_sharpness(result);
   return result;
+}
+
+/// Paints the atlas of the levels from views that agree with each other. Without size where it has
+/// no room for the charts.
+void paint_atlas(std::vector<TriangleMesh>& levels, std::vector<PaintedView>& painted,
+                 const TextureOptions& options, Parallelism parallelism, MeshTexture& texture) {
+  parallel_for(parallelism, painted.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) painted[i].set_surface(levels.front());
+  });
+  ChartSet set = make_charts(levels, parallelism);
+  const AtlasLayout layout = lay_out(set, levels, painted, options);
+  if (layout.height == 0) return;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    texture.coordinates.push_back(
+        split_by_charts(levels[i], set.chart_of_triangle[i], set.charts, layout));
+  }
+  const Image<std::uint32_t> triangles = draw_triangles(levels, texture.coordinates, layout);
+  AtlasPainter painter(levels, texture.coordinates, triangles, painted, options);
+  painter.paint(parallelism);
+  texture.image = painter.take_image();
+  texture.seen_fraction = painter.seen_fraction();
+  texture.views = painted.size();
+  double area = 0.0;
+  double texels = 0.0;
+  for (const Chart& chart : set.charts) {
+    area += static_cast<double>(chart.box.volume());
+    texels += static_cast<double>(chart.box.volume() / (chart.texel * chart.texel));
+  }
+  texture.texel = texels > 0.0 ? std::sqrt(area / texels) : 0.0;
 }
 
 }  // namespace
@@ -283,33 +310,45 @@ MeshTexture paint_texture(std::vector<TriangleMesh>& levels_base,
   for (TriangleMesh& level : levels_base) {
     if (level.normals.empty()) compute_vertex_normals(level);
   }
-  std::vector<PaintedView> painted =
-      prepare(views, texture.registration, depth_noise, options, parallelism);
+  std::vector<PaintedView> painted = prepare(
+      views.size(),
+      [&](std::size_t i) {
+        return PaintedView(views[i], texture.registration, depth_noise, options);
+      },
+      parallelism);
   texture.registration = align_colors(painted, levels_base.front(), texture.registration,
                                       options.register_color, parallelism);
-  parallel_for(parallelism, painted.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) painted[i].set_surface(levels_base.front());
-  });
-  ChartSet set = make_charts(levels_base, parallelism);
-  const AtlasLayout layout = lay_out(set, levels_base, painted, options);
-  if (layout.height == 0) return texture;
-  for (std::size_t i = 0; i < levels_base.size(); ++i) {
-    texture.coordinates.push_back(
-        split_by_charts(levels_base[i], set.chart_of_triangle[i], set.charts, layout));
-  }
-  const Image<std::uint32_t> triangles = draw_triangles(levels_base, texture.coordinates, layout);
-  AtlasPainter painter(levels_base, texture.coordinates, triangles, painted, options);
-  painter.paint(parallelism);
-  texture.image = painter.take_image();
-  texture.seen_fraction = painter.seen_fraction();
-  texture.views = views.size();
-  double area = 0.0;
-  double texels = 0.0;
-  for (const Chart& chart : set.charts) {
-    area += static_cast<double>(chart.box.volume());
-    texels += static_cast<double>(chart.box.volume() / (chart.texel * chart.texel));
-  }
-  texture.texel = texels > 0.0 ? std::sqrt(area / texels) : 0.0;
+  for (const PaintedView& view : painted) texture.exposures.push_back({view.gain, view.offset});
+  paint_atlas(levels_base, painted, options, parallelism, texture);
+  return texture;
+}
+
+MeshTexture paint_body(TriangleMesh& mesh_body, const std::vector<TextureView>& views,
+                       const std::vector<BodyView>& seen_in, const MeshTexture& scene, int max_edge,
+                       const DepthNoise& depth_noise, const TextureOptions& options,
+                       Parallelism parallelism) {
+  MeshTexture texture;
+  texture.registration = scene.registration;
+  std::vector<TriangleMesh> levels{mesh_body};
+  if (seen_in.empty() || !has_surface_and_colors(levels)) return texture;
+  std::vector<PaintedView> painted = prepare(
+      seen_in.size(),
+      [&](std::size_t i) {
+        const auto& [index, T_body_camera] = seen_in[i];
+        PaintedView view(views[index], T_body_camera, scene.registration, depth_noise, options);
+        view.vignetting = static_cast<float>(scene.registration.vignetting);
+        if (index < scene.exposures.size()) {
+          view.gain = scene.exposures[index].gain;
+          view.offset = scene.exposures[index].offset;
+        }
+        return view;
+      },
+      parallelism);
+  TextureOptions limited = options;
+  limited.atlas_width = std::min(options.atlas_width, max_edge);
+  limited.atlas_height = std::min(options.atlas_height, max_edge);
+  paint_atlas(levels, painted, limited, parallelism, texture);
+  if (!texture.empty()) mesh_body = std::move(levels.front());
   return texture;
 }
 

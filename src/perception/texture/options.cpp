@@ -31,9 +31,13 @@ constexpr auto kTextureFields = std::to_array<OptionField<Texture>>({
      "lower: blurred images are used; higher: what a moved body hid is seen by few images"},
     // 2048 x 1024 texels of 4 bytes, with mipmaps, are 11 MiB of a headset's memory; its panels and
     // cards need 5 of the 16 MiB that it has at 72 Hz.
-    {"atlas_width", &Texture::atlas_width, 2048, 64, 16384, "px", "width of the texture",
+    {"atlas_width", &Texture::atlas_width, 2048, 64, 16384, "px", "maximum width of the texture",
      "lower: blurred; higher: more memory on the graphics card"},
     {"atlas_height", &Texture::atlas_height, 1024, 64, 16384, "px", "maximum height of the texture",
+     "lower: blurred; higher: more memory on the graphics card"},
+    // Of a box of 10 cm six charts at 1 mm have room; 1.3 MiB of a headset's memory.
+    {"bodies_edge", &Texture::bodies_edge, 512, 0, 16384, "px",
+     "edge of the square that the textures of all bodies have together; 0: bodies have none",
      "lower: blurred; higher: more memory on the graphics card"},
     {"texels_per_pixel", &Texture::texels_per_pixel, 1.2, 0.1, 8.0, "",
      "texels per pixel of the nearest view, where the atlas has room",

@@ -111,10 +111,22 @@ PaintedView::PaintedView(const TextureView& view, const ColorRegistration& regis
                                         registration.camera.width)),
       nearest_(minimum_around(view.depth, kEdgeRadius)) {
   if (!view.is_dynamic.empty()) from_dynamic_ = distance_from(view.is_dynamic);
-  const Pose T_camera_base = view.T_base_camera.inverse();
-  R_camera_base_ = T_camera_base.rotation_matrix().cast<float>();
-  t_camera_base_ = T_camera_base.translation().cast<float>();
-  position_base_ = view.T_base_camera.translation().cast<float>();
+  set_camera_pose(view.T_base_camera);
+}
+
+PaintedView::PaintedView(const TextureView& view, const Pose& T_body_camera,
+                         const ColorRegistration& registration, const DepthNoise& depth_noise,
+                         const TextureOptions& options)
+    : PaintedView(view, registration, depth_noise, options) {
+  from_dynamic_ = {};
+  set_camera_pose(T_body_camera);
+}
+
+void PaintedView::set_camera_pose(const Pose& T_base_camera) {
+  T_camera_base_ = T_base_camera.inverse();
+  R_camera_base_ = T_camera_base_.rotation_matrix().cast<float>();
+  t_camera_base_ = T_camera_base_.translation().cast<float>();
+  position_base_ = T_base_camera.translation().cast<float>();
   update_color_pose();
 }
 
@@ -129,8 +141,7 @@ void PaintedView::set_correction(const Pose& T_corrected_camera) {
 }
 
 void PaintedView::update_color_pose() {
-  const Pose T_color_base =
-      registration_.T_color_depth * T_corrected_camera_ * view_->T_base_camera.inverse();
+  const Pose T_color_base = registration_.T_color_depth * T_corrected_camera_ * T_camera_base_;
   R_color_base_ = T_color_base.rotation_matrix().cast<float>();
   t_color_base_ = T_color_base.translation().cast<float>();
 }
@@ -141,8 +152,7 @@ Eigen::Vector3d PaintedView::in_color_camera(const Eigen::Vector3f& p_base) cons
 
 void PaintedView::set_surface(const TriangleMesh& surface_base) {
   const CameraModel& camera = registration_.camera;
-  const Pose T_color_base =
-      registration_.T_color_depth * T_corrected_camera_ * view_->T_base_camera.inverse();
+  const Pose T_color_base = registration_.T_color_depth * T_corrected_camera_ * T_camera_base_;
   pixels_per_surface_pixel_ = std::max(2, (camera.width + kMaxSurfaceWidth - 1) / kMaxSurfaceWidth);
   surface_ = draw_depth(surface_base,
                         on_grid(camera, camera.width / pixels_per_surface_pixel_,

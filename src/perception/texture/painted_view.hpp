@@ -31,6 +31,11 @@ class PaintedView {
  public:
   PaintedView(const TextureView& view, const ColorRegistration& registration,
               const DepthNoise& depth_noise, const TextureOptions& options);
+  /// The view of a body that may move: points and normals are in the body's frame instead of base.
+  /// The view's mask does not count, as the body is part of it.
+  PaintedView(const TextureView& view, const Pose& T_body_camera,
+              const ColorRegistration& registration, const DepthNoise& depth_noise,
+              const TextureOptions& options);
 
   void set_registration(const ColorRegistration& registration);
   /// Corrects the pose of the colour camera: T_view_corrected is applied after T_camera_base.
@@ -86,6 +91,7 @@ class PaintedView {
  private:
   /// Whether the sensor was saturated there: the surface is at least as bright as the colour.
   [[nodiscard]] bool is_overexposed(const Eigen::Vector2f& pixel) const;
+  void set_camera_pose(const Pose& T_base_camera);
   void update_color_pose();
   /// Share of its weight that a sighting keeps because of what lies in front of the point in the
   /// colour image; 0 where that hides it. `tolerance` in m.
@@ -98,6 +104,7 @@ class PaintedView {
 
   const TextureView* view_;
   ColorRegistration registration_;
+  Pose T_camera_base_;
   Pose T_corrected_camera_;
   CameraModel depth_camera_;
   DepthNoise noise_;

@@ -40,10 +40,19 @@ void widen_smoothing(ContactEpisode& episode, BreakawayOptions options) {
   if (smoother.is_found) episode.breakaway = smoother;
 }
 
+/// With the contact law's stiffness where the push has no line.
+Breakaway with_stiffness(Breakaway breakaway, const std::optional<HuntCrossley>& contact_law) {
+  if (!(breakaway.stiffness > 0.0) && contact_law && breakaway.force > 0.0) {
+    breakaway.stiffness = breakaway.force / static_penetration(*contact_law, breakaway.force);
+  }
+  return breakaway;
+}
+
 /// The breakaway with the loading rate at its peak: after a hold just below the limit, the mean
 /// rate says little about the inertia.
-Breakaway with_final_rate(const ContactEpisode& episode) {
-  Breakaway breakaway = episode.breakaway;
+Breakaway with_final_rate(const ContactEpisode& episode,
+                          const std::optional<HuntCrossley>& contact_law = {}) {
+  Breakaway breakaway = with_stiffness(episode.breakaway, contact_law);
   const double half_width = std::max(kRateHalfWidth, 3.0 * mean_interval(episode.t));
   const SmoothedSample tool = smooth_at(episode.t, episode.tool, breakaway.t, half_width);
   const double rate = tool.is_valid ? breakaway.stiffness * tool.rate : 0.0;
@@ -103,19 +112,38 @@ std::optional<PushedObject> pushed_object(const ContactCompliance& compliance,
   return object;
 }
 
+// Samples under load, at rest, by which a push's line is its contact's.
+constexpr int kMinRestSamples = 3;
+
+/// Whether the object was loaded before it slid. Else the push begins with an impact: the first
+/// forces exceed the sliding friction, and the line that was fitted to them is of a sliding object.
+bool is_loaded_at_rest(const ContactEpisode& episode, double coulomb) {
+  int samples = 0;
+  for (std::size_t i = 0; i < episode.t.size() && episode.t[i] < episode.breakaway.t; ++i) {
+    if (episode.t[i] < episode.breakaway.t_contact) continue;
+    if (episode.force[i] > coulomb) break;
+    ++samples;
+  }
+  return samples >= kMinRestSamples;
+}
+
 /// Whether inertia has a part in the push's peak.
 bool is_fast(const Breakaway& breakaway, double mass, const OnsetOptions& options) {
   return inertial_overshoot(breakaway, mass) > options.max_acceleration_share * breakaway.force;
 }
 
 /// The limit of one push: the force less inertia, which needs the mass; else the force at the peak.
+/// Not excited where the push begins with an impact, and no contact law says what of it is inertia.
 LimitOfMotion limit_of(const IdentifiedContact& push, std::optional<PushedObject> object,
                        const std::optional<HuntCrossley>& contact_law,
                        const std::optional<ParameterValue>& mass,
                        const IdentificationOptions& options) {
   const ContactEpisode& episode = push.episode;
-  const Breakaway breakaway = with_final_rate(episode);
-  if (object && !contact_law) object->contact_law = {breakaway.stiffness, 0.0, 1.0};
+  const Breakaway breakaway = with_final_rate(episode, contact_law);
+  if (object && !contact_law) {
+    if (!is_loaded_at_rest(episode, object->sliding[0])) return {};
+    object->contact_law = {breakaway.stiffness, 0.0, 1.0};
+  }
   // Only fast pushes use the motion: in a slow push it could show no more than the small error of
   // the peak.
   if (object && is_fast(breakaway, object->mass, options.onset)) {
@@ -190,13 +218,16 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
       pushed_object(compliance, options.friction_priors, result);
   std::vector<Breakaway> breakaways;
   std::vector<double> shared;  // stds that do not average out over the pushes
+  int impacts = 0;
   for (IdentifiedContact* push : pushes) {
     widen_smoothing(push->episode, options.inputs.segmentation.breakaway);
     Breakaway breakaway = push->episode.breakaway;
     if (breakaway.is_found) {
       LimitOfMotion limit =
           limit_of(*push, object, compliance.law, result.parameters.mass, options);
-      if (radius.is_excited) limit = limit_with_moment(limit, push->breakaway_lever, radius);
+      if (radius.is_excited && limit.limit.is_excited) {
+        limit = limit_with_moment(limit, push->breakaway_lever, radius);
+      }
       const IdentifiedParameter hidden = hidden_in(*push, radius.value, result.friction.coulomb,
                                                    limit.limit, options.breakaway_priors);
       // The share varies too much from body to body to be added: added, it worsened pushes that
@@ -204,11 +235,19 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
       limit.shared_std = std::hypot(limit.shared_std, hidden.value, hidden.std);
       push->limit = limit.limit;
       push->limit_shared_std = limit.shared_std;
-      shared.push_back(limit.shared_std);
+      if (push->limit.is_excited) shared.push_back(limit.shared_std);
+      breakaway.is_found = push->limit.is_excited;
       breakaway.force = push->limit.value;
       breakaway.std = std::hypot(push->limit.std, limit.shared_std);
+      if (!breakaway.is_found) ++impacts;
     }
     breakaways.push_back(breakaway);
+  }
+  if (impacts > 0) {
+    result.notes.push_back(fmt::format(
+        "{} {} with an impact: not used for the limiting friction, as the object slides before its "
+        "contact is seen loaded; touch it slower, or press along z to identify the contact law",
+        impacts, impacts == 1 ? "push begins" : "pushes begin"));
   }
   result.limit = limiting_friction(breakaways, options.limiting_friction);
   std::vector<IdentifiedParameter> limits;

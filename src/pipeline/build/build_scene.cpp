@@ -1,27 +1,21 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "pcavr/pipeline/build_scene.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/base/core/stage_clock.hpp"
-#include "pcavr/base/geometry/depth_grid.hpp"
-#include "pcavr/base/model/mesh_simplification.hpp"
-#include "pcavr/perception/reconstruction/cloud_filter.hpp"
-#include "pcavr/perception/reconstruction/depth_filter.hpp"
-#include "pcavr/perception/reconstruction/measured_cloud.hpp"
-#include "pcavr/perception/reconstruction/mesh_cleanup.hpp"
-#include "pcavr/perception/reconstruction/tsdf_volume.hpp"
 #include "pcavr/perception/scene/support_plane.hpp"
 #include "pcavr/perception/texture/view_selection.hpp"
+#include "pcavr/pipeline/build_limits.hpp"
 #include "pcavr/pipeline/known_parameters.hpp"
 
 #include "follow_objects.hpp"
+#include "memory_need.hpp"
 #include "pipeline/checks/assess_consistency.hpp"
 #include "pipeline/checks/clock_checks.hpp"
 #include "pipeline/checks/scene_upright.hpp"
@@ -31,19 +25,12 @@
 #include "scene_from_manifest.hpp"
 #include "scene_quality.hpp"
 #include "scene_texture.hpp"
+#include "surface_builder.hpp"
 #include "survey.hpp"
+#include "widen_stds.hpp"
 
 namespace pcavr {
 namespace {
-
-/// Size that a headset renders at 72 Hz, and two coarser levels for distant views [triangles].
-constexpr std::size_t kLevelOfDetailTriangles[] = {300'000, 75'000, 20'000};
-
-TsdfOptions fusion_options(const BuildOptions& options) {
-  TsdfOptions fusion = options.fusion;
-  fusion.depth_noise = options.perception.depth_noise;
-  return fusion;
-}
 
 OccupancyOptions occupancy_options(const BuildOptions& options) {
   OccupancyOptions occupancy = options.occupancy;
@@ -51,57 +38,44 @@ OccupancyOptions occupancy_options(const BuildOptions& options) {
   return occupancy;
 }
 
-/// The result of the second pass: the static scene, and the tracks of its bodies.
-class Fusion {
+/// What the second pass yields: the static scene, and the tracks of its bodies.
+class SecondPass {
  public:
-  Fusion(const CameraModel& camera, std::size_t bodies, const BuildOptions& options)
-      : volume(fusion_options(options)),
+  SecondPass(const BuildLimits& limits, const Recording& recording, std::size_t bodies,
+             const BuildOptions& options)
+      : surface(limits.tile_size ? make_tiled_surface(*limits.tile_size, recording, options)
+                                 : make_whole_surface(options)),
         occupancy(occupancy_options(options)),
-        cloud(options.fusion.voxel_size, options.perception.depth_noise),
         tracks(bodies),
         views(options.texture),
-        camera_(camera),
+        camera_(*recording.manifest.camera),
         options_(options),
         occupancy_interval_(std::llround(options.occupancy_interval * 1e9)) {}
 
   void add(const FollowedFrame& followed) {
     const Stamp stamp = followed.frame.depth_stamp;
-    const DepthImage& raw = followed.frame.depth;
-    // Colour is taken on the depth image's grid: finer colour does not improve the surface.
-    const CameraModel camera = on_grid(camera_, raw.width(), raw.height());
-    const bool is_one_grid = camera.width == camera_.width;
-    const ColorImage coarse =
-        is_one_grid ? ColorImage()
-                    : color_on_grid(followed.frame.color, camera.width, camera.height);
-    const ColorImage& color = is_one_grid ? followed.frame.color : coarse;
-    const DepthImage depth =
-        filter_depth(raw, camera, options_.perception.depth_noise, options_.parallelism);
-    // Averaging runs in parallel with the fusion, because neither of them uses both cores fully.
-    std::future<void> averaged = async_if_parallel(options_.parallelism, [&] {
-      cloud.add(depth, color, followed.is_dynamic, camera, followed.T_base_camera);
-    });
+    const bool carves = !last_carved_ || stamp - *last_carved_ >= occupancy_interval_;
+    FusedFrame fused;
+    if (carves || surface->needs_fused()) fused = fused_frame(followed.frame, camera_, options_);
     std::future<void> carved;
-    if (!last_carved_ || stamp - *last_carved_ >= occupancy_interval_) {
+    if (carves) {
       last_carved_ = stamp;
       carved = async_if_parallel(options_.parallelism, [&] {
-        occupancy.integrate(depth, followed.is_dynamic, camera, followed.T_base_camera);
+        occupancy.integrate(fused.depth, followed.is_dynamic, fused.camera, followed.T_base_camera);
       });
     }
-    volume.integrate(depth, color, followed.is_dynamic, camera, followed.T_base_camera,
-                     options_.parallelism);
+    surface->add(followed, fused);
     if (carved.valid()) carved.get();
-    averaged.get();
     if (options_.texture.enabled) {
-      views.add(followed.frame.index, stamp, followed.T_base_camera, followed.frame.color, raw,
-                followed.is_dynamic);
+      views.add(followed.frame.index, stamp, followed.T_base_camera, followed.frame.color,
+                followed.frame.depth, followed.is_dynamic);
     }
     for (std::size_t i = 0; i < tracks.size(); ++i) tracks[i].push_back(followed.objects[i]);
     camera_trajectory.append(stamp, followed.T_base_camera);
   }
 
-  TsdfVolume volume;
+  std::unique_ptr<SurfaceBuilder> surface;
   OccupancyMap occupancy;
-  MeasuredCloud cloud;
   std::vector<std::vector<ObjectObservation>> tracks;  ///< by body
   Trajectory camera_trajectory;
   ViewSelection views;  ///< for the texture
@@ -112,42 +86,6 @@ class Fusion {
   Duration occupancy_interval_;
   std::optional<Stamp> last_carved_;
 };
-
-std::vector<TriangleMesh> levels_of_detail(const TriangleMesh& mesh, const BuildOptions& options) {
-  std::vector<TriangleMesh> levels;
-  double max_error = options.level_of_detail_error * options.fusion.voxel_size;
-  for (const std::size_t triangles : kLevelOfDetailTriangles) {
-    levels.push_back(simplified(levels.empty() ? mesh : levels.back(), triangles, max_error));
-    max_error *= 4.0;
-  }
-  return levels;
-}
-
-/// Empty where no frames agree on a surface, whatever single frames measured.
-TriangleMesh static_surface(const TsdfVolume& volume, const SurfaceEvidence& evidence,
-                            const BuildOptions& options) {
-  TriangleMesh mesh = volume.extract_mesh(options.min_weight, options.parallelism);
-  remove_small_components(mesh, options.min_island);
-  if (mesh.triangles.empty() || evidence.min_uncontradicted_weight >= options.min_weight)
-    return mesh;
-  mesh = volume.extract_mesh(evidence, options.parallelism);
-  remove_small_components(mesh, options.min_island);
-  return mesh;
-}
-
-/// Distance from the mesh within which measured points are of its surface [voxels]. Points farther
-/// away are of things that moved, or outliers.
-constexpr double kMaxMeshDistance = 2.0;
-
-/// The registered cloud: the measured points of all frames, without those that are not of the
-/// static surface.
-PointCloud registered_cloud(const MeasuredCloud& measured, const TriangleMesh& mesh,
-                            const SurfaceEvidence& evidence, const BuildOptions& options) {
-  const PointCloud points =
-      measured.points(static_cast<int>(std::ceil(evidence.min_uncontradicted_weight)));
-  return remove_outliers(points_near(points, mesh, kMaxMeshDistance * options.fusion.voxel_size),
-                         options.outliers);
-}
 
 std::vector<SupportedBody> standing_bodies(const std::vector<SceneObject>& objects) {
   std::vector<SupportedBody> bodies;
@@ -169,6 +107,15 @@ CameraSteps steps_of(const Trajectory& camera) {
     rotations.push_back(rotation_distance(before, after));
   }
   return {camera.size(), median(std::move(translations)), median(std::move(rotations))};
+}
+
+std::vector<std::optional<Pose>> found_poses(const Survey& survey) {
+  std::vector<std::optional<Pose>> poses;
+  for (const FramePlacement& frame : survey.camera.frames) {
+    poses.resize(std::max(poses.size(), frame.frame + 1));
+    if (frame.status == PlacementStatus::placed) poses[frame.frame] = frame.T_base_camera;
+  }
+  return poses;
 }
 
 Error empty_scene_error(const Recording& recording, const Survey& survey, const Trajectory& camera,
@@ -203,6 +150,11 @@ std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const 
 
 Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
                             const Observer& observer) {
+  return build_scene_within({}, recording, options, observer);
+}
+
+Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& recording,
+                                   const BuildOptions& options, const Observer& observer) {
   warn_of_clocks(recording, observer);
   const Expected<std::optional<RecordedArm>> arm = read_recorded_arm(recording, observer);
   if (!arm) return arm.error();
@@ -239,48 +191,59 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
   for (const auto* loaded : {&*bodies, &*immovable}) {
     for (const DeclaredBody& body : *loaded) report_simplified(body.model, observer);
   }
+  // Before the long work where poses are stated, else before the fusion.
+  const bool has_poses = !recording.groundtruth.empty();
+  if (has_poses) {
+    if (const auto fits = check_memory(limits, recording, stated_poses(recording), options); !fits)
+      return fits.error();
+  }
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
   if (!survey) return survey.error();
+  if (!has_poses) {
+    if (const auto fits = check_memory(limits, recording, found_poses(*survey), options); !fits)
+      return fits.error();
+  }
 
   // Reconstruction: movable objects are tracked and masked, the rest is fused and meshed (TSDF,
   // marching cubes).
   clock.begin("objects and fusion");
-  Fusion fusion(*recording.manifest.camera, bodies->size(), options);
+  SecondPass pass(limits, recording, bodies->size(), options);
   const Expected<void> followed = follow_objects(
       recording, *bodies, *survey, survey_options, observer,
-      [&](const FollowedFrame& frame) { fusion.add(frame); }, *arm ? &**arm : nullptr);
+      [&](const FollowedFrame& frame) { pass.add(frame); }, *arm ? &**arm : nullptr);
   if (!followed) return followed.error();
   clock.begin("mesh");
-  const SurfaceEvidence evidence = surface_evidence(options, fusion.camera_trajectory.size());
-  TriangleMesh mesh = static_surface(fusion.volume, evidence, options);
-  if (mesh.triangles.empty()) {
-    return empty_scene_error(recording, *survey, fusion.camera_trajectory, options);
+  const SurfaceEvidence evidence = surface_evidence(options, pass.camera_trajectory.size());
+  Expected<TriangleMesh> mesh = pass.surface->mesh(evidence, observer);
+  if (!mesh) return mesh.error();
+  if (mesh->triangles.empty()) {
+    return empty_scene_error(recording, *survey, pass.camera_trajectory, options);
   }
-  fusion.occupancy.clear_unsupported(mesh);
+  pass.occupancy.clear_unsupported(*mesh);
 
   // Scene: the surfaces to display, and the CAD bodies at the poses from their markers.
   clock.begin("levels of detail and cloud");
-  Scene scene{.mesh_base = std::move(mesh),
+  Scene scene{.mesh_base = *std::move(mesh),
               .levels_of_detail_base = {},
               .cloud_base = {},
-              .occupancy = std::move(fusion.occupancy),
+              .occupancy = std::move(pass.occupancy),
               .support_planes = {},
               .objects = {},
               .robot = {},
               .tags = scene_tags(recording.manifest),
-              .camera_trajectory = std::move(fusion.camera_trajectory),
+              .camera_trajectory = std::move(pass.camera_trajectory),
               .quality = {},
               .recording = recording.folder.string(),
               .voxel_size = options.fusion.voxel_size};
-  std::future<PointCloud> cloud = async_if_parallel(options.parallelism, [&] {
-    return registered_cloud(fusion.cloud, scene.mesh_base, evidence, options);
-  });
-  scene.levels_of_detail_base = levels_of_detail(scene.mesh_base, options);
+  std::future<PointCloud> cloud = async_if_parallel(
+      options.parallelism, [&] { return pass.surface->cloud(scene.mesh_base, evidence); });
+  scene.levels_of_detail_base = pass.surface->levels_of_detail(scene.mesh_base);
   scene.cloud_base = cloud.get();
   for (std::size_t i = 0; i < bodies->size(); ++i) {
-    scene.objects.push_back(scene_object_of_track((*bodies)[i], fusion.tracks[i]));
+    scene.objects.push_back(scene_object_of_track((*bodies)[i], pass.tracks[i]));
     report_not_found(recording, *survey, (*bodies)[i], options.perception.body_pose, observer,
                      scene.objects.back());
+    widen_by_doubts(recording.manifest, *survey, i, scene.camera_trajectory, scene.objects.back());
     scene.objects.back().hertz_stiffness =
         hertz_stiffness_of(recording.manifest, (*bodies)[i].entry);
   }
@@ -307,7 +270,7 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
     scene.quality.input_warnings.push_back(to_warning(finding));
   }
   clock.begin("texture");
-  paint_scene(recording, std::move(fusion.views), options, scene);
+  paint_scene(recording, std::move(pass.views), pass.tracks, options, scene);
   clock.end();
   scene.quality.times = clock.times();
   return scene;

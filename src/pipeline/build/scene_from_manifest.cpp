@@ -37,7 +37,8 @@ Error missing_pose_error(const Recording& recording, const std::string& name) {
 Expected<void> place_by_tracking(const Recording& recording, ObjectEntry& entry) {
   const auto folder = tracked_folder_of(recording, {});
   if (entry.T_base_object || !folder) return {};
-  const Expected<TrackedFile> tracked = read_tracked_poses(*folder, entry.name);
+  const Expected<TrackedFile> tracked =
+      read_tracked_poses(*folder, entry.name, {.T_tracked_object = entry.T_tracked_object});
   if (!tracked) return tracked.error();
   if (!tracked->poses.empty()) entry.T_base_object = tracked->poses.front().T_base_object;
   return {};

@@ -3,7 +3,11 @@
 #include "scene_quality.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/base/geometry/depth_grid.hpp"
@@ -16,36 +20,88 @@ namespace {
 constexpr std::size_t kComparedFrames = 8;
 constexpr int kPixelStride = 8;  ///< of the pixels that are compared with the mesh
 
-/// Distances of a frame's readings from the mesh, along the mesh's normals [m].
-void collect_distances(const SurfaceQuery& surface, const RgbdFrame& frame,
-                       const CameraModel& color_camera, const Pose& T_base_camera,
-                       double max_distance, std::vector<double>& distances) {
+/// Some of a frame's readings, in base.
+void collect_points(const RgbdFrame& frame, const CameraModel& color_camera,
+                    const Pose& T_base_camera, std::vector<Eigen::Vector3f>& points_base) {
   const CameraModel camera = on_grid(color_camera, frame.depth.width(), frame.depth.height());
   for (int y = 0; y < camera.height; y += kPixelStride) {
     for (int x = 0; x < camera.width; x += kPixelStride) {
       const float z = frame.depth(x, y);
       if (z <= 0.0F) continue;
-      const Eigen::Vector3f p_base =
-          (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).cast<float>();
-      const auto nearest = surface.closest(p_base, static_cast<float>(max_distance));
-      if (nearest) distances.push_back(std::abs(nearest->normal.dot(p_base - nearest->point)));
+      points_base.push_back(
+          (T_base_camera * camera.unproject(Eigen::Vector2d(x, y), z)).cast<float>());
     }
   }
 }
 
-/// Median distance of some frames' readings from the mesh that they were fused into [m].
+using Cell = Eigen::Vector3i;
+
+std::uint64_t cell_key(const Cell& cell) {
+  const auto bits = [](int c) { return static_cast<std::uint64_t>(c) & 0x1FFFFFU; };
+  return bits(cell.x()) << 42 | bits(cell.y()) << 21 | bits(cell.z());
+}
+
+/// The triangles that may be within `distance` of one of the points, in their order: a query of a
+/// whole hall would take more memory than all else.
+TriangleMesh part_near(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& points,
+                       double distance) {
+  const auto edge = static_cast<float>(distance);
+  const auto cell_of = [edge](const Eigen::Vector3f& p) -> Cell {
+    return (p / edge).array().floor().max(-1e6F).min(1e6F).cast<int>();
+  };
+  std::unordered_set<std::uint64_t> near;
+  for (const Eigen::Vector3f& p : points) {
+    const Cell cell = cell_of(p);
+    for (int i = 0; i < 27; ++i)
+      near.insert(cell_key(cell + Cell(i % 3, i / 3 % 3, i / 9) - Cell::Ones()));
+  }
+  const auto is_near = [&](const std::array<std::uint32_t, 3>& t) {
+    Eigen::AlignedBox3f box(mesh.vertices[t[0]]);
+    box.extend(mesh.vertices[t[1]]).extend(mesh.vertices[t[2]]);
+    const Cell low = cell_of(box.min());
+    const Cell high = cell_of(box.max());
+    for (int x = low.x(); x <= high.x(); ++x) {
+      for (int y = low.y(); y <= high.y(); ++y) {
+        for (int z = low.z(); z <= high.z(); ++z) {
+          if (near.contains(cell_key({x, y, z}))) return true;
+        }
+      }
+    }
+    return false;
+  };
+  TriangleMesh part;
+  std::unordered_map<std::uint32_t, std::uint32_t> number;  // of the part's vertices
+  for (const auto& triangle : mesh.triangles) {
+    if (!is_near(triangle)) continue;
+    auto& added = part.triangles.emplace_back(triangle);
+    for (std::uint32_t& v : added) {
+      const auto [found, is_new] =
+          number.try_emplace(v, static_cast<std::uint32_t>(part.vertices.size()));
+      if (is_new) part.vertices.push_back(mesh.vertices[v]);
+      v = found->second;
+    }
+  }
+  return part;
+}
+
+/// Median distance of some frames' readings from the mesh that they were fused into, along its
+/// normals [m].
 double surface_distance(const Recording& recording, const Survey& survey, const Scene& scene,
                         double max_distance) {
-  const SurfaceQuery surface(scene.mesh_base);
   const std::vector<FramePlacement>& frames = survey.camera.frames;
   const std::size_t stride = std::max<std::size_t>(1, frames.size() / kComparedFrames);
-  std::vector<double> distances;
+  std::vector<Eigen::Vector3f> points;
   for (std::size_t i = stride / 2; i < frames.size(); i += stride) {
     if (frames[i].status != PlacementStatus::placed) continue;
     const Expected<RgbdFrame> frame = decode_frame(recording, frames[i].frame);
     if (!frame) continue;
-    collect_distances(surface, *frame, *recording.manifest.camera, frames[i].T_base_camera,
-                      max_distance, distances);
+    collect_points(*frame, *recording.manifest.camera, frames[i].T_base_camera, points);
+  }
+  const SurfaceQuery surface(part_near(scene.mesh_base, points, max_distance));
+  std::vector<double> distances;
+  for (const Eigen::Vector3f& point : points) {
+    const auto nearest = surface.closest(point, static_cast<float>(max_distance));
+    if (nearest) distances.push_back(std::abs(nearest->normal.dot(point - nearest->point)));
   }
   return median(distances);
 }

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene_texture.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pcavr/base/core/parallel.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
+#include "pcavr/perception/scene/object_colors.hpp"
 #include "pcavr/perception/texture/mesh_texture.hpp"
 #include "pcavr/perception/texture/unseen_support.hpp"
 #include "pcavr/recordings/recording/frame_reader.hpp"
@@ -16,11 +20,19 @@
 namespace pcavr {
 namespace {
 
+/// A share of the texels below which a body is drawn without texture: a few pixels at an edge.
+constexpr double kMinSeenFraction = 0.02;
+
+/// The views that could be decoded, and their stamps.
+struct SceneViews {
+  std::vector<TextureView> views;
+  std::vector<Stamp> stamps;
+};
+
 /// Decodes the images that the selection has not kept. A frame that cannot be decoded any more is
 /// left out: it was decoded before.
-std::vector<TextureView> decode_views(const Recording& recording,
-                                      std::vector<ViewCandidate> candidates,
-                                      Parallelism parallelism) {
+SceneViews decode_views(const Recording& recording, std::vector<ViewCandidate> candidates,
+                        Parallelism parallelism) {
   std::vector<std::optional<TextureView>> decoded(candidates.size());
   parallel_for(parallelism, candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -38,18 +50,16 @@ std::vector<TextureView> decode_views(const Recording& recording,
                                .sharpness = candidate.sharpness};
     }
   });
-  std::vector<TextureView> views;
-  for (std::optional<TextureView>& view : decoded) {
-    if (view) views.push_back(std::move(*view));
+  SceneViews result;
+  for (std::size_t i = 0; i < decoded.size(); ++i) {
+    if (!decoded[i]) continue;
+    result.views.push_back(std::move(*decoded[i]));
+    result.stamps.push_back(candidates[i].stamp);
   }
-  return views;
+  return result;
 }
 
-std::optional<SceneTexture> texture_of(const std::vector<TextureView>& views,
-                                       const CameraModel& camera, const BuildOptions& options,
-                                       std::vector<TriangleMesh>& levels_base) {
-  MeshTexture texture = paint_texture(levels_base, views, camera, options.perception.depth_noise,
-                                      options.texture, options.parallelism);
+std::optional<SceneTexture> scene_texture_of(MeshTexture& texture, const BuildOptions& options) {
   if (texture.empty()) return std::nullopt;
   Expected<std::string> jpeg = encode_color(texture.image, options.texture.jpeg_quality);
   if (!jpeg) return std::nullopt;
@@ -65,9 +75,73 @@ std::optional<SceneTexture> texture_of(const std::vector<TextureView>& views,
                       .vignetting = texture.registration.vignetting};
 }
 
+/// The object's pose at the stamp of a frame; nullopt where it was not seen in it. An object
+/// without track stands still.
+std::optional<Pose> pose_at(Stamp stamp, const SceneObject& object, const ObjectTrack* track) {
+  if (track == nullptr) return object.T_base_object;
+  const auto found =
+      std::lower_bound(track->begin(), track->end(), stamp,
+                       [](const ObjectObservation& seen, Stamp at) { return seen.stamp < at; });
+  if (found == track->end() || found->stamp != stamp || found->evidence == ObjectEvidence::none)
+    return std::nullopt;
+  return found->T_base_object;
+}
+
+/// `color` is that of what no view sees, unless the CAD file has colours.
+std::optional<BodyTexture> body_texture_of(const SceneObject& object, const ObjectTrack* track,
+                                           const Rgb8& color, const SceneViews& views,
+                                           const MeshTexture& scene, int max_edge,
+                                           const BuildOptions& options) {
+  std::vector<BodyView> seen_in;
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    const std::optional<Pose> T_base_object = pose_at(views.stamps[i], object, track);
+    if (!T_base_object) continue;
+    seen_in.push_back({i, T_base_object->inverse() * views.views[i].T_base_camera});
+  }
+  TriangleMesh mesh = with_sharp_edges(object.model.mesh_object);
+  if (mesh.colors.empty()) mesh.colors.assign(mesh.vertices.size(), color);
+  MeshTexture texture =
+      paint_body(mesh, views.views, seen_in, scene, max_edge, options.perception.depth_noise,
+                 options.texture, options.parallelism);
+  if (texture.empty() || texture.seen_fraction < kMinSeenFraction) return std::nullopt;
+  Expected<std::string> jpeg = encode_color(texture.image, options.texture.jpeg_quality);
+  if (!jpeg) return std::nullopt;
+  return BodyTexture{.jpeg = std::move(*jpeg),
+                     .mesh_object = std::move(mesh),
+                     .coordinates = std::move(texture.coordinates.front()),
+                     .width = texture.image.width(),
+                     .height = texture.image.height(),
+                     .texel = texture.texel,
+                     .views = texture.views,
+                     .seen_fraction = texture.seen_fraction};
+}
+
+/// Edge of each body's atlas [px]: all together they fit into a square of `bodies_edge`.
+int atlas_edge(std::size_t bodies, int bodies_edge) {
+  constexpr int kMinEdge = 64;  // less shows nothing
+  int side = 1;
+  while (static_cast<std::size_t>(side) * static_cast<std::size_t>(side) < bodies) side *= 2;
+  return std::max(std::min(kMinEdge, bodies_edge), bodies_edge / side);
+}
+
+void paint_bodies(const SceneViews& views, const MeshTexture& texture,
+                  const std::vector<ObjectTrack>& tracks, const BuildOptions& options,
+                  Scene& scene) {
+  if (options.texture.bodies_edge == 0 || views.views.empty()) return;
+  const int max_edge = atlas_edge(scene.objects.size(), options.texture.bodies_edge);
+  const std::vector<Rgb8> colors = object_colors(scene);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    SceneObject& object = scene.objects[i];
+    if (object.evidence == kNotSeen) continue;
+    object.texture = body_texture_of(object, i < tracks.size() ? &tracks[i] : nullptr, colors[i],
+                                     views, texture, max_edge, options);
+  }
+}
+
 }  // namespace
 
-void paint_scene(const Recording& recording, ViewSelection selection, const BuildOptions& options,
+void paint_scene(const Recording& recording, ViewSelection selection,
+                 const std::vector<ObjectTrack>& tracks, const BuildOptions& options,
                  Scene& scene) {
   if (!options.texture.enabled) return;
   const CameraModel& camera = *recording.manifest.camera;
@@ -76,7 +150,7 @@ void paint_scene(const Recording& recording, ViewSelection selection, const Buil
   // Colour; depth and the minimum around each pixel; the same of the surface, half as fine; mask
   // and distance from it.
   const std::size_t bytes_per_pixel = sizeof(Rgb8) + 2 * sizeof(float) + 2 * sizeof(float) / 4 + 2;
-  const std::vector<TextureView> views =
+  const SceneViews views =
       decode_views(recording, selection.take_chosen(pixels * bytes_per_pixel), options.parallelism);
   if (options.texture.fill_support) {
     std::vector<SupportArea> areas;
@@ -84,9 +158,13 @@ void paint_scene(const Recording& recording, ViewSelection selection, const Buil
       areas.push_back({plane.plane_base, plane.outline_base});
     }
     scene.unseen_support_base = find_unseen_support(areas, scene.levels_of_detail_base.front(),
-                                                    views, camera, options.fusion.voxel_size);
+                                                    views.views, camera, options.fusion.voxel_size);
   }
-  scene.texture = texture_of(views, camera, options, scene.levels_of_detail_base);
+  MeshTexture texture =
+      paint_texture(scene.levels_of_detail_base, views.views, camera,
+                    options.perception.depth_noise, options.texture, options.parallelism);
+  paint_bodies(views, texture, tracks, options, scene);
+  scene.texture = scene_texture_of(texture, options);
 }
 
 }  // namespace pcavr

@@ -13,6 +13,7 @@
 #include "pcavr/perception/tracking/object_tracker.hpp"
 
 #include "pipeline/checks/assess_consistency.hpp"
+#include "pipeline/checks/tag_closure.hpp"
 #include "pipeline/checks/tag_copies.hpp"
 #include "placement_warnings.hpp"
 #include "prefetcher.hpp"
@@ -144,6 +145,25 @@ std::optional<ConsistencyFinding> copied_base_tag(const Manifest& manifest, cons
     }
   }
   return std::nullopt;
+}
+
+/// What the camera's poses leave open at the base tags: widens their stds, and names it where no
+/// other finding does. What would displace the scene as a whole is a contradiction.
+void use_closure(const Recording& recording, const ConsistencyObservations& seen,
+                 const DepthNoise& noise, Survey& survey) {
+  const std::size_t min_frames = std::min(kMinFindingFrames, recording.frames.size());
+  const std::optional<TagClosure> closure =
+      close_tags(recording.manifest, seen.tags, survey.camera, noise, min_frames);
+  if (!closure) return;
+  survey.camera_doubt = doubt_of(*closure, survey.findings);
+  widen_by(survey.camera_doubt, survey.camera);
+  if (!closure->is_significant()) return;
+  const ConsistencyFinding finding = finding_of(*closure);
+  if (survey.findings.empty()) {
+    survey.findings.push_back(finding);
+  } else if (finding.severity == FindingSeverity::contradiction) {
+    survey.findings.front().severity = finding.severity;
+  }
 }
 
 Error not_placed_error(const Recording& recording, const Survey& survey,
@@ -402,16 +422,23 @@ Expected<Survey> survey_recording(const Recording& recording,
 
   survey.camera = known_camera ? std::move(*known_camera) : tracker.solve(observer);
   survey.depth = collector.observations().depth;
-  const std::vector<TagPairCheck> pairs =
+  survey.pairs =
       compare_tag_pairs(recording.manifest, survey.detections,
                         std::min(kMinFindingFrames, recording.frames.size()), perception.body_pose);
-  survey.findings = assess_consistency(recording, bodies, collector.observations(), survey.camera,
-                                       std::move(survey.findings), perception.consistency, pairs);
+  for (const OutlineFit& outline : collector.observations().outlines) {
+    survey.body_shifts.push_back(outline.shift().norm());
+  }
+  survey.findings =
+      assess_consistency(recording, bodies, collector.observations(), survey.camera,
+                         std::move(survey.findings), perception.consistency, survey.pairs);
+  if (!tracker_options.trust_poses && !known_camera) {
+    use_closure(recording, collector.observations(), perception.depth_noise, survey);
+  }
   if (has_contradiction(survey.findings)) return contradiction_error(recording, survey.findings);
   for (const ConsistencyFinding& finding : survey.findings) {
     observer.on_warning(finding.to_string());
   }
-  if (!has_poses && !known_camera) widen_by_layout(recording.manifest, pairs, survey.camera);
+  if (!has_poses && !known_camera) widen_by_layout(recording.manifest, survey.pairs, survey.camera);
   const bool any_placed = std::any_of(
       survey.camera.frames.begin(), survey.camera.frames.end(),
       [](const FramePlacement& frame) { return frame.status == PlacementStatus::placed; });

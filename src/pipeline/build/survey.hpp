@@ -19,7 +19,9 @@
 #include "pcavr/pipeline/perception_options.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 
+#include "pipeline/checks/consistency_layout.hpp"
 #include "pipeline/checks/consistency_observations.hpp"
+#include "pipeline/checks/tag_closure.hpp"
 
 namespace pcavr {
 
@@ -68,6 +70,11 @@ struct Survey {
   std::set<MarkerId> copied_tags = {};
   std::size_t undecoded = 0;  ///< left out by skip_bad
   DepthSummary depth;
+  /// In the stds of the camera's poses already; zero where these are given as exact.
+  CameraDoubt camera_doubt = {};
+  std::vector<TagPairCheck> pairs = {};  ///< tags of one body, as far as they are seen together
+  /// How far depth has each body from where its tags put it [m]; by body.
+  std::vector<double> body_shifts = {};
   std::vector<ConsistencyFinding> findings;  ///< warnings: a contradiction is an Error
 };
 

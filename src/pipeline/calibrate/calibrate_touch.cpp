@@ -29,13 +29,11 @@ struct LengthColumn {
 
 std::optional<LengthColumn> length_column(const std::vector<std::string>& header,
                                           const std::string& name) {
-  for (std::size_t i = 0; i < header.size(); ++i) {
-    const CsvColumn column = parse_column(header[i]);
-    if (column.name != name) continue;
-    if (column.unit == "mm") return LengthColumn{i, 1e-3};
-    if (column.unit == "cm") return LengthColumn{i, 1e-2};
-    if (column.unit.empty() || column.unit == "m") return LengthColumn{i, 1.0};
-  }
+  const std::optional<FoundColumn> found = find_column(header, {name});
+  if (!found) return std::nullopt;
+  if (found->unit == "mm") return LengthColumn{found->column, 1e-3};
+  if (found->unit == "cm") return LengthColumn{found->column, 1e-2};
+  if (found->unit.empty() || found->unit == "m") return LengthColumn{found->column, 1.0};
   return std::nullopt;
 }
 

@@ -54,28 +54,20 @@ std::optional<std::array<NumberColumn, 3>> vector_columns(const std::vector<std:
                                                           const std::vector<std::string>& words) {
   std::array<NumberColumn, 3> columns;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    bool is_found = false;
-    for (std::size_t i = 0; i < header.size() && !is_found; ++i) {
-      const CsvColumn column = parse_column(header[i]);
-      for (const std::string& word : words) {
-        if (column.name != word + "xyz"[axis]) continue;
-        const std::optional<double> factor = unit_factor(column.unit);
-        if (!factor) return std::nullopt;
-        columns[axis] = {i, *factor};
-        is_found = true;
-      }
-    }
-    if (!is_found) return std::nullopt;
+    std::vector<std::string> names = words;
+    for (std::string& name : names) name += "xyz"[axis];
+    const std::optional<FoundColumn> found = find_column(header, names);
+    if (!found) return std::nullopt;
+    const std::optional<double> factor = unit_factor(found->unit);
+    if (!factor) return std::nullopt;
+    columns[axis] = {found->column, *factor};
   }
   return columns;
 }
 
 /// Whether tx, ty, tz are where the flange is, as in a list of TUM's: a rotation, and no x, y, z.
 bool is_position(const std::vector<std::string>& header, const std::string& word) {
-  const auto has = [&](const std::string& name) {
-    return std::ranges::any_of(
-        header, [&](const std::string& one) { return parse_column(one).name == name; });
-  };
+  const auto has = [&](const std::string& name) { return find_column(header, {name}).has_value(); };
   return has(word + 'x') && (has("qx") || has("rx")) && !has("x");
 }
 
@@ -85,13 +77,9 @@ struct StampColumn {
 };
 
 std::optional<StampColumn> stamp_column(const std::vector<std::string>& header) {
-  for (std::size_t i = 0; i < header.size(); ++i) {
-    const CsvColumn column = parse_column(header[i]);
-    if (column.name == "t" || column.name == "time" || column.name == "timestamp") {
-      return StampColumn{i, parse_time_unit(column.unit)};
-    }
-  }
-  return std::nullopt;
+  const std::optional<FoundColumn> found = find_column(header, {"t", "time", "timestamp"});
+  if (!found) return std::nullopt;
+  return StampColumn{found->column, parse_time_unit(found->unit)};
 }
 
 /// Without a unit in the header, in that in which the number is a time.

@@ -7,6 +7,7 @@
 
 #include "pcavr/base/core/decimal.hpp"
 #include "pcavr/pipeline/calibrate_pictures.hpp"
+#include "pcavr/recordings/recording/camera_file.hpp"
 
 #include "pipeline/calibrate/yaml_text.hpp"
 
@@ -20,24 +21,6 @@ std::string decimals(const Values& values) {
   return text;
 }
 
-template <typename Values>
-std::string bracketed(const Values& values) {
-  return '[' + decimals(values) + ']';
-}
-
-/// The name in camera files.
-const char* lens_name(LensModel lens) {
-  switch (lens) {
-    case LensModel::rational:
-      return "rational";
-    case LensModel::fisheye:
-      return "fisheye";
-    case LensModel::plumb_bob:
-      break;
-  }
-  return "plumb_bob";
-}
-
 std::string camera_block(const CameraModel& camera, std::span<const double> stds) {
   std::string text = "camera:\n";
   text += fmt::format("  width: {}\n  height: {}\n", camera.width, camera.height);
@@ -47,11 +30,11 @@ std::string camera_block(const CameraModel& camera, std::span<const double> stds
     text += fmt::format("  {}: {}  # px, std {:.3g}\n", kNames[i], shortest_decimal(values[i]),
                         stds[i]);
   }
-  text += fmt::format("  model: {}\n  distortion: {}  # {}\n", lens_name(camera.distortion.model()),
-                      bracketed(camera.distortion.coefficients()),
+  text += fmt::format("  model: {}\n  distortion: {}  # {}\n", name_of(camera.distortion.model()),
+                      '[' + decimals(camera.distortion.coefficients()) + ']',
                       coefficient_names(camera.distortion.model()));
   text +=
-      "camera_std: " + bracketed(stds) + "  # fx, fy, cx, cy (px), distortion; 0: not estimated\n";
+      "camera_std: [" + decimals(stds) + "]  # fx, fy, cx, cy (px), distortion; 0: not estimated\n";
   return text;
 }
 
@@ -61,10 +44,7 @@ std::string pcavr_camera(const CameraCalibration& found, const std::string& pict
   text += "sources:\n  pictures: " + quoted(pictures) + "\n  board: " + quoted(board.source) + '\n';
   text += camera_block(found.camera, found.stds);
   text += "covariance:  # of the same parameters\n";
-  for (Eigen::Index row = 0; row < found.covariance.rows(); ++row) {
-    const Eigen::VectorXd values = found.covariance.row(row);
-    text += "  - " + bracketed(values) + '\n';
-  }
+  text += row_lists(found.covariance, "  ");
   text += "pixel_rms: " + shortest_decimal(found.pixel_rms) + "  # px, of distances\n";
   if (found.held_out_rms) {
     text += "held_out_rms: " + shortest_decimal(*found.held_out_rms) + "  # px\n";

@@ -10,6 +10,7 @@
 #include "pcavr/base/core/input_ranges.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/pipeline/calibrate_tags.hpp"
+#include "pcavr/recordings/recording/manifest_parser.hpp"
 #include "pcavr/recordings/recording/time_series.hpp"
 #include "pcavr/recordings/recording/yaml_map.hpp"
 
@@ -124,17 +125,7 @@ TagFile read_tagslam(const YamlValue& root, const std::string& family) {
 TagFile read_pcavr(const YamlValue& root) {
   TagFile file{.format = "pcavr"};
   for (const YamlValue& entry : root.at("markers").items()) {
-    MarkerEntry tag = placed_tag(entry, entry.at("family").text(), size_of(entry));
-    const YamlValue pose = entry.at("pose");
-    const std::vector<double> t = pose.at("t").numbers_in(3, ranges::kCoordinate);
-    const std::vector<double> q = pose.at("q").numbers(4);
-    if (const std::optional<Error> error = check_unit_quaternion(q)) {
-      pose.at("q").fail(error->message, error->hint);
-    }
-    tag.T_parent_marker = Pose(Eigen::Quaterniond(q[3], q[0], q[1], q[2]), {t[0], t[1], t[2]});
-    const std::optional<YamlValue> object = entry.find("object");
-    set_body(object ? object->text() : "", !object, tag);
-    file.markers.push_back(std::move(tag));
+    file.markers.push_back(marker_of(entry));
   }
   return file;
 }

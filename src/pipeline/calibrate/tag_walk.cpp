@@ -30,11 +30,8 @@ struct CornerColumns {
 };
 
 std::optional<std::size_t> column_named(const std::vector<std::string>& names, const char* name) {
-  const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& column) {
-    return parse_column(column).name == name;
-  });
-  if (found == names.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - names.begin());
+  const auto found = find_column(names, {name});
+  return found ? std::optional(found->column) : std::nullopt;
 }
 
 Expected<CornerColumns> corner_columns(const std::vector<std::string>& names) {

@@ -228,6 +228,8 @@ std::vector<ConsistencyFinding> assess_consistency(const Recording& recording,
     const auto outline =
         check_outline(manifest, bodies[i].entry, seen.outlines[i], min_frames, options);
     if (outline) add_outline_finding(findings, *outline);
+    const auto place = check_place(manifest, bodies[i].entry, seen.outlines[i], min_frames);
+    if (place && !outline) findings.push_back(*place);
   }
   return sorted(std::move(findings));
 }

@@ -22,6 +22,8 @@ constexpr double kMaxDensity = 25000.0;
 constexpr double kTagOffsetShare = 0.05;
 /// A tag counts as on a scaled body within this distance [share of the scaled body's size].
 constexpr double kFitShare = 0.02;
+/// A body's shift by depth that is reported [m]: its tolerance of depth.
+constexpr double kMinShift = 0.01;
 /// Factor from which on the unit is wrong, not just the model.
 constexpr double kUnitFactor = 9.0;
 
@@ -180,6 +182,21 @@ std::optional<ConsistencyFinding> check_outline(const Manifest& manifest, const 
           "check the mesh's unit (the object's key unit) and scale, or the sizes and poses of the "
           "object's tags",
       .factor = factor,
+      .frames = fit.frames};
+}
+
+std::optional<ConsistencyFinding> check_place(const Manifest& manifest, const ObjectEntry& entry,
+                                              const OutlineFit& fit, std::size_t min_frames) {
+  if (fit.frames < min_frames) return std::nullopt;
+  const double shift = fit.shift().norm();
+  if (shift < kMinShift) return std::nullopt;
+  return ConsistencyFinding{
+      .file = "recording.yaml",
+      .place = key_of_object(manifest, entry.name) + ".mesh",
+      .message = entry.name + " is " + measured(shift) + " by depth from where its tags put " +
+                 entry.mesh.string() + " (median of " + std::to_string(fit.frames) +
+                 " frames); the std of its pose contains it",
+      .hint = "check the poses of the object's tags, and the origin of its mesh",
       .frames = fit.frames};
 }
 

@@ -191,6 +191,7 @@ ConsistencyFinding finding_of(const Manifest& manifest, const Camera& found, dou
                              .place = is_radial ? "camera.distortion" : "camera.cx, camera.cy",
                              .message = {},
                              .hint = {},
+                             .factor = 1.0 + error,
                              .frames = frames};
   const std::string evidence = fmt::format(
       " in {} frames the base tags' corners are {:.1f} mm off their stated distances (median), "

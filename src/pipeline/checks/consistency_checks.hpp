@@ -90,6 +90,12 @@ struct ScaleRatio {
     const Manifest& manifest, const ObjectEntry& entry, const OutlineFit& fit,
     std::size_t min_frames, const ConsistencyOptions& options = {});
 
+/// A CAD body that the depth shows elsewhere than its tags have it.
+[[nodiscard]] std::optional<ConsistencyFinding> check_place(const Manifest& manifest,
+                                                            const ObjectEntry& entry,
+                                                            const OutlineFit& fit,
+                                                            std::size_t min_frames);
+
 /// The probable cause of a scene without a surface.
 struct EmptySceneCause {
   std::string message;

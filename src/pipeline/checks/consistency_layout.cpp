@@ -236,27 +236,52 @@ std::vector<ConsistencyFinding> check_tag_layout(const Manifest& manifest,
   return findings;
 }
 
+namespace {
+
+/// The share of a pair's disagreement that the images' noise does not explain, as an error of the
+/// body's pose; nothing where noise explains it all.
+std::optional<LayoutDoubt> doubt_of(const Manifest& manifest, const TagPairCheck& pair) {
+  if (6.0 * pair.excess * pair.excess <= kMaxSquare) return std::nullopt;
+  const double share = std::sqrt(1.0 - 1.0 / (pair.excess * pair.excess));
+  const double offset = share * pair.offset;
+  // Either tag may be the wrong one, and both turn the body, or the camera, about them.
+  const double rotation = std::max(
+      share * pair.rotation, offset / std::max(pair.distance(), manifest.markers[pair.first].size));
+  return LayoutDoubt{0.5 * offset, rotation};
+}
+
+}  // namespace
+
 void widen_by_layout(const Manifest& manifest, const std::vector<TagPairCheck>& pairs,
                      CameraTrack& track) {
   for (const TagPairCheck& pair : pairs) {
     const MarkerEntry& first = manifest.markers[pair.first];
     const MarkerEntry& second = manifest.markers[pair.second];
-    if (first.role != MarkerRole::base || 6.0 * pair.excess * pair.excess <= kMaxSquare) continue;
-    // The share of the disagreement that the images' noise does not explain.
-    const double share = std::sqrt(1.0 - 1.0 / (pair.excess * pair.excess));
-    const double offset = share * pair.offset;
-    // Either tag may be the wrong one, and both turn the camera about them.
-    const double rotation =
-        std::max(share * pair.rotation, offset / std::max(pair.distance(), first.size));
+    const std::optional<LayoutDoubt> doubt = doubt_of(manifest, pair);
+    if (first.role != MarkerRole::base || !doubt) continue;
     const Eigen::Vector3d centre =
         0.5 * (first.T_parent_marker.translation() + second.T_parent_marker.translation());
     for (FramePlacement& frame : track.frames) {
       if (frame.status != PlacementStatus::placed) continue;
       const double distance = (frame.T_base_camera.translation() - centre).norm();
-      frame.position_std = std::hypot(frame.position_std, 0.5 * offset, rotation * distance);
-      frame.rotation_std = std::hypot(frame.rotation_std, rotation);
+      frame.position_std =
+          std::hypot(frame.position_std, doubt->offset, doubt->rotation * distance);
+      frame.rotation_std = std::hypot(frame.rotation_std, doubt->rotation);
     }
   }
+}
+
+LayoutDoubt layout_doubt(const Manifest& manifest, const std::vector<TagPairCheck>& pairs,
+                         const std::string& object) {
+  LayoutDoubt all;
+  for (const TagPairCheck& pair : pairs) {
+    const MarkerEntry& first = manifest.markers[pair.first];
+    if (first.role != MarkerRole::object || first.object != object) continue;
+    const LayoutDoubt doubt = doubt_of(manifest, pair).value_or(LayoutDoubt{});
+    all.offset = std::max(all.offset, doubt.offset);
+    all.rotation = std::max(all.rotation, doubt.rotation);
+  }
+  return all;
 }
 
 }  // namespace pcavr

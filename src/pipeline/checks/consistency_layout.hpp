@@ -50,4 +50,14 @@ struct TagPairCheck {
 void widen_by_layout(const Manifest& manifest, const std::vector<TagPairCheck>& pairs,
                      CameraTrack& track);
 
+/// What disagreeing tags of one body leave open of its pose.
+struct LayoutDoubt {
+  double offset = 0.0;    ///< [m]
+  double rotation = 0.0;  ///< [rad]
+};
+/// Zero where its tags agree, and of a body with one tag.
+[[nodiscard]] LayoutDoubt layout_doubt(const Manifest& manifest,
+                                       const std::vector<TagPairCheck>& pairs,
+                                       const std::string& object);
+
 }  // namespace pcavr

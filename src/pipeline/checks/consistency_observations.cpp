@@ -85,6 +85,99 @@ constexpr double kOnSurface = 0.01;
 /// Outlines of a body that are evaluated: more are redundant.
 constexpr std::size_t kOutlineFrames = 12;
 
+/// Readings in a body's outline [pixels with depth].
+struct OutlineCounts {
+  double outline = 0.0;
+  double explained = 0.0;  ///< on the body
+  double behind = 0.0;     ///< seen through it
+
+  [[nodiscard]] double score() const { return explained - behind; }
+};
+
+/// A body in one depth image.
+struct OutlineView {
+  const SurfaceQuery& surface_object;
+  const CameraModel& camera;
+  const DepthImage& depth;
+  const DepthNoise& noise;
+
+  /// With the body scaled about its frame's origin.
+  [[nodiscard]] OutlineCounts count(const Pose& T_camera_object, double scale) const;
+};
+
+OutlineCounts OutlineView::count(const Pose& T_camera_object, double scale) const {
+  OutlineCounts counts;
+  const Pose T_object_camera = T_camera_object.inverse();
+  // Scaling the body is equivalent to scaling the camera's distance inversely.
+  const Pose T_scaled_camera(T_object_camera.rotation(), T_object_camera.translation() / scale);
+  const PixelRectangle box = visible_rectangle(surface_object.bounds(), camera, T_scaled_camera);
+  if (box.empty()) return counts;
+  const double pixels =
+      static_cast<double>(box.x_end - box.x_begin) * static_cast<double>(box.y_end - box.y_begin);
+  const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kOutlineRays))));
+  const double weight = static_cast<double>(stride) * stride;
+  const Eigen::Vector3f origin = T_scaled_camera.translation().cast<float>();
+  for (int y = box.y_begin + stride / 2; y < box.y_end; y += stride) {
+    for (int x = box.x_begin + stride / 2; x < box.x_end; x += stride) {
+      const double z = static_cast<double>(depth(x, y));
+      if (!(z > 0.0)) continue;
+      const Eigen::Vector3d ray = camera.normalise({x, y}).homogeneous();
+      const auto hit =
+          surface_object.cast(origin, (T_scaled_camera.rotation() * ray).cast<float>());
+      if (!hit) continue;
+      const double z_body = scale * static_cast<double>(hit->distance) / ray.norm();
+      const double tolerance = kOnSurface + 3.0 * noise.depth_std(z_body);
+      counts.outline += weight;
+      if (std::abs(z - z_body) <= tolerance) {
+        counts.explained += weight;
+      } else if (z > z_body) {
+        counts.behind += weight;
+      }
+    }
+  }
+  return counts;
+}
+
+/// A body fits where no more than this share of its outline is seen through it: flying pixels at
+/// its edges, and half a stride.
+constexpr double kMaxBehind = 0.12;
+/// Another place is one where it fits, and explains this factor more.
+constexpr double kShiftFactor = 1.1;
+// Search of another place: steps [m] from the first to the last, and the farthest one.
+constexpr double kFirstStep = 0.032;
+constexpr double kLastStep = 0.004;
+constexpr double kMaxShift = 0.1;
+
+bool is_fitting(const OutlineCounts& counts) {
+  return counts.behind <= kMaxBehind * counts.outline;
+}
+
+/// Where depth has the body, relative to this pose, in its own axes: a pattern search over
+/// translations [Hooke & Jeeves 1961]. Zero where it fits here, or nowhere near.
+Eigen::Vector3d shift_of(const OutlineView& view, const Pose& T_camera_object) {
+  const auto at = [&](const Eigen::Vector3d& shift) {
+    return view.count(T_camera_object * Pose::from_translation(shift), 1.0);
+  };
+  const OutlineCounts given = at(Eigen::Vector3d::Zero());
+  if (is_fitting(given)) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d best = Eigen::Vector3d::Zero();
+  OutlineCounts best_counts = given;
+  for (double step = kFirstStep; step >= kLastStep;) {
+    const Eigen::Vector3d from = best;
+    for (int k = 0; k < 6; ++k) {
+      const Eigen::Vector3d shift =
+          from + (k % 2 == 0 ? step : -step) * Eigen::Vector3d::Unit(k / 2);
+      if (shift.norm() > kMaxShift) continue;
+      const OutlineCounts counts = at(shift);
+      if (counts.score() > best_counts.score()) best = shift, best_counts = counts;
+    }
+    if (best == from) step *= 0.5;
+  }
+  const bool is_decisive =
+      is_fitting(best_counts) && best_counts.explained > kShiftFactor * given.explained;
+  return is_decisive ? best : Eigen::Vector3d::Zero();
+}
+
 }  // namespace
 
 Eigen::Vector3d TagMeasurement::centre_camera() const {
@@ -115,39 +208,25 @@ std::optional<TagMeasurement> measure_tag(const DepthImage& depth, const CameraM
 void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object,
                  const CameraModel& camera, const DepthImage& depth, const DepthNoise& noise,
                  OutlineFit& fit) {
-  const Pose T_object_camera = T_camera_object.inverse();
+  const OutlineView view{surface_object, camera, depth, noise};
   for (std::size_t i = 0; i < kOutlineScales.size(); ++i) {
-    // Scaling the body is equivalent to scaling the camera's distance inversely.
-    const double scale = kOutlineScales[i];
-    const Pose T_scaled_camera(T_object_camera.rotation(), T_object_camera.translation() / scale);
-    const PixelRectangle box = visible_rectangle(surface_object.bounds(), camera, T_scaled_camera);
-    if (box.empty()) continue;
-    const double pixels =
-        static_cast<double>(box.x_end - box.x_begin) * static_cast<double>(box.y_end - box.y_begin);
-    const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kOutlineRays))));
-    const double weight = static_cast<double>(stride) * stride;
-    const Eigen::Vector3f origin = T_scaled_camera.translation().cast<float>();
-    for (int y = box.y_begin + stride / 2; y < box.y_end; y += stride) {
-      for (int x = box.x_begin + stride / 2; x < box.x_end; x += stride) {
-        const double z = static_cast<double>(depth(x, y));
-        if (!(z > 0.0)) continue;
-        const Eigen::Vector3d ray = camera.normalise({x, y}).homogeneous();
-        const auto hit =
-            surface_object.cast(origin, (T_scaled_camera.rotation() * ray).cast<float>());
-        if (!hit) continue;
-        const double z_body = scale * static_cast<double>(hit->distance) / ray.norm();
-        const double tolerance = kOnSurface + 3.0 * noise.depth_std(z_body);
-        fit.outline[i] += weight;
-        if (std::abs(z - z_body) <= tolerance) {
-          fit.explained[i] += weight;
-          fit.score[i] += weight;
-        } else if (z > z_body) {
-          fit.score[i] -= weight;
-        }
-      }
-    }
+    const OutlineCounts counts = view.count(T_camera_object, kOutlineScales[i]);
+    fit.outline[i] += counts.outline;
+    fit.explained[i] += counts.explained;
+    fit.score[i] += counts.score();
   }
+  fit.shifts.push_back(shift_of(view, T_camera_object));
   ++fit.frames;
+}
+
+Eigen::Vector3d OutlineFit::shift() const {
+  Eigen::Vector3d typical = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3 && !shifts.empty(); ++k) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& one : shifts) values.push_back(one[k]);
+    typical[k] = median(std::move(values));
+  }
+  return typical;
 }
 
 ConsistencyCollector::ConsistencyCollector(const Manifest& manifest, const DepthNoise& noise,

@@ -48,6 +48,12 @@ struct OutlineFit {
   std::array<double, kOutlineScales.size()> score{};
   std::array<double, kOutlineScales.size()> explained{};  ///< pixels
   std::array<double, kOutlineScales.size()> outline{};    ///< pixels with depth
+  /// Where the depth has the body, in its own axes, relative to where its tags put it [m]: one for
+  /// each frame, zero where it fits there.
+  std::vector<Eigen::Vector3d> shifts = {};
+
+  /// Median of the shifts; zero without frames.
+  [[nodiscard]] Eigen::Vector3d shift() const;
 };
 
 /// Adds one frame to the fit.

@@ -152,7 +152,8 @@ Expected<std::vector<ConsistencyFinding>> check_own_tracks(
   for (const DeclaredBody& body : bodies) {
     const std::string& name = body.entry.name;
     if (!body.entry.T_base_object) continue;
-    const Expected<TrackedFile> tracked = read_tracked_poses(*folder, name);
+    const Expected<TrackedFile> tracked =
+        read_tracked_poses(*folder, name, {.T_tracked_object = body.entry.T_tracked_object});
     if (!tracked) return tracked.error();
     if (tracked->poses.empty()) continue;
     starts.push_back({name, "tracked/objects/" + name + "/tracked.txt", *body.entry.T_base_object,

@@ -123,6 +123,22 @@ bool DiagnosisReport::has_disagreement() const {
   });
 }
 
+DiagnosisReport diagnose_unreadable(const Error& error) {
+  DiagnosisReport report;
+  report.rows = {row_of(error), unchecked("streams, images, tags, force and bodies",
+                                          "the recording can't be read: its first error is above")};
+  report.next = "correct what disagrees, then pcavr doctor once more";
+  return report;
+}
+
+void add_unreadable(const Error& error, DiagnosisReport& report) {
+  report.rows.insert(report.rows.begin(), row_of(error));
+  report.rows.push_back(unchecked("rows and images that can't be read",
+                                  "left out of all checks here; build and identify refuse them "
+                                  "without --skip-bad"));
+  report.next = "correct what disagrees, or give --skip-bad to the next command; " + report.next;
+}
+
 DiagnosisReport diagnose_recording(const Recording& recording, const PerceptionOptions& options) {
   DiagnosisReport report;
   const Expected<InputReport> inputs = inspect_inputs(recording, options, FamilySearch::always);
@@ -136,6 +152,7 @@ DiagnosisReport diagnose_recording(const Recording& recording, const PerceptionO
     report.rows.push_back(
         unchecked("images, contacts and force", "an input of these checks can't be read"));
   }
+  append(report.rows, arm_rows(recording));
   append(report.rows, body_rows(recording, options, findings));
   remove_repeated(report.rows);
   report.next = next_command(recording, !inputs || has_contradiction(findings));

@@ -21,6 +21,9 @@ namespace pcavr {
 /// joints.
 [[nodiscard]] std::vector<DiagnosisRow> stream_rows(const Recording& recording);
 
+/// The tool's weight in the force, by its orientations; and the arm's joints against its tool.
+[[nodiscard]] std::vector<DiagnosisRow> arm_rows(const Recording& recording);
+
 /// The objects' CAD files and the robot's description. `findings` are known of them already.
 [[nodiscard]] std::vector<DiagnosisRow> body_rows(const Recording& recording,
                                                   const PerceptionOptions& options,

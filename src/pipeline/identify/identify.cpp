@@ -7,9 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <numbers>
 #include <span>
 #include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "pcavr/base/core/content_id.hpp"
 #include "pcavr/physics/inputs/force_scale.hpp"
@@ -122,6 +125,19 @@ void replace_contacts(std::vector<IdentifiedContact>&& found, std::size_t object
   }
 }
 
+/// The friction at the tip is the tangent of the force's angle to the surface's normal: a turn of
+/// the force by a std adds that of the tangent. Along the motion it changes a force in second
+/// order.
+void add_direction_std(double turn_std, ObjectIdentification& found) {
+  std::optional<ParameterValue>& friction = found.parameters.tool_friction_coefficient;
+  if (!(turn_std > 0.0) || !friction || !friction->std || found.tool_friction_contacts == 0) return;
+  const double slope = 1.0 + friction->value * friction->value;
+  friction->std = std::hypot(*friction->std, slope * turn_std);
+  found.notes.push_back(fmt::format(
+      "the std of the tip's friction contains that of the force's direction, {:.2f} degrees",
+      turn_std * 180.0 / std::numbers::pi));
+}
+
 }  // namespace
 
 std::optional<Error> missing_streams(const IdentificationInput& input) {
@@ -183,6 +199,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
       identifier.add(std::move(contact));
     }
     ObjectIdentifier::Result found = identifier.result();
+    add_direction_std(input.force_direction_std, found.object);
     if (goal == IdentificationGoal::friction && object.is_movable && object.mass)
       weighed.push_back({object.name, *object.mass, found.object.sliding.mass});
     if (!found.contacts.empty()) add_recordings({content_of(input)}, found.object);

@@ -94,8 +94,11 @@ Expected<void> read_tracking(const Recording& recording, const std::filesystem::
   bool has_any = false;
   for (IdentifiableObject& object : input.objects) {
     if (!object.is_movable) continue;
-    Expected<TrackedFile> tracked = read_tracked_poses(
-        folder, object.name, {.zero = start_of(recording), .skip_bad = skip_bad});
+    Expected<TrackedFile> tracked =
+        read_tracked_poses(folder, object.name,
+                           {.zero = start_of(recording),
+                            .skip_bad = skip_bad,
+                            .T_tracked_object = tracked_to_object(recording, folder, object.name)});
     if (!tracked) return tracked.error();
     object.tracked = std::move(tracked->poses);
     if (tracked->note) input.notes.push_back(*tracked->note);
@@ -163,6 +166,7 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
   input.left_out = recording.left_out;
   input.notes = recording.notes;
   input.tool_radius = recording.manifest.tool_radius.value_or(kDefaultTipRadius);
+  input.force_direction_std = recording.manifest.force_direction_std.value_or(0.0);
   const Stamp start = start_of(recording);
   for (const auto& [stamp, pose] : recording.tool.poses()) {
     input.t_tool.push_back(to_seconds(stamp - start));

@@ -3,6 +3,7 @@
 #include "friction_atlas.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "pcavr/base/core/csv_field.hpp"
 #include "pcavr/base/core/decimal.hpp"
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/base/core/parquet.hpp"
 
 namespace pcavr {
 namespace {
@@ -29,44 +31,100 @@ std::string origin_of(const std::string& key, const ObjectParameters& parameters
   return std::ranges::count(parameters.sources.given, key) > 0 ? "given" : "identified";
 }
 
-std::string row_end(const std::optional<ParameterValue>& value, const char* unit,
-                    const std::string& origin) {
-  if (!value) return fmt::format(",,{},not identified\n", unit);
-  const std::string std = value->std ? shortest_decimal(*value->std) : "";
-  return fmt::format("{},{},{},{}\n", shortest_decimal(value->value), std, unit, origin);
-}
+/// Rows of one object on one support.
+class ObjectRows {
+ public:
+  explicit ObjectRows(AtlasRow common) : common_(std::move(common)) {}
 
-/// The surface's scales, which count as exact, and coefficients.
-std::string surface_rows(const std::string& begin, const ObjectParameters& parameters,
-                         const SurfaceStd& std) {
-  const std::optional<LimitSurface>& surface = parameters.limit_surface;
-  if (!surface) return begin + "limit_surface," + row_end({}, "1", {});
-  const std::string origin = origin_of("limit_surface", parameters);
-  const auto row = [&](const std::string& key, const ParameterValue& value, const char* unit) {
-    return begin + "limit_surface." + key + ',' + row_end(value, unit, origin);
+  void add(const std::string& key, const std::optional<ParameterValue>& value, const char* unit,
+           const std::string& origin) {
+    AtlasRow row = common_;
+    row.key = key;
+    row.unit = unit;
+    row.origin = value ? origin : "not identified";
+    if (value) row.value = value->value;
+    if (value) row.std = value->std;
+    rows_.push_back(std::move(row));
+  }
+  /// The surface's scales, which count as exact, and coefficients.
+  void add_surface(const ObjectParameters& parameters, const SurfaceStd& std) {
+    const std::optional<LimitSurface>& surface = parameters.limit_surface;
+    if (!surface) return add("limit_surface", {}, "1", {});
+    const std::string origin = origin_of("limit_surface", parameters);
+    add("limit_surface.force", ParameterValue{surface->force}, "N", origin);
+    add("limit_surface.length", ParameterValue{surface->length}, "m", origin);
+    for (std::size_t i = 0; i < surface->coefficients.size(); ++i) {
+      const auto& [x, y, m] = kQuarticExponents[i];
+      const std::optional<double> own = std ? std::optional((*std)[i]) : std::nullopt;
+      add(fmt::format("limit_surface.fx{}_fy{}_m{}", x, y, m),
+          ParameterValue{surface->coefficients[i], own}, "1", origin);
+    }
+  }
+  [[nodiscard]] std::vector<AtlasRow> take() { return std::move(rows_); }
+
+ private:
+  AtlasRow common_;
+  std::vector<AtlasRow> rows_;
+};
+
+std::string format_csv(const std::vector<AtlasRow>& rows) {
+  const auto number = [](const std::optional<double>& value) {
+    return value ? shortest_decimal(*value) : std::string();
   };
-  std::string text = row("force", {surface->force}, "N") + row("length", {surface->length}, "m");
-  for (std::size_t i = 0; i < surface->coefficients.size(); ++i) {
-    const auto& [x, y, m] = kQuarticExponents[i];
-    const std::optional<double> own = std ? std::optional((*std)[i]) : std::nullopt;
-    text += row(fmt::format("fx{}_fy{}_m{}", x, y, m), {surface->coefficients[i], own}, "1");
+  std::string text = "object,support,recordings,key,value,std,unit,origin\n";
+  for (const AtlasRow& row : rows) {
+    text += fmt::format("{},{},{},{},{},{},{},{}\n", csv_field(row.object), csv_field(row.support),
+                        row.recordings, row.key, number(row.value), number(row.std), row.unit,
+                        row.origin);
   }
   return text;
 }
 
+template <typename Value, typename Get>
+ParquetColumn column(const char* name, const std::vector<AtlasRow>& rows, const Get& get) {
+  std::vector<Value> values;
+  values.reserve(rows.size());
+  for (const AtlasRow& row : rows) values.push_back(get(row));
+  return {name, std::move(values)};
+}
+
+ParquetColumns parquet_columns(const std::vector<AtlasRow>& rows) {
+  const auto texts = [&](const char* name, std::string AtlasRow::*text) {
+    return column<std::string>(name, rows, [&](const AtlasRow& row) { return row.*text; });
+  };
+  const auto numbers = [&](const char* name, std::optional<double> AtlasRow::*number) {
+    return column<std::optional<double>>(name, rows,
+                                         [&](const AtlasRow& row) { return row.*number; });
+  };
+  return {texts("object", &AtlasRow::object),
+          texts("support", &AtlasRow::support),
+          column<std::int64_t>(
+              "recordings", rows,
+              [](const AtlasRow& row) { return static_cast<std::int64_t>(row.recordings); }),
+          texts("key", &AtlasRow::key),
+          numbers("value", &AtlasRow::value),
+          numbers("std", &AtlasRow::std),
+          texts("unit", &AtlasRow::unit),
+          texts("origin", &AtlasRow::origin)};
+}
+
 }  // namespace
 
-std::string format_atlas_rows(const std::string& object, const std::string& support,
-                              std::size_t recordings, const ObjectParameters& parameters,
-                              const SurfaceStd& surface_std) {
-  const std::string begin =
-      fmt::format("{},{},{},", csv_field(object), csv_field(support), recordings);
-  std::string text;
-  for (const AtlasKey& entry : kKeys) {
-    text += begin + entry.key + ',' +
-            row_end(parameters.*entry.value, entry.unit, origin_of(entry.key, parameters));
-  }
-  return text + surface_rows(begin, parameters, surface_std);
+std::vector<AtlasRow> atlas_rows_of(const std::string& object, const std::string& support,
+                                    std::size_t recordings, const ObjectParameters& parameters,
+                                    const SurfaceStd& surface_std) {
+  ObjectRows rows({.object = object, .support = support, .recordings = recordings});
+  for (const AtlasKey& entry : kKeys)
+    rows.add(entry.key, parameters.*entry.value, entry.unit, origin_of(entry.key, parameters));
+  rows.add_surface(parameters, surface_std);
+  return rows.take();
+}
+
+Expected<void> write_atlas(const std::vector<AtlasRow>& rows, const std::filesystem::path& folder) {
+  const Expected<void> written = write_file(folder / "friction_atlas.csv", format_csv(rows));
+  if (!written) return written;
+  const std::array table{parquet_columns(rows)};
+  return write_file(folder / "friction_atlas.parquet", format_parquet(table));
 }
 
 Expected<std::map<std::string, SurfaceStd>> read_surface_stds(const std::filesystem::path& report) {

@@ -8,25 +8,40 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pcavr/base/core/expected.hpp"
 #include "pcavr/physics/object/object_parameters.hpp"
 
 namespace pcavr {
 
-/// The header of friction_atlas.csv, a line.
-inline constexpr char kAtlasHeader[] = "object,support,recordings,key,value,std,unit,origin\n";
+/// A row of the friction atlas.
+struct AtlasRow {
+  std::string object;
+  std::string support;
+  std::size_t recordings = 0;  ///< number that the value rests on
+  std::string key = {};        ///< as in the parameter file
+  std::optional<double> value = {};
+  std::optional<double> std = {};
+  std::string unit = {};    ///< of both
+  std::string origin = {};  ///< "identified", "given" or "not identified"
+};
 
 /// Stds of a limit surface's coefficients in its scales; empty: not known.
 using SurfaceStd = std::optional<std::array<double, 15>>;
 
 /// The rows of one object on one support: mu, F_M, B, the friction radius and the limit surface,
-/// each with its std and its origin: identified or given, and "not identified" without a value.
-/// `recordings`: number that the values rest on.
-[[nodiscard]] std::string format_atlas_rows(const std::string& object, const std::string& support,
-                                            std::size_t recordings,
-                                            const ObjectParameters& parameters,
-                                            const SurfaceStd& surface_std);
+/// each with its std and its origin.
+[[nodiscard]] std::vector<AtlasRow> atlas_rows_of(const std::string& object,
+                                                  const std::string& support,
+                                                  std::size_t recordings,
+                                                  const ObjectParameters& parameters,
+                                                  const SurfaceStd& surface_std);
+
+/// Writes friction_atlas.csv and friction_atlas.parquet, the same rows with the columns of
+/// AtlasRow, into a folder that exists.
+[[nodiscard]] Expected<void> write_atlas(const std::vector<AtlasRow>& rows,
+                                         const std::filesystem::path& folder);
 
 /// By object, of the report.json of a pooled identification (write_pooled_report).
 [[nodiscard]] Expected<std::map<std::string, SurfaceStd>> read_surface_stds(

@@ -140,7 +140,7 @@ Expected<void> write_object_files(const ParameterTable& parameters, std::size_t 
 /// The pools come in the order of pools_of: the last one has all recordings.
 Expected<void> write_parameters(const std::vector<Pool>& pools, const fs::path& folder,
                                 GatheredResults& gathered) {
-  std::string atlas = kAtlasHeader;
+  std::vector<AtlasRow> atlas;
   for (const Pool& pool : pools) {
     if (!pool.is_done) continue;
     const Expected<ParameterTable> parameters = read_parameters(pool.parameters);
@@ -159,12 +159,13 @@ Expected<void> write_parameters(const std::vector<Pool>& pools, const fs::path& 
       surface_stds = *std::move(read);
     }
     for (const auto& [name, values] : *parameters) {
-      atlas +=
-          format_atlas_rows(name, pool.support, pool.recordings.size(), values, surface_stds[name]);
+      std::ranges::move(
+          atlas_rows_of(name, pool.support, pool.recordings.size(), values, surface_stds[name]),
+          std::back_inserter(atlas));
     }
   }
-  gathered.atlas_rows = static_cast<std::size_t>(std::ranges::count(atlas, '\n')) - 1;
-  return write_file(folder / "friction_atlas.csv", atlas);
+  gathered.atlas_rows = atlas.size();
+  return write_atlas(atlas, folder);
 }
 
 Expected<RunComparison> gather_evaluations(const TaskGraph& graph,

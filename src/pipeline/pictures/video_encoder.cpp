@@ -23,7 +23,7 @@ Expected<fs::path> find_library() {
     if (fs::exists(candidate / kLibrary, ignored)) return candidate / kLibrary;
   }
   return Error{.message = std::string(kLibrary) + " is missing",
-               .hint = "install pcavr again, or omit --video"};
+               .hint = "install pcavr again, or leave out the video"};
 }
 
 }  // namespace
@@ -41,7 +41,9 @@ Expected<std::unique_ptr<VideoEncoder>> load_video_encoder() {
     const char* reason = dlerror();
     return Error{.message = std::string("can't be loaded: ") + (reason ? reason : "unknown reason"),
                  .file = file->string(),
-                 .hint = "install OpenCV's video library (libopencv-videoio406), or omit --video"};
+                 .hint =
+                     "install OpenCV's video library (libopencv-videoio406), or leave out the "
+                     "video"};
   }
   return std::unique_ptr<VideoEncoder>(create());
 }

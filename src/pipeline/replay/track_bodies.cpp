@@ -140,7 +140,10 @@ Expected<Replay> read_tracking(const Recording& recording, const std::filesystem
   bool has_any = false;
   replay.objects = replayed_objects(bodies);
   for (ReplayedObject& object : replay.objects) {
-    Expected<TrackedFile> tracked = read_tracked_poses(folder, object.name, {.skip_bad = skip_bad});
+    Expected<TrackedFile> tracked =
+        read_tracked_poses(folder, object.name,
+                           {.skip_bad = skip_bad,
+                            .T_tracked_object = tracked_to_object(recording, folder, object.name)});
     if (!tracked) return tracked.error();
     if (tracked->note) observer.on_note(*tracked->note);
     has_any = has_any || !tracked->poses.empty();

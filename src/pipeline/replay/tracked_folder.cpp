@@ -157,6 +157,15 @@ std::optional<std::filesystem::path> tracked_folder_of(
   return std::nullopt;
 }
 
+Pose tracked_to_object(const Recording& recording, const std::filesystem::path& folder,
+                       const std::string& name) {
+  if (tracked_folder_of(recording, std::nullopt) != folder) return {};
+  for (const ObjectEntry& object : recording.manifest.objects) {
+    if (object.name == name) return object.T_tracked_object;
+  }
+  return {};
+}
+
 Expected<TrackedFile> read_tracked_poses(const std::filesystem::path& folder,
                                          const std::string& name,
                                          const TrackedFileOptions& options) {
@@ -183,8 +192,9 @@ Expected<TrackedFile> read_tracked_poses(const std::filesystem::path& folder,
   for (const TimedPose& timed : series->content.poses()) {
     const auto found = stds->find(timed.stamp);
     const PoseStd std_of_pose = found == stds->end() ? PoseStd{} : found->second;
-    result.poses.push_back({to_seconds(timed.stamp - options.zero), timed.pose,
-                            std_of_pose.position, std_of_pose.rotation});
+    result.poses.push_back({to_seconds(timed.stamp - options.zero),
+                            timed.pose * options.T_tracked_object, std_of_pose.position,
+                            std_of_pose.rotation});
   }
   const PoseOutliers outliers = remove_pose_outliers(result.poses);
   if (outliers.count > 0) {

@@ -13,6 +13,7 @@
 #include "pcavr/robots/robot_identification/log_checks.hpp"
 
 #include "pipeline/robot/robot_log.hpp"
+#include "pipeline/robot/torque_scale.hpp"
 
 namespace pcavr {
 namespace {
@@ -370,6 +371,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
   if (Expected<void> possible = check_friction_power(file, found); !possible) {
     return possible.error();
   }
+  doubt_torque_scale(found);
   note_unexcited(found);
   return found;
 }

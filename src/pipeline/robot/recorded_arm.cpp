@@ -117,9 +117,12 @@ SceneRobot scene_robot_of(const RecordedArm& arm) {
     robot.joints.push_back(arm.model.joints[joint].name);
   }
   robot.position.assign(q.begin(), q.end());
+  RobotDynamics kinematics(arm.model);
+  kinematics.forward_kinematics(q);
   for (std::size_t i = 0; i < arm.link_meshes.size(); ++i) {
     if (arm.link_meshes[i].triangles.empty()) continue;
-    robot.links.push_back({arm.model.links[i].name, arm.link_meshes[i]});
+    robot.links.push_back({arm.model.links[i].name, arm.link_meshes[i],
+                           arm.T_base_robot * kinematics.T_base_link(i)});
   }
   return robot;
 }

@@ -57,7 +57,8 @@ class PlantPictures final : public PictureSource {
       p_base_tip = p_base_tip_;
       T_base_objects = T_base_objects_;
     }
-    return std::optional(CameraPicture{t, camera_.render(p_base_tip, T_base_objects, ++number_)});
+    return std::optional(
+        CameraPicture{t, camera_.render(p_base_tip, T_base_objects, ++number_), camera_.camera()});
   }
 
  private:

@@ -18,8 +18,7 @@ namespace {
 
 class RecordedPictures final : public PictureSource {
  public:
-  explicit RecordedPictures(const Recording& recording)
-      : width_(recording.manifest.camera->width), height_(recording.manifest.camera->height) {
+  explicit RecordedPictures(const Recording& recording) : camera_(*recording.manifest.camera) {
     const Stamp start = start_of(recording);
     for (const FrameFiles& frame : recording.frames) {
       frames_.push_back({to_seconds(frame.color_stamp - start), frame.color_path});
@@ -34,9 +33,10 @@ class RecordedPictures final : public PictureSource {
     const Frame& frame = *std::prev(next);
     const Expected<std::string> bytes = read_file(frame.path);
     if (!bytes) return bytes.error();
-    Expected<ColorImage> image = decoder_.color(*bytes, {frame.path.string(), width_, height_});
+    Expected<ColorImage> image =
+        decoder_.color(*bytes, {frame.path.string(), camera_.width, camera_.height});
     if (!image) return image.error();
-    return std::optional(CameraPicture{frame.t, std::move(*image)});
+    return std::optional(CameraPicture{frame.t, std::move(*image), camera_});
   }
 
  private:
@@ -44,8 +44,7 @@ class RecordedPictures final : public PictureSource {
     double t = 0.0;  ///< [s]
     std::filesystem::path path;
   };
-  int width_;
-  int height_;
+  CameraModel camera_;
   std::vector<Frame> frames_;  ///< ascending
   ImageDecoder decoder_;
   std::optional<std::vector<Frame>::iterator> last_ = {};  ///< after the last one given

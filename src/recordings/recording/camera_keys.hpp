@@ -13,9 +13,6 @@ namespace pcavr {
 /// Sides of JPEG files are 16 bits long [ITU-T T.81, B.2.2]; libjpeg's own limit [px].
 inline constexpr int kMaxImageSide = 65500;
 
-/// The name of a lens model, the value of the key `model` in recording.yaml and camera files.
-[[nodiscard]] std::string_view name_of(LensModel model);
-
 enum class CameraKey { fx, fy, cx, cy, distortion };
 
 struct CameraFault {

@@ -143,6 +143,17 @@ CsvColumn parse_column(std::string_view text) {
   return column;
 }
 
+std::optional<FoundColumn> find_column(const std::vector<std::string>& header,
+                                       const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    for (std::size_t i = 0; i < header.size(); ++i) {
+      const CsvColumn column = parse_column(header[i]);
+      if (column.name == name) return FoundColumn{i, column.unit};
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<TimeUnit> parse_time_unit(std::string_view unit) {
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), unit) != names.end();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/recordings/recording/frame_reader.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -15,6 +16,14 @@
 
 namespace pcavr {
 namespace {
+
+/// What is nearer than the offset is no measurement.
+void add_offset(double offset, DepthImage& depth) {
+  if (offset == 0.0) return;
+  for (float& z : depth.pixels()) {
+    if (z > 0.0F) z = std::max(0.0F, z + static_cast<float>(offset));
+  }
+}
 
 Expected<RgbdFrame> decode_with(ImageDecoder& decoder, const Recording& recording,
                                 std::size_t index) {
@@ -41,6 +50,7 @@ Expected<RgbdFrame> decode_with(ImageDecoder& decoder, const Recording& recordin
   Expected<DepthImage> depth =
       decoder.depth(*depth_bytes, depth_image, recording.manifest.depth_scale);
   if (!depth) return depth.error();
+  add_offset(recording.manifest.depth_offset, *depth);
   return RgbdFrame{index, files.color_stamp, files.depth_stamp, *std::move(color),
                    *std::move(depth)};
 }

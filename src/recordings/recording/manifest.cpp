@@ -3,6 +3,7 @@
 #include "pcavr/recordings/recording/manifest.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 
 #include "pcavr/base/core/input_file.hpp"
@@ -13,27 +14,16 @@
 #include "pcavr/recordings/recording/yaml_map.hpp"
 
 #include "recordings/recording/camera_keys.hpp"
+#include "recordings/recording/manifest_calibration.hpp"
 #include "recordings/recording/mesh_units.hpp"
 
 namespace pcavr {
 namespace {
 
 constexpr char kFormat[] = "pcavr-recording/1";
-constexpr char kCalibrationFormat[] = "pcavr-calibration/1";
 /// Indices of pixels, and of four samples in each, stay far below 2^31; a colour and a depth image
 /// of this size take 0.7 GB.
 constexpr std::int64_t kMaxImagePixels = 100'000'000;
-
-Pose pose_of(const YamlValue& value) {
-  value.expect_keys({"t", "q"});
-  const std::vector<double> t = value.at("t").numbers_in(3, ranges::kCoordinate);
-  const YamlValue rotation = value.at("q");
-  const std::vector<double> q = rotation.numbers(4);
-  if (const std::optional<Error> error = check_unit_quaternion(q)) {
-    rotation.fail(error->message, error->hint);
-  }
-  return Pose(Eigen::Quaterniond(q[3], q[0], q[1], q[2]), {t[0], t[1], t[2]});
-}
 
 /// A path inside the folder; where the folder is known, the file must exist.
 std::filesystem::path path_of(const YamlValue& value, const std::filesystem::path& folder) {
@@ -50,8 +40,8 @@ std::filesystem::path path_of(const YamlValue& value, const std::filesystem::pat
 }
 
 void read_camera(const YamlValue& value, Manifest& manifest) {
-  value.expect_keys(
-      {"width", "height", "fx", "fy", "cx", "cy", "model", "distortion", "depth_scale"});
+  value.expect_keys({"width", "height", "fx", "fy", "cx", "cy", "model", "distortion",
+                     "depth_scale", "depth_offset"});
   manifest.camera = camera_of(value);
   if (std::int64_t{manifest.camera->width} * manifest.camera->height > kMaxImagePixels) {
     value.fail("an image of " + std::to_string(manifest.camera->width) + " x " +
@@ -59,6 +49,15 @@ void read_camera(const YamlValue& value, Manifest& manifest) {
                "use images of at most 100 megapixels");
   }
   manifest.depth_scale = value.at("depth_scale").number_in(ranges::kDepthScale);
+  if (const std::optional<YamlValue> offset = value.find("depth_offset")) {
+    manifest.depth_offset = offset->number_in(ranges::kDepthOffset);
+  }
+}
+
+MarkerRole role_of(const YamlValue& value) {
+  const std::string role = value.text();
+  if (role != "base" && role != "object") value.fail("is '" + role + "'", "write base or object");
+  return role == "base" ? MarkerRole::base : MarkerRole::object;
 }
 
 bool has_object(const Manifest& manifest, const std::string& name) {
@@ -81,17 +80,9 @@ MaterialEntry material_of(const YamlValue& value, bool has_radius) {
   return material;
 }
 
-/// [m] of a unit of length.
-double length_of(const YamlValue& value) {
-  const std::string name = value.text();
-  for (const auto& [known, metres] : kMeshUnits) {
-    if (name == known) return metres;
-  }
-  value.fail("is '" + name + "'", "write m, cm, mm or in");
-}
-
 void read_object(const YamlValue& value, const std::filesystem::path& folder, Manifest& manifest) {
-  value.expect_keys({"name", "mesh", "unit", "mass", "movable", "pose", "material"});
+  value.expect_keys(
+      {"name", "mesh", "unit", "mass", "movable", "pose", "tracked_to_object", "material"});
   ObjectEntry object;
   const YamlValue name = value.at("name");
   object.name = name.text();
@@ -102,7 +93,9 @@ void read_object(const YamlValue& value, const std::filesystem::path& folder, Ma
   if (const std::optional<YamlValue> mesh = value.find("mesh")) {
     object.mesh = path_of(*mesh, folder);
   }
-  if (const std::optional<YamlValue> unit = value.find("unit")) object.mesh_unit = length_of(*unit);
+  if (const std::optional<YamlValue> unit = value.find("unit")) {
+    object.mesh_unit = mesh_unit_of(*unit);
+  }
   if (const std::optional<YamlValue> mass = value.find("mass")) {
     object.mass = mass->number_in(ranges::kMass);
   }
@@ -112,74 +105,22 @@ void read_object(const YamlValue& value, const std::filesystem::path& folder, Ma
   if (const std::optional<YamlValue> pose = value.find("pose")) {
     object.T_base_object = pose_of(*pose);
   }
+  if (const std::optional<YamlValue> offset = value.find("tracked_to_object")) {
+    object.T_tracked_object = pose_of(*offset);
+  }
   if (const std::optional<YamlValue> material = value.find("material")) {
     object.material = material_of(*material, true);
   }
   manifest.objects.push_back(std::move(object));
 }
 
-MarkerRole role_of(const YamlValue& value) {
-  const std::string role = value.text();
-  if (role != "base" && role != "object") value.fail("is '" + role + "'", "write base or object");
-  return role == "base" ? MarkerRole::base : MarkerRole::object;
-}
-
-/// The objects must have been read before.
-void read_marker(const YamlValue& value, Manifest& manifest) {
-  value.expect_keys({"family", "id", "size", "role", "object", "pose"});
-  MarkerEntry marker;
-  marker.id.family = value.at("family").text();
-  const YamlValue id = value.at("id");
-  marker.id.id = id.integer(0, 1'000'000);
-  const bool is_known =
-      std::any_of(manifest.markers.begin(), manifest.markers.end(),
-                  [&](const MarkerEntry& other) { return other.id == marker.id; });
-  if (is_known) {
-    id.fail("tag " + marker.id.to_string() + " is listed twice", "give each tag one entry");
+void read_calibrations(const YamlValue& value, const std::filesystem::path& folder,
+                       Manifest& manifest) {
+  const std::vector<YamlValue> files = value.is_list() ? value.items() : std::vector{value};
+  for (const YamlValue& item : files) {
+    const std::filesystem::path file = path_of(item, folder);
+    if (!folder.empty()) take_calibration(folder / file, item, manifest);
   }
-  marker.size = value.at("size").number_in(ranges::kTagSize);
-  marker.role = role_of(value.at("role"));
-  const std::optional<YamlValue> object = value.find("object");
-  if (marker.role == MarkerRole::object) {
-    marker.object = value.at("object").text();
-    if (!has_object(manifest, marker.object)) {
-      object->fail("object '" + marker.object + "' is not declared", "add it under objects");
-    }
-  } else if (object) {
-    object->fail("a base marker has no object", "remove the key, or write role: object");
-  }
-  marker.T_parent_marker = pose_of(value.at("pose"));
-  manifest.markers.push_back(std::move(marker));
-}
-
-/// Takes the tags of `calibrate tags` in the place of those that the manifest lists.
-void read_calibration(const YamlValue& value, const std::filesystem::path& folder,
-                      Manifest& manifest) {
-  const std::filesystem::path file = path_of(value, folder);
-  if (folder.empty()) return;
-  const Expected<std::string> text = read_file(folder / file);
-  if (!text) throw YamlFailure(text.error());
-  const auto calibrated =
-      parse_yaml<Manifest>(*text, (folder / file).string(), [&](const YamlValue& root) {
-        Manifest tags{.objects = manifest.objects};
-        const YamlValue format = root.at("format"), kind = root.at("kind");
-        if (format.text() != kCalibrationFormat) {
-          format.fail("is '" + format.text() + "'",
-                      std::string("this version reads ") + kCalibrationFormat);
-        }
-        if (kind.text() != "tags") {
-          kind.fail("is '" + kind.text() + "'", "name a file that pcavr calibrate tags wrote");
-        }
-        for (const YamlValue& marker : root.at("markers").items()) read_marker(marker, tags);
-        return tags;
-      });
-  if (!calibrated) value.fail(calibrated.error().to_string(), "");
-  for (const MarkerEntry& marker : calibrated->markers) {
-    std::erase_if(manifest.markers,
-                  [&](const MarkerEntry& listed) { return listed.id == marker.id; });
-  }
-  manifest.markers.insert(manifest.markers.end(), calibrated->markers.begin(),
-                          calibrated->markers.end());
 }
 
 Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folder) {
@@ -194,10 +135,10 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
     for (const YamlValue& object : objects->items()) read_object(object, folder, manifest);
   }
   if (const std::optional<YamlValue> markers = root.find("markers")) {
-    for (const YamlValue& marker : markers->items()) read_marker(marker, manifest);
+    for (const YamlValue& marker : markers->items()) add_marker(marker, manifest);
   }
   if (const std::optional<YamlValue> calibration = root.find("calibration")) {
-    read_calibration(*calibration, folder, manifest);
+    read_calibrations(*calibration, folder, manifest);
   }
   if (const std::optional<YamlValue> tool = root.find("tool")) {
     tool->expect_keys({"radius", "material"});
@@ -227,6 +168,61 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
 }
 
 }  // namespace
+
+Pose pose_of(const YamlValue& value) {
+  value.expect_keys({"t", "q"});
+  const std::vector<double> t = value.at("t").numbers_in(3, ranges::kCoordinate);
+  const YamlValue rotation = value.at("q");
+  const std::vector<double> q = rotation.numbers(4);
+  if (const std::optional<Error> error = check_unit_quaternion(q)) {
+    rotation.fail(error->message, error->hint);
+  }
+  return Pose(Eigen::Quaterniond(q[3], q[0], q[1], q[2]), {t[0], t[1], t[2]});
+}
+
+double mesh_unit_of(const YamlValue& value) {
+  const std::string name = value.text();
+  for (const auto& [known, metres] : kMeshUnits) {
+    if (name == known) return metres;
+  }
+  if (!name.empty() && std::isdigit(static_cast<unsigned char>(name.front())) != 0) {
+    return value.number_in(ranges::kMeshUnit);
+  }
+  value.fail("is '" + name + "'", "write m, cm, mm, in, or a number of metres");
+}
+
+MarkerEntry marker_of(const YamlValue& value) {
+  value.expect_keys({"family", "id", "size", "role", "object", "pose"});
+  MarkerEntry marker;
+  marker.id.family = value.at("family").text();
+  marker.id.id = value.at("id").integer(0, 1'000'000);
+  marker.size = value.at("size").number_in(ranges::kTagSize);
+  marker.role = role_of(value.at("role"));
+  const std::optional<YamlValue> object = value.find("object");
+  if (marker.role == MarkerRole::object) {
+    marker.object = value.at("object").text();
+  } else if (object) {
+    object->fail("a base marker has no object", "remove the key, or write role: object");
+  }
+  marker.T_parent_marker = pose_of(value.at("pose"));
+  return marker;
+}
+
+void add_marker(const YamlValue& value, Manifest& manifest) {
+  MarkerEntry marker = marker_of(value);
+  const bool is_known =
+      std::any_of(manifest.markers.begin(), manifest.markers.end(),
+                  [&](const MarkerEntry& other) { return other.id == marker.id; });
+  if (is_known) {
+    value.at("id").fail("tag " + marker.id.to_string() + " is listed twice",
+                        "give each tag one entry");
+  }
+  if (marker.role == MarkerRole::object && !has_object(manifest, marker.object)) {
+    value.at("object").fail("object '" + marker.object + "' is not declared",
+                            "add it under objects");
+  }
+  manifest.markers.push_back(std::move(marker));
+}
 
 void expect_object_name(const std::string& name, const YamlValue& key) {
   const bool has_allowed_characters =

@@ -19,8 +19,8 @@ void emit_list(YAML::Emitter& out, const Numbers& numbers) {
   out << YAML::EndSeq;
 }
 
-void emit_pose(YAML::Emitter& out, const Pose& pose) {
-  out << YAML::Key << "pose" << YAML::Value << YAML::Flow << YAML::BeginMap;
+void emit_pose(YAML::Emitter& out, const Pose& pose, const char* key = "pose") {
+  out << YAML::Key << key << YAML::Value << YAML::Flow << YAML::BeginMap;
   out << YAML::Key << "t" << YAML::Value;
   emit_list(out, pose.translation());
   out << YAML::Key << "q" << YAML::Value;
@@ -37,7 +37,8 @@ void emit(YAML::Emitter& out, const char* key, double number) {
   emit(out, key, shortest_decimal(number));
 }
 
-void emit_camera(YAML::Emitter& out, const CameraModel& camera, double depth_scale) {
+void emit_camera(YAML::Emitter& out, const CameraModel& camera, double depth_scale,
+                 double depth_offset) {
   out << YAML::Key << "camera" << YAML::Value << YAML::BeginMap;
   emit(out, "width", camera.width);
   emit(out, "height", camera.height);
@@ -52,6 +53,7 @@ void emit_camera(YAML::Emitter& out, const CameraModel& camera, double depth_sca
     emit_list(out, camera.distortion.coefficients());
   }
   emit(out, "depth_scale", depth_scale);
+  if (depth_offset != 0.0) emit(out, "depth_offset", depth_offset);
   out << YAML::EndMap;
 }
 
@@ -74,16 +76,24 @@ void emit_material(YAML::Emitter& out, const MaterialEntry& material) {
   out << YAML::EndMap;
 }
 
+std::string unit_text(double unit) {
+  for (const auto& [name, metres] : kMeshUnits) {
+    if (metres == unit) return name;
+  }
+  return shortest_decimal(unit);
+}
+
 void emit_object(YAML::Emitter& out, const ObjectEntry& object) {
   out << YAML::BeginMap;
   emit(out, "name", object.name);
   if (!object.mesh.empty()) emit(out, "mesh", object.mesh.string());
-  for (const auto& [unit, metres] : kMeshUnits) {
-    if (metres == object.mesh_unit && metres != 1.0) emit(out, "unit", unit);
-  }
+  if (object.mesh_unit != 1.0) emit(out, "unit", unit_text(object.mesh_unit));
   if (object.mass) emit(out, "mass", *object.mass);
   emit(out, "movable", object.is_movable);
   if (object.T_base_object) emit_pose(out, *object.T_base_object);
+  if (!object.T_tracked_object.log().isZero()) {
+    emit_pose(out, object.T_tracked_object, "tracked_to_object");
+  }
   if (object.material) emit_material(out, *object.material);
   out << YAML::EndMap;
 }
@@ -103,7 +113,9 @@ std::string format_manifest(const Manifest& manifest) {
   YAML::Emitter out;
   out << YAML::BeginMap;
   emit(out, "format", "pcavr-recording/1");
-  if (manifest.camera) emit_camera(out, *manifest.camera, manifest.depth_scale);
+  if (manifest.camera) {
+    emit_camera(out, *manifest.camera, manifest.depth_scale, manifest.depth_offset);
+  }
   emit_sequence(out, "markers", manifest.markers, emit_marker);
   emit_sequence(out, "objects", manifest.objects, emit_object);
   if (manifest.tool_radius) {

@@ -59,6 +59,19 @@ RecordingWriter::RecordingWriter(fs::path folder, const Manifest& manifest)
   state_->manifest = manifest;
 }
 
+namespace {
+
+/// The depth as the sensor had it, from that with the manifest's offset.
+DepthImage without_offset(DepthImage depth, double offset) {
+  if (offset == 0.0) return depth;
+  for (float& z : depth.pixels()) {
+    if (z > 0.0F) z = std::max(0.0F, z - static_cast<float>(offset));
+  }
+  return depth;
+}
+
+}  // namespace
+
 RecordingWriter::~RecordingWriter() = default;
 RecordingWriter::RecordingWriter(RecordingWriter&&) noexcept = default;
 
@@ -82,7 +95,8 @@ Expected<void> RecordingWriter::add_frame(Stamp color_stamp, const ColorImage& c
                                           Stamp depth_stamp, const DepthImage& depth) {
   Expected<std::string> jpeg = encode_color(color);
   if (!jpeg) return jpeg.error();
-  const RawDepthImage units = to_raw_depth(depth, state_->manifest.depth_scale);
+  const RawDepthImage units = to_raw_depth(without_offset(depth, state_->manifest.depth_offset),
+                                           state_->manifest.depth_scale);
   return add_encoded_frame(color_stamp, {*std::move(jpeg), ".jpg"}, depth_stamp,
                            {encode_depth(units), ".png"});
 }

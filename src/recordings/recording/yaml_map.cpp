@@ -94,6 +94,8 @@ std::vector<double> YamlValue::numbers_in(std::size_t count, const InputRange& r
   return inside;
 }
 
+bool YamlValue::is_list() const { return node_->IsSequence(); }
+
 std::vector<YamlValue> YamlValue::items() const {
   if (!node_->IsSequence())
     fail("is not a list", "write a list: [a, b] or lines that begin with -");

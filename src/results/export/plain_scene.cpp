@@ -14,6 +14,7 @@
 #include "pcavr/recordings/cloud/cloud_file.hpp"
 
 #include "results/export/export_text.hpp"
+#include "results/export/streamed_tiles.hpp"
 
 namespace pcavr {
 namespace {
@@ -114,14 +115,30 @@ Expected<PlainScene> write_pcd(const SceneManifest& scene, const std::filesystem
   return copied(scene.folder / kCloudPcdFile, "scene.pcd", cloud->points.size(), folder);
 }
 
+Expected<PlainScene> write_tiles(const SceneManifest& scene, std::vector<NamedMesh> meshes,
+                                 const std::filesystem::path& folder) {
+  NamedMesh scan;
+  if (scene.is_scanned()) {
+    scan = std::move(meshes.front());
+    meshes.erase(meshes.begin());
+  }
+  const TriangleMesh bodies = merged(meshes);
+  if (scan.mesh_base.triangles.empty() && bodies.triangles.empty()) return nothing_in(scene);
+  const Expected<std::size_t> count =
+      detail::write_streamed_tiles(scan.mesh_base, bodies, scene.voxel_size, folder);
+  if (!count) return count.error();
+  return PlainScene{.file = detail::kTilesetFile, .count = *count};
+}
+
 }  // namespace
 
 Expected<PlainScene> write_plain_scene(const SceneManifest& scene, PlainFormat format,
                                        const std::filesystem::path& folder) {
   if (format == PlainFormat::gltf) return write_gltf(scene, folder);
   if (format == PlainFormat::pcd) return write_pcd(scene, folder);
-  const Expected<std::vector<NamedMesh>> meshes = meshes_of(scene);
+  Expected<std::vector<NamedMesh>> meshes = meshes_of(scene);
   if (!meshes) return meshes.error();
+  if (format == PlainFormat::tiles) return write_tiles(scene, *std::move(meshes), folder);
   const TriangleMesh all = merged(*meshes);
   if (all.triangles.empty()) return nothing_in(scene);
   const bool is_ply = format == PlainFormat::ply, is_obj = format == PlainFormat::obj;

@@ -22,6 +22,7 @@ constexpr std::size_t kLinkLengthAt = 12;
 constexpr std::uint8_t kMotionPhases = 4;
 constexpr std::uint32_t kLinkRejections = 5;
 constexpr std::uint32_t kLinkStops = 4;
+constexpr std::uint32_t kLensModels = 3;
 constexpr std::uint32_t kKnownLimits = 31;
 constexpr float kMaxCorrectionDelay = 60.0F;  // [s]
 
@@ -258,10 +259,28 @@ void read_content(LinkReader& reader, LinkStop& stop) {
   stop = static_cast<LinkStop>(reader.at_most<std::uint32_t>(kLinkStops, "stop", 1));
 }
 
+/// Zeros where it is not known.
+void write_camera(const std::optional<LinkPictureCamera>& known, ByteWriter& writer) {
+  const LinkPictureCamera camera = known.value_or(LinkPictureCamera{});
+  for (const float value : {camera.fx, camera.fy, camera.cx, camera.cy}) writer.f32(value);
+  writer.integer(static_cast<std::uint32_t>(camera.lens));
+  for (const float coefficient : camera.coefficients) writer.f32(coefficient);
+}
+std::optional<LinkPictureCamera> read_camera(LinkReader& reader) {
+  LinkPictureCamera camera;
+  for (float* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value = reader.f32();
+  camera.lens = static_cast<LensModel>(reader.at_most<std::uint32_t>(kLensModels - 1, "lens"));
+  for (float& coefficient : camera.coefficients) coefficient = reader.f32();
+  if (camera == LinkPictureCamera{}) return std::nullopt;
+  if (!(camera.fx > 0.0F && camera.fy > 0.0F)) reader.reject("a focal length that is not above 0");
+  return camera;
+}
+
 void write_content(const LinkPicture& picture, ByteWriter& writer) {
   writer.f64(picture.t);
   writer.integer(picture.width);
   writer.integer(picture.height);
+  write_camera(picture.camera, writer);
   writer.integer(static_cast<std::uint32_t>(picture.jpeg.size()));
   for (const std::uint8_t byte : picture.jpeg) writer.integer(byte);
 }
@@ -269,6 +288,7 @@ void read_content(LinkReader& reader, LinkPicture& picture) {
   picture.t = reader.f64();
   picture.width = reader.integer<std::uint16_t>();
   picture.height = reader.integer<std::uint16_t>();
+  picture.camera = read_camera(reader);
   picture.jpeg = reader.bytes(reader.integer<std::uint32_t>());
 }
 

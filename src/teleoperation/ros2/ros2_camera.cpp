@@ -140,7 +140,7 @@ class TagTracker final : public Ros2CameraTracker {
     const double t = intake_.local_time(picture.topic, header.stamp, picture.arrival);
     {
       const std::lock_guard lock(picture_mutex_);
-      picture_ = CameraPicture{t, std::move(*color)};
+      picture_ = CameraPicture{t, std::move(*color), camera_};
     }
     const std::optional<Pose> T_base_camera = locate(header, detections);
     if (!T_base_camera) return fail("neither base markers nor transforms show where it is");

@@ -195,16 +195,39 @@ void read_command(const YamlValue& value, Ros2Setup& setup) {
   }
 }
 
-Ros2Setup read_setup(const YamlValue& root, const std::filesystem::path& folder) {
+/// What a file has of the network and the frame, with or without a robot.
+void read_common(const YamlValue& root, DdsOptions& dds, std::string& base_frame) {
   root.expect_keys({"format", "domain", "network", "base_frame", "start_timeout", "silence_timeout",
-                    "tool", "wrench", "transforms", "objects", "camera", "command"});
+                    "tool", "wrench", "transforms", "objects", "camera", "command", "publish"});
   if (root.at("format").text() != kSetupFormat) {
     root.at("format").fail("is not " + std::string(kSetupFormat), "see docs/ros2.md");
   }
+  dds.domain = domain_of(root);
+  if (const auto given = root.find("network")) read_network(*given, dds);
+  if (const auto given = root.find("base_frame")) base_frame = read_frame(*given);
+}
+
+std::optional<Ros2Publication> read_publication(const YamlValue& root) {
+  Ros2Publication publication;
+  read_common(root, publication.dds, publication.base_frame);
+  const auto value = root.find("publish");
+  if (!value) return std::nullopt;
+  value->expect_keys({"prefix", "rate"});
+  if (const auto given = value->find("prefix")) {
+    publication.prefix = given->text();
+    if (!is_topic_name(publication.prefix)) {
+      given->fail("'" + publication.prefix + "' does not begin topics",
+                  "write a name such as /pcavr");
+    }
+  }
+  if (const auto given = value->find("rate")) publication.rate = given->number_in(kRate);
+  return publication;
+}
+
+Ros2Setup read_setup(const YamlValue& root, const std::filesystem::path& folder) {
   Ros2Setup setup;
-  setup.dds.domain = domain_of(root);
-  if (const auto given = root.find("network")) read_network(*given, setup.dds);
-  if (const auto given = root.find("base_frame")) setup.base_frame = read_frame(*given);
+  read_common(root, setup.dds, setup.base_frame);
+  setup.publication = read_publication(root);
   if (const auto given = root.find("start_timeout"))
     setup.start_timeout = given->number_in(kTimeout);
   if (const auto given = root.find("silence_timeout")) {
@@ -252,6 +275,18 @@ Expected<Ros2Setup> parse_ros2_setup(const std::string& text, const std::filesys
   return parse_yaml<Ros2Setup>(text, file.string(), [&](const YamlValue& root) {
     return read_setup(root, file.parent_path());
   });
+}
+
+Expected<Ros2Publication> read_ros2_publication(const std::filesystem::path& file) {
+  const Expected<std::string> text = read_file(file);
+  if (!text) return text.error();
+  const Expected<std::optional<Ros2Publication>> read =
+      parse_yaml<std::optional<Ros2Publication>>(*text, file.string(), read_publication);
+  if (!read) return read.error();
+  if (*read) return **read;
+  return Error{.message = "has nothing to publish",
+               .file = file.string(),
+               .hint = "add the section publish: see docs/ros2.md"};
 }
 
 Expected<Ros2Setup> read_ros2_setup(const std::filesystem::path& file) {

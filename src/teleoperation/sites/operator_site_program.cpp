@@ -52,6 +52,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
         options_(options),
         reporter_(observer, runtime.log),
         log_(reporter_.log()),
+        predictions_(runtime.predictions),
         world_preparation_(runtime.prepares_at_once),
         schedule_(teleop.predictor.step),
         clock_(runtime.clock),
@@ -319,6 +320,10 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
     site_->get_predictions(command.predictions);
     robot_.add_command(command.t, clock_.now(), moved.device_clock);
     log_.on_commanded(link_.session(), command);
+    if (predictions_ != nullptr) {
+      predictions_->on_predictions(link_.shared_clock().local_at(t_next) - now,
+                                   command.predictions);
+    }
     link_.send(std::move(command));
     ++report_.commands;
     link_.ping(now, kPingInterval);
@@ -379,6 +384,7 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
   const OperatorSiteOptions& options_;
   SiteReporter reporter_;
   SiteLog& log_;
+  PredictionSink* predictions_;
   WorldPreparation world_preparation_;
   CommandSchedule schedule_;
   SiteClock clock_;
@@ -403,14 +409,13 @@ class OperatorSiteLoop final : public SiteSteps<OperatorSiteReport> {
 
 }  // namespace
 
-Expected<OperatorSiteReport> run_operator_site(LinkClient& client, OperatorInterface& interface,
-                                               const TeleopInput& world,
-                                               const TeleopOptions& teleop, const SiteScene& scene,
-                                               const OperatorSiteOptions& options,
-                                               const SimulatedNetwork& network,
-                                               const Observer& observer,
-                                               const std::atomic<bool>& stop, BlackBox* black_box) {
+Expected<OperatorSiteReport> run_operator_site(
+    LinkClient& client, OperatorInterface& interface, const TeleopInput& world,
+    const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
+    const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop,
+    BlackBox* black_box, PredictionSink* predictions) {
   SiteRuntime runtime;
+  runtime.predictions = predictions;
   if (black_box != nullptr) runtime.log = &black_box->log();
   OperatorSiteLoop loop(client, interface, world, teleop, scene, options, network, observer,
                         runtime);

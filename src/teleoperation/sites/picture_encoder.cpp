@@ -3,6 +3,7 @@
 #include "picture_encoder.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "pcavr/base/core/caught.hpp"
@@ -15,9 +16,24 @@ namespace {
 constexpr int kMaxQuality = 90;
 constexpr int kMinQuality = 20;  // below it a smaller picture shows more
 constexpr int kQualityStep = 10;
-constexpr int kMinWidth = 80;        // [px] the coarsest picture
-constexpr double kWellBelow = 0.6;   // of the permitted bytes: the next may be better
-constexpr std::size_t kHeader = 64;  // [bytes] of a picture's message beside the JPEG
+constexpr int kMinWidth = 80;         // [px] the coarsest picture
+constexpr double kWellBelow = 0.6;    // of the permitted bytes: the next may be better
+constexpr std::size_t kHeader = 104;  // [bytes] of a picture's message beside the JPEG
+
+/// The camera of the image reduced by this factor.
+LinkPictureCamera camera_of(const CameraModel& full, int reduction) {
+  const CameraModel camera = full.downsampled(reduction);
+  LinkPictureCamera sent{.fx = static_cast<float>(camera.fx),
+                         .fy = static_cast<float>(camera.fy),
+                         .cx = static_cast<float>(camera.cx),
+                         .cy = static_cast<float>(camera.cy),
+                         .lens = camera.distortion.model()};
+  const std::span<const double> coefficients = camera.distortion.coefficients();
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    sent.coefficients[i] = static_cast<float>(coefficients[i]);
+  }
+  return sent;
+}
 
 }  // namespace
 
@@ -27,6 +43,7 @@ Expected<LinkPicture> encode_picture(const CameraPicture& picture, std::size_t m
   quality = std::clamp(quality, kMinQuality, kMaxQuality);
   ColorImage smaller;
   const ColorImage* image = &picture.image;
+  int reduction = 1;
   for (;;) {
     Expected<std::string> jpeg = encode_color(*image, quality);
     if (!jpeg) return jpeg.error();
@@ -35,14 +52,17 @@ Expected<LinkPicture> encode_picture(const CameraPicture& picture, std::size_t m
       if (static_cast<double>(jpeg->size()) < kWellBelow * static_cast<double>(allowed)) {
         quality = std::min(quality + kQualityStep, kMaxQuality);
       }
-      return LinkPicture{picture.t,
-                         static_cast<std::uint16_t>(image->width()),
-                         static_cast<std::uint16_t>(image->height()),
-                         {jpeg->begin(), jpeg->end()}};
+      return LinkPicture{
+          picture.t,
+          static_cast<std::uint16_t>(image->width()),
+          static_cast<std::uint16_t>(image->height()),
+          {jpeg->begin(), jpeg->end()},
+          picture.camera ? std::optional(camera_of(*picture.camera, reduction)) : std::nullopt};
     }
     if (quality > kMinQuality) {
       quality = std::max(quality - kQualityStep, kMinQuality);
     } else {
+      reduction *= 2;
       smaller = halved(*image);
       image = &smaller;
     }

@@ -59,6 +59,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         options_(options),
         reporter_(observer, runtime.log),
         log_(reporter_.log()),
+        predictions_(runtime.predictions),
         clock_(runtime.clock),
         safety_(options.limits, robot.p_base_start()),
         pictures_(robot.pictures(), options.pictures),
@@ -285,6 +286,9 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
         measurement_.add({command.t, session()->commands.last_arrival(), now});
         safety_.command(command);
         log_.on_executed(session()->id, session()->key, command);
+        if (predictions_ != nullptr) {
+          predictions_->on_predictions(command.t - now, command.predictions);
+        }
         site_.add_predictions(command.t - *start_, command.predictions, command.correction_delay);
       }
       // Commands that were lost must not stop the tool for as long.
@@ -388,6 +392,7 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
   const RobotSiteOptions& options_;
   SiteReporter reporter_;
   SiteLog& log_;
+  PredictionSink* predictions_;
   SiteClock clock_;  ///< the shared one
   RobotSafety safety_;
   PictureFeed pictures_;
@@ -415,8 +420,10 @@ class RobotSiteLoop final : public SiteSteps<RobotSiteReport> {
 Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& robot,
                                          LiveRobotSite& site, const SiteScene& scene,
                                          const RobotSiteOptions& options, const Observer& observer,
-                                         const std::atomic<bool>& stop, BlackBox* black_box) {
+                                         const std::atomic<bool>& stop, BlackBox* black_box,
+                                         PredictionSink* predictions) {
   SiteRuntime runtime;
+  runtime.predictions = predictions;
   if (black_box != nullptr) runtime.log = &black_box->log();
   site.set_waiting(false);
   RobotSiteLoop loop(server, robot, site, scene, options, observer, runtime);

@@ -9,6 +9,7 @@
 
 #include "pcavr/teleoperation/link/site_transport.hpp"
 #include "pcavr/teleoperation/sites/link_sites.hpp"
+#include "pcavr/teleoperation/sites/prediction_sink.hpp"
 
 #include "site_log.hpp"
 
@@ -21,6 +22,7 @@ struct SiteRuntime {
   std::function<std::uint32_t()> new_session = {};  ///< never 0; none: by the system's entropy
   bool prepares_at_once = false;  ///< worlds are made within a step, not by a thread
   SiteLog* log = nullptr;
+  PredictionSink* predictions = nullptr;
 };
 
 /// A site's main loop, one event at a time. One thread at a time.

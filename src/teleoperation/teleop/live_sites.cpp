@@ -241,13 +241,13 @@ void LiveRobotSite::restart(double now) {
 }
 
 MotionPhase LiveRobotSite::phase(std::size_t object) const {
-  return state_->site.objects()[object].monitor.phase();
+  return state_->site.objects()[object].monitor().phase();
 }
 
 std::vector<LiveRobotSite::PhaseChange> LiveRobotSite::take_phase_changes(double age) {
   std::vector<PhaseChange> taken;
   for (std::size_t i = 0; i < state_->objects; ++i) {
-    const std::vector<MonitoredPhase>& changes = state_->site.objects()[i].monitor.changes();
+    const std::vector<MonitoredPhase>& changes = state_->site.objects()[i].monitor().changes();
     std::size_t& next = state_->taken_phases[i];
     for (; next < changes.size() && changes[next].t < state_->processed - age; ++next) {
       taken.push_back({changes[next].t, i, changes[next].phase});

@@ -2,236 +2,65 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <deque>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include <Eigen/Core>
-
-#include "pcavr/physics/inputs/touch.hpp"
 #include "pcavr/physics/prediction/body_physics.hpp"
 #include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
-#include "teleoperation/teleop/correction_switch.hpp"
-#include "teleoperation/teleop/message.hpp"
-#include "teleoperation/teleop/online_identification.hpp"
-#include "teleoperation/teleop/pending_identification.hpp"
-#include "teleoperation/teleop/phase_monitor.hpp"
-#include "teleoperation/teleop/slow_slide.hpp"
-#include "teleoperation/teleop/surface_offset.hpp"
-#include "teleoperation/teleop/tracking_noise.hpp"
+#include "teleoperation/teleop/object_corrections.hpp"
+#include "teleoperation/teleop/object_knowledge.hpp"
+#include "teleoperation/teleop/object_pose.hpp"
 
 namespace pcavr {
 
-/// Tip and force at one time, at the robot's site.
-struct TouchSample {
-  double t = 0.0;
-  Eigen::Vector3d p_base_tip = Eigen::Vector3d::Zero();
-  Eigen::Vector3d force_base = Eigen::Vector3d::Zero();  ///< bias removed [N]
-};
-
-/// The robot site's estimate of an object's pose, with its uncertainty.
-struct PoseEstimate {
-  Pose T_base_object;
-  double std = 0.0;        ///< along one axis [m]
-  bool is_current = true;  ///< false: it is moving, and was last tracked some time before
-};
-
-[[nodiscard]] inline bool slides(MotionPhase phase) { return phase == MotionPhase::sliding; }
-
-/// The robot site's state of one object.
+/// The robot site's state of one object: where it is, what is known of it, and what the operator's
+/// site has of both. Not thread-safe.
 class RobotObject {
  public:
-  /// Keeps a reference to `object`, which must outlive it; its `tracked` is not used.
+  /// Keeps a reference to `object`, which must outlive it; its `tracked` is not used. `assumed`:
+  /// the physics that the operator's site has at the start.
   RobotObject(const TeleopObject& object, const BodyPhysics& assumed, const TeleopOptions& options,
               const SensorProperties& sensors, double tool_radius, double start);
 
-  /// A pose that has arrived; stamps of the camera, ascending.
-  void add_tracked(const TrackedPose& pose);
-  /// Processes the poses up to `t` [s] on the tool's clock, which the camera's is ahead of by
-  /// `camera_offset` [s].
-  void update_tracking(double t, double camera_offset);
+  [[nodiscard]] ObjectPose& pose() { return pose_; }
+  [[nodiscard]] const ObjectPose& pose() const { return pose_; }
+  [[nodiscard]] PhaseMonitor& monitor() { return pose_.monitor(); }
+  [[nodiscard]] const PhaseMonitor& monitor() const { return pose_.monitor(); }
+  [[nodiscard]] ObjectKnowledge& knowledge() { return knowledge_; }
+  [[nodiscard]] const ObjectKnowledge& knowledge() const { return knowledge_; }
+  [[nodiscard]] ObjectCorrections& corrections() { return corrections_; }
+  [[nodiscard]] const ObjectCorrections& corrections() const { return corrections_; }
+  [[nodiscard]] const std::string& name() const { return pose_.source().name; }
+
   /// Discards what was identified here: the data were wrong.
   void forget_learned();
-  [[nodiscard]] Touch touch(const Eigen::Vector3d& p_base_tip) const;
-  /// Whether it moves according to the camera alone.
-  [[nodiscard]] bool is_seen_moving() const { return is_seen_moving_; }
-  /// Whether it has moved in this contact according to the camera, however slowly.
-  [[nodiscard]] bool has_moved_in_contact() const { return has_moved_in_contact_; }
-  [[nodiscard]] bool is_lost(double t) const;
-
-  /// The pose used last, and the newest frame with its std.
-  [[nodiscard]] const Pose& T_base_object() const { return T_base_object_; }
-  [[nodiscard]] const TrackedPose& latest() const { return latest_; }
-  /// The tip pushes it: touched, not pressed onto its support.
-  [[nodiscard]] bool is_pushed() const { return monitor.is_touched() && !monitor.is_press(); }
-
-  /// Its pose at a sample's time: the latest frame, extrapolated by the object's displacement
-  /// since, and during contact fused with the face's position by force and contact law, weighted by
-  /// the inverse variances. The correction by contact is kept until the camera sees the object
-  /// move. An object that is not tracked is where the operator's site has predicted it to be
-  /// (dead reckoning) until a contact shows its face elsewhere.
-  [[nodiscard]] PoseEstimate estimate_pose(const TouchSample& sample, const PlanarPose& predicted);
-  /// Current estimate of [vx vy omega].
-  [[nodiscard]] Eigen::Vector3d twist() const;
-
-  /// Motion of the object in one of its last contacts, for trials of parameters.
-  struct TrackedContact {
-    double begin = 0.0;  ///< [s]
-    Pose T_base_start;
-    Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();
-    bool is_press = false;           ///< only while it is the newest contact
-    std::vector<TrackedPose> poses;  ///< of its first kMaxTrackedTime
-  };
-  static constexpr double kMaxTrackedTime = 4.0;  ///< [s] a trial of more would hold up the site
-  [[nodiscard]] const std::deque<TrackedContact>& tracked_contacts() const {
-    return tracked_contacts_;
+  /// Another object moved with it: the force of this contact does not act on this one alone.
+  void set_shared(bool is_shared) { is_shared_ = is_shared; }
+  [[nodiscard]] bool is_shared() const { return is_shared_; }
+  /// See ObjectPose::estimate.
+  [[nodiscard]] PoseEstimate estimate_pose(const TouchSample& sample, const PlanarPose& predicted) {
+    return pose_.estimate(sample, predicted, knowledge_.parameters());
   }
-  /// The object's tracked poses in [begin, end] [s].
-  [[nodiscard]] std::vector<TrackedPose> tracked_between(double begin, double end) const;
+
   /// The physics that the operator's site has with these parameters.
   [[nodiscard]] BodyPhysics physics_with(const ObjectParameters& parameters) const;
-
   /// The physics used at this site: identified parameters, completed by defaults.
   [[nodiscard]] BodyPhysics physics() const;
   /// The same as parameters that the operator's site is to have.
   [[nodiscard]] ObjectParameters parameters() const;
 
-  PhaseMonitor monitor;
-  OnlineIdentification unlearned;  ///< what is known at the start
-  OnlineIdentification knowledge;
-  CorrectionSwitch correction_switch;
-  ObjectParameters acknowledged;  ///< parameters that the operator's site has confirmed
-  struct InFlight {
-    std::uint8_t sequence = 0;
-    ObjectParameters parameters;
-  };
-  std::optional<InFlight> in_flight = {};
-  /// This case was found in a contact that had not ended, and a contact law was sent, or none
-  /// known: the whole contact may show a better one, which no error would ask for until the next.
-  std::optional<CorrectionCase> unfinished_law = {};
-  std::uint8_t sequence = 0;
-  /// Another object moved with it: the force does not act on this one alone.
-  bool is_shared = false;
-  std::optional<double> last_learned = {};  ///< [s]
-  /// [s] of a contact whose law is not known yet, when it was last looked for.
-  std::optional<double> first_law_tried = {};
-  std::optional<double> learn_at = {};  ///< [s] next time to identify; empty: none is planned
-  std::optional<double> above_limit_since = {};  ///< [s]
-  /// A contact that was used to identify.
-  struct IdentifiedOnline {
-    double begin = 0.0, until = 0.0;  ///< [s]
-    OnlineIdentification::ContactFacts facts;
-  };
-  std::deque<IdentifiedOnline> learned = {};  ///< the newest
-  /// [s] begin of the contact whose limiting friction was last found to contradict its slides.
-  std::optional<double> contradicted_contact = {};
-  /// [s] The tool is kept off [paper C, case 2] since then.
-  std::optional<double> corrections_off_since = {};
-  /// The next comparison sends everything: the sites were apart.
-  bool is_full_state_due = false;
-
-  [[nodiscard]] const TeleopObject& source() const { return *source_; }
-
  private:
-  /// Offset from an estimate of the pose to the face that the tip presses.
-  struct ContactOffset {
-    Eigen::Vector3d offset_base = Eigen::Vector3d::Zero();  ///< [m]
-    double std = 0.0;                                       ///< of the shifted pose, one axis [m]
-  };
-  [[nodiscard]] PoseEstimate estimate_from_frame(const TouchSample& sample);
-  [[nodiscard]] PoseEstimate estimate_from_prediction(const TouchSample& sample,
-                                                      const PlanarPose& predicted) const;
-  /// Empty without a push, or without a contact law that gives the penetration.
-  [[nodiscard]] std::optional<ContactOffset> offset_by_contact(const TouchSample& sample,
-                                                               const PoseEstimate& estimate) const;
-  /// Whether the force along the push is that on the face which the tip is nearest to.
-  [[nodiscard]] bool is_pressed(const Touch& tip) const;
-  /// [m] Std of the tip behind the low-pass filter of the offset from camera to contact.
-  [[nodiscard]] double filtered_tip_noise() const;
-  /// Measures where the tip meets the tracked body, once for each frame.
-  void measure_surface(const TouchSample& sample, const PoseEstimate& estimate);
-  /// The surface offset as it was measured here, else as given.
-  [[nodiscard]] std::optional<Eigen::Vector3d> surface_offset(const HuntCrossley& law) const;
-  static void apply(const ContactOffset& face, PoseEstimate& estimate);
-  [[nodiscard]] double displacement_since_frame(double t) const;
-  /// The mean of the newest frames while the object rests: their noise is no motion.
-  [[nodiscard]] TrackedPose averaged_at_rest(const TrackedPose& seen);
-  /// Whether two poses are apart by more than their noise.
-  [[nodiscard]] bool is_apart(const TrackedPose& a, const TrackedPose& b) const;
-  void end_average();
-  void compare_with_before_contact();
-  void record_contact(const TrackedPose& seen);
-  void remember(const TrackedPose& seen);
-  /// Slides that tracking shows although force and motion do not.
-  void detect_slow_slide(const TrackedPose& seen);
-  void measure_interval(double t);
-  /// Measures how the body moves while it is pushed, from its newest frames.
-  void measure_motion();
-  /// A pose moved on with the contact by `displacement` [m] along the push.
-  [[nodiscard]] Pose moved_on(const Pose& T_base_object, double displacement) const;
-
-  /// Motion of the body per displacement of its contact along the push.
-  struct PushedMotion {
-    Eigen::Vector2d shift_base = Eigen::Vector2d::Zero();  ///< [m/m] of the object's origin
-    double rotation = 0.0;                                 ///< [rad/m]
-  };
-
-  const TeleopObject* source_;
-  PoseFusionOptions options_;
-  LearningOptions learning_;
   double gravity_;  ///< [m/s^2]
   /// Its Stribeck speed is that of the given parameters: what both sites know later are complete
   /// sets of values, assumed ones among them.
   PhysicsDefaults unknown_objects_;
-  BodySurface surface_;
   /// The surface as completed at the start: its shape stays constant, and is expensive to compute.
   std::optional<LimitSurface> limit_surface_;
-  double tool_radius_;
-  std::deque<TrackedPose> waiting_;  ///< arrived and not processed
-  std::deque<TrackedPose> seen_;     ///< those processed last
-  TrackingNoise noise_ = {};
-  /// Empty while it does not turn: it moves with the contact.
-  std::optional<PushedMotion> motion_ = {};
-  std::deque<double> gaps_;  ///< [s] between the newest frames
-  std::size_t frames_ = 0;   ///< processed
-  int averaged_frames_ = 0;  ///< in `latest_`
-  bool was_apart_ = false;   ///< the frame before, from that mean
-  TrackedPose latest_;       ///< or the mean of the latest; the scene's pose before the first frame
-  Pose T_base_object_;       ///< latest frame, or the estimate while it is lost
-  double yaw_rate_ = 0.0;    ///< [rad/s]
-  bool is_seen_moving_ = false;
-  TrackedPose before_contact_;  ///< the latest frame before the contact
-  bool has_moved_in_contact_ = false;
-  std::deque<TrackedContact> tracked_contacts_;  ///< the newest
-  std::vector<TrackedPose> history_;  ///< of the longest contact that is identified, at least
-  SlowSlide slow_slide_;
-  std::optional<double> slow_contact_begin_ = {};             ///< [s] of its contact
-  Eigen::Vector3d touched_object_ = Eigen::Vector3d::Zero();  ///< [m] at first touch
-  Eigen::Vector3d p_base_tip_ = Eigen::Vector3d::Zero();      ///< newest [m]
-  double frame_interval_;
-  Eigen::Vector3d touched_offset_ =
-      Eigen::Vector3d::Zero();  ///< from the tracked position to that by contact [m]
-  double touched_std_ = 0.0;    ///< [m]; 0: not touched at this pose
-  SurfaceOffset measured_surface_;
-  std::size_t measured_frame_ = 0;  ///< the last of `frames_` in it
-
- public:
-  /// Identification in progress, for `knowledge`. It and `search` are last: their threads use
-  /// what it refers to.
-  std::optional<PendingIdentification> identification = {};
-  /// A search for `knowledge`; its pushes are by a clock that was wrong if it `is_obsolete`.
-  struct Search {
-    PendingSearch pending;
-    bool is_obsolete = false;
-  };
-  std::optional<Search> search = {};
-
-  /// A contact is being identified, or will be.
-  [[nodiscard]] bool is_identifying() const { return learn_at || identification; }
+  bool is_shared_ = false;
+  ObjectPose pose_;
+  ObjectCorrections corrections_;
+  ObjectKnowledge knowledge_;
 };
 
 }  // namespace pcavr

@@ -140,7 +140,7 @@ void RobotSite::add_tracked(std::size_t object, const TrackedPose& pose) {
   const bool is_finite = pose.T_base_object.translation().allFinite();
   if (!is_next("tracking", pose.t, is_finite, last_tracked_[object])) return;
   for (const TrackedPose& accepted : tracked_outliers_[object].add(pose)) {
-    objects_[object].add_tracked(accepted);
+    objects_[object].pose().add_tracked(accepted);
     watch_.add_tracked(object, accepted);
   }
   streaming_bytes_ += bytes_of_tracked_pose();
@@ -151,7 +151,8 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
   now_ = now;
   if (std::exchange(has_new_force_, false)) force_seen_ = now;
   update_sensors();
-  for (std::size_t i = 0; i < objects_.size(); ++i) acknowledge(objects_[i], log.at(now, i));
+  for (std::size_t i = 0; i < objects_.size(); ++i)
+    objects_[i].corrections().acknowledge(log.at(now, i).received);
   if (tip_.empty()) return {};
   if (has_force(now)) {
     process_forces(now, log);
@@ -171,8 +172,7 @@ std::vector<CorrectionMessage> RobotSite::advance(double now, const PredictionLo
 
 bool RobotSite::would_wait(double now) const {
   const auto waits = [now](const RobotObject& object) {
-    return (object.identification && object.identification->would_wait(now)) ||
-           (object.search && object.search->pending.would_wait(now));
+    return object.knowledge().would_wait(now);
   };
   return watch_.would_wait(now) || (pending_trial_ && pending_trial_->would_wait(now)) ||
          std::any_of(objects_.begin(), objects_.end(), waits);
@@ -180,7 +180,7 @@ bool RobotSite::would_wait(double now) const {
 
 void RobotSite::set_round_trip(double round_trip) {
   round_trip_ = round_trip;
-  for (RobotObject& object : objects_) object.correction_switch.set_round_trip(round_trip);
+  for (RobotObject& object : objects_) object.corrections().decision().set_round_trip(round_trip);
 }
 
 void RobotSite::idle(double now) {
@@ -195,17 +195,12 @@ void RobotSite::restart(double now) {
   now_ = now;
   processed_ = std::max(processed_, now);
   pending_trial_.reset();
-  for (RobotObject& object : objects_) {
-    object.in_flight.reset();
-    object.correction_switch.restart();
-    object.corrections_off_since.reset();
-    object.is_full_state_due = true;
-  }
+  for (RobotObject& object : objects_) object.corrections().restart();
 }
 
 bool RobotSite::is_any_touched() const {
   return std::any_of(objects_.begin(), objects_.end(),
-                     [](const RobotObject& object) { return object.monitor.is_touched(); });
+                     [](const RobotObject& object) { return object.monitor().is_touched(); });
 }
 
 bool RobotSite::has_force(double now) const {
@@ -215,9 +210,9 @@ bool RobotSite::has_force(double now) const {
 void RobotSite::update_sensors() {
   sensors_ = sensor_properties(tip_, force_, options_.touch);
   for (RobotObject& object : objects_) {
-    if (object.monitor.is_touched()) continue;
-    object.monitor.set_sensors(sensors_);
-    object.correction_switch.set_force_floor(sensors_.enter_force);
+    if (object.monitor().is_touched()) continue;
+    object.monitor().set_sensors(sensors_);
+    object.corrections().decision().set_force_floor(sensors_.enter_force);
   }
 }
 
@@ -236,7 +231,7 @@ void RobotSite::process_camera(double now, const PredictionLog& log) {
   next_camera_update_ = std::max(next_camera_update_ + kCameraInterval, now - kCameraInterval);
   const double t = now - options_.pose.tracking_latency;
   if (t <= processed_) return;
-  for (RobotObject& object : objects_) object.monitor.lose_force();
+  for (RobotObject& object : objects_) object.monitor().lose_force();
   update_tracking(t);
   update_from_camera(t);
   process_time({t, tip_.at(t), Eigen::Vector3d::Zero()}, log);
@@ -263,22 +258,23 @@ void RobotSite::examine_inputs_at(double t) {
 double RobotSite::oldest_needed() const { return std::min(processed_, now_); }
 
 void RobotSite::update_tracking(double t) {
-  for (RobotObject& object : objects_) object.update_tracking(t, watch_.camera().offset);
+  for (RobotObject& object : objects_) object.pose().update_tracking(t, watch_.camera().offset);
 }
 
 void RobotSite::update_from_camera(double t) {
   for (RobotObject& object : objects_) {
-    const bool is_near = object.touch(tip_.at(t)).gap < options_.touch.touch_clearance;
-    object.monitor.update_from_camera(t, object.is_seen_moving(), is_near);
+    const bool is_near = object.pose().touch(tip_.at(t)).gap < options_.touch.touch_clearance;
+    object.monitor().update_from_camera(t, object.pose().is_seen_moving(), is_near);
   }
 }
 
 std::optional<TouchedBody> RobotSite::attribute(const TouchSample& sample,
                                                 std::vector<Touch>& touches) const {
-  for (const RobotObject& object : objects_) touches.push_back(object.touch(sample.p_base_tip));
+  for (const RobotObject& object : objects_)
+    touches.push_back(object.pose().touch(sample.p_base_tip));
   // A contact stays with its object until it ends.
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (objects_[i].monitor.is_touched()) return TouchedBody{i, false};
+    if (objects_[i].monitor().is_touched()) return TouchedBody{i, false};
   }
   return touched_body(touches, options_.inputs);
 }
@@ -317,21 +313,22 @@ void RobotSite::process_sample(const ForceStream::Sample& measured, const Predic
   if (attributed) touched = attributed->body;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     RobotObject& object = objects_[i];
-    const MotionPhase before = object.monitor.phase();
-    const bool was_touched = object.monitor.is_touched();
-    object.monitor.step(
+    const MotionPhase before = object.monitor().phase();
+    const bool was_touched = object.monitor().is_touched();
+    object.monitor().step(
         {sample.t, sample.p_base_tip, sample.force_base, touches[i].inward_base, touched == i},
-        object.knowledge.known().limiting_static_friction,
-        relative_damping(object.knowledge.known()));
-    if (touched != i) object.monitor.update_from_camera(sample.t, object.is_seen_moving(), false);
+        object.knowledge().parameters().limiting_static_friction,
+        relative_damping(object.knowledge().parameters()));
+    if (touched != i)
+      object.monitor().update_from_camera(sample.t, object.pose().is_seen_moving(), false);
     plan_learning(object, before, was_touched, sample.t);
-    if (!was_touched && object.monitor.is_touched() && attributed && attributed->is_ambiguous) {
-      object.is_shared = true;
-      note_once("the tip touches " + object.source().name + " and another object at " +
-                at_time(sample.t) + ": their shared force is not used to identify");
+    if (!was_touched && object.monitor().is_touched() && attributed && attributed->is_ambiguous) {
+      object.set_shared(true);
+      note_once("the tip touches " + object.name() + " and another object at " + at_time(sample.t) +
+                ": their shared force is not used to identify");
     }
   }
-  if (!touched || !objects_[*touched].monitor.is_touched()) estimate_bias(sample, touches);
+  if (!touched || !objects_[*touched].monitor().is_touched()) estimate_bias(sample, touches);
   if (touched) check_static_limit(objects_[*touched], sample);
   record_force(sample, measured.clean_base, log);
   process_time(sample, log);
@@ -340,15 +337,10 @@ void RobotSite::process_sample(const ForceStream::Sample& measured, const Predic
 void RobotSite::process_time(const TouchSample& sample, const PredictionLog& log) {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     RobotObject& object = objects_[i];
-    if (object.identification && object.identification->is_due(sample.t)) {
-      apply_identification(object);
-    }
+    if (object.knowledge().is_identification_due(sample.t)) apply_identification(object);
     // Each begins from the knowledge, and the contact's replaces it.
-    if (!object.identification) search_friction(object, sample.t);
-    // An identification in progress is of the data before: it is not waited for, but used first.
-    if (!object.identification && object.learn_at && *object.learn_at <= sample.t) {
-      learn(object, sample.t);
-    }
+    if (!object.knowledge().has_identification()) search_friction(object, sample.t);
+    if (object.knowledge().is_due(sample.t)) learn(object, sample.t);
     update_first_law(object, sample.t);
     if (sample.t < log.start()) continue;  // a correction of that time would come too late
     compare(i, sample, log.at(sample.t, i));

@@ -94,17 +94,14 @@ class RobotSite {
   void examine_inputs_at(double t);
   [[nodiscard]] double stored_time() const;  ///< [s] of samples that may be requested again
   void learn_again(double offset_change);
-  [[nodiscard]] ContactRecord record_of(RobotObject& object,
-                                        const RobotObject::IdentifiedOnline& contact);
+  /// The samples of a contact, copied.
   [[nodiscard]] PendingIdentification::Contact copy_of(
-      RobotObject& object, const RobotObject::IdentifiedOnline& contact);
+      const RobotObject& object, const ObjectKnowledge::UsedContact& contact) const;
   /// Applies from now on what was identified of the object. Waits for the thread.
   void apply_identification(RobotObject& object);
   /// Uses what was found of friction when it is due, and begins the next search.
   void search_friction(RobotObject& object, double t);
   void apply_search(RobotObject& object);
-  void accept(RobotObject& object,
-              const Expected<std::shared_ptr<const ObjectIdentifier::Result>>& findings);
   void note_contradiction(RobotObject& object, double begin);
   [[nodiscard]] const UnusableInterval* unusable_in(double begin, double end) const;
   void process_time(const TouchSample& sample, const PredictionLog& log);
@@ -112,7 +109,6 @@ class RobotSite {
                                                      std::vector<Touch>& touches) const;
   void estimate_bias(const TouchSample& sample, const std::vector<Touch>& touches);
   void update_tracking(double t);
-  void acknowledge(RobotObject& object, const Prediction& prediction);
   void check_static_limit(RobotObject& object, const TouchSample& sample);
   void plan_learning(RobotObject& object, MotionPhase before, bool was_touched, double t);
   void update_first_law(RobotObject& object, double t);

@@ -79,25 +79,19 @@ Eigen::Vector3d compared_direction(const Eigen::Vector3d& push_base,
 
 }  // namespace
 
-void RobotSite::acknowledge(RobotObject& object, const Prediction& prediction) {
-  object.correction_switch.note_received(prediction.received);
-  if (!object.in_flight || prediction.received != object.in_flight->sequence) return;
-  overwrite(object.acknowledged, object.in_flight->parameters);
-  object.in_flight.reset();
-}
-
 void RobotSite::record_force(const TouchSample& sample, const Eigen::Vector3d& clean_base,
                              const PredictionLog& log) {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const bool is_touched = objects_[i].monitor.is_touched();
+    const bool is_touched = objects_[i].monitor().is_touched();
     const Eigen::Vector3d& rendered = log.at(sample.t, i).rendered_force_base;
     const double size = rendered.norm();
     if (!is_touched && size <= 0.0) continue;
     const Eigen::Vector3d measured = clean_base - bias_base_;
     const Eigen::Vector3d direction =
-        is_touched ? compared_direction(objects_[i].monitor.direction_base(), measured)
+        is_touched ? compared_direction(objects_[i].monitor().direction_base(), measured)
                    : Eigen::Vector3d(rendered / size);
-    const bool is_near = objects_[i].touch(sample.p_base_tip).gap < options_.inputs.max_touch_gap;
+    const bool is_near =
+        objects_[i].pose().touch(sample.p_base_tip).gap < options_.inputs.max_touch_gap;
     forces_.push_back({sample.t, i, is_touched || is_near ? measured.dot(direction) : 0.0,
                        rendered.dot(direction)});
   }
@@ -112,11 +106,11 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   const double gap = distance(here, prediction.pose, options_.messages.rotation_radius);
   SiteComparison seen;
   seen.t = sample.t;
-  seen.robot_slides = slides(object.monitor.phase());
+  seen.robot_slides = slides(object.monitor().phase());
   seen.operator_slides = slides(prediction.phase);
-  seen.robot_touches = object.monitor.is_touched();
+  seen.robot_touches = object.monitor().is_touched();
   seen.operator_touches = prediction.force_base.norm() > 0.0;
-  const Eigen::Vector3d& direction = object.monitor.direction_base();
+  const Eigen::Vector3d& direction = object.monitor().direction_base();
   seen.robot_force = seen.robot_touches ? sample.force_base.dot(direction) : 0.0;
   seen.operator_force =
       seen.robot_touches ? prediction.force_base.dot(direction) : prediction.force_base.norm();
@@ -125,7 +119,7 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
   seen.push_gap =
       (here.x - prediction.pose.x) * direction.x() + (here.y - prediction.pose.y) * direction.y();
   seen.position_std = estimate.std;
-  if (object.is_full_state_due) {
+  if (object.corrections().is_full_state_due()) {
     send_full_state(index, sample, prediction.pose, seen);
     return;
   }
@@ -137,21 +131,22 @@ void RobotSite::compare(std::size_t index, const TouchSample& sample,
     return;
   }
   std::optional<CorrectionCase> which =
-      object.correction_switch.evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
+      object.corrections().decision().evaluate(seen, static_cast<double>(sent_bytes_) / allowed);
   if (is_release_due(object, sample.t)) return send_release(index, sample.t);
   if (pending_trial_) return;  // of another object
   if (!which) which = take_unfinished_law(object, seen);
   if (!which) return;
-  const bool is_learned_lately =
-      object.last_learned && sample.t - *object.last_learned <= kLearnAgain;
+  const bool is_learned_lately = object.knowledge().was_planned_within(sample.t, kLearnAgain);
   // A slide is identified at its own intervals: its force alone is no reason for more.
-  const bool is_by_force = object.correction_switch.is_sliding_force();
-  if (!is_learned_lately && !object.identification && object.monitor.is_touched() && !is_by_force) {
-    const std::optional<double> planned = object.learn_at;
+  const bool is_by_force = object.corrections().decision().is_sliding_force();
+  if (!is_learned_lately && !object.knowledge().has_identification() &&
+      object.monitor().is_touched() && !is_by_force) {
+    const std::optional<double> planned = object.knowledge().planned();
     learn(object, sample.t);
-    if (planned && (!object.learn_at || *planned < *object.learn_at)) object.learn_at = planned;
+    if (planned) object.knowledge().plan_no_later_than(*planned);
   }
-  if (object.identification && !is_by_force) return;  // it is composed with what that finds
+  if (object.knowledge().has_identification() && !is_by_force)
+    return;  // it is composed with what that finds
   CorrectionMessage message = compose(index, *which, sample, prediction.pose, gap, seen);
   CorrectionProposal proposal = propose(message, gap);
   if (proposal.is_empty()) return send(std::move(message), sample);
@@ -167,36 +162,36 @@ void RobotSite::send_tried(const TouchSample& sample) {
 
 std::optional<CorrectionCase> RobotSite::take_unfinished_law(RobotObject& object,
                                                              const SiteComparison& seen) {
-  const bool is_touched = object.monitor.is_touched() || seen.operator_touches;
-  if (is_touched || object.in_flight || object.is_identifying()) return std::nullopt;
-  return std::exchange(object.unfinished_law, std::nullopt);
+  const bool is_touched = object.monitor().is_touched() || seen.operator_touches;
+  if (is_touched || object.corrections().in_flight() || object.knowledge().is_identifying())
+    return std::nullopt;
+  return object.corrections().take_unfinished_law();
 }
 
 bool RobotSite::is_release_due(const RobotObject& object, double t) {
-  if (!object.corrections_off_since) return false;
-  const bool is_identified = !object.monitor.is_touched() && !object.is_identifying();
-  return is_identified || t - *object.corrections_off_since > kMaxKeptOff;
+  const std::optional<double> off_since = object.corrections().off_since();
+  if (!off_since) return false;
+  const bool is_identified = !object.monitor().is_touched() && !object.knowledge().is_identifying();
+  return is_identified || t - *off_since > kMaxKeptOff;
 }
 
 void RobotSite::send_release(std::size_t index, double t) {
   RobotObject& object = objects_[index];
-  object.corrections_off_since.reset();
+  object.corrections().release();
   CorrectionMessage message;
   message.t = t;
   message.object = index;
   message.which = CorrectionCase::phases_differ;
   message.tool_retraction = Eigen::Vector3d::Zero();
   message.parameters = object.parameters();
-  message.sequence = ++object.sequence;
-  object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
-  object.correction_switch.note_sent(message.which, now_, message.sequence);
+  object.corrections().number(message, now_);
   outgoing_.push_back(std::move(message));
 }
 
 CorrectionProposal RobotSite::propose(const CorrectionMessage& message, double gap) const {
   const RobotObject& object = objects_[message.object];
   CorrectionProposal proposal;
-  if (message.pose && object.is_pushed() && slides(object.monitor.phase())) {
+  if (message.pose && object.pose().is_pushed() && slides(object.monitor().phase())) {
     proposal.pose = tried_pose(message);
     proposal.pose_error = gap;
   }
@@ -211,14 +206,14 @@ TriedCorrection RobotSite::tried_pose(const CorrectionMessage& message) const {
   tried.until = now_ + PendingTrial::kDuration + round_trip_;
   tried.object = message.object;
   for (const RobotObject& other : objects_) {
-    tried.poses.push_back(planar_pose_of(other.T_base_object()));
+    tried.poses.push_back(planar_pose_of(other.pose().T_base_object()));
   }
   tried.poses[message.object] = *message.pose;
   tried.twist = message.twist.value_or(Eigen::Vector3d::Zero());
   tried.physics = object.physics();
-  tried.lateral_base = Eigen::Vector3d::UnitZ().cross(object.monitor.direction_base());
-  tried.position_std = object.latest().position_std / std::sqrt(3.0);
-  tried.rotation_std = object.latest().rotation_std;
+  tried.lateral_base = Eigen::Vector3d::UnitZ().cross(object.monitor().direction_base());
+  tried.position_std = object.pose().latest().position_std / std::sqrt(3.0);
+  tried.rotation_std = object.pose().latest().rotation_std;
   tried.p_base_tip = [path = TriedPath(tip_, message.t, tip_.t().back())](double t) {
     return path.at(t);
   };
@@ -231,22 +226,22 @@ double RobotSite::resting_noise(const RobotObject& object, const TouchSample& sa
   // A slide is noticed here after it began: up to what is no slide yet, and the tip's path since
   // the latest frame, the operator's site may be ahead and right.
   return options_.phases.slow_slide_displacement +
-         (sample.p_base_tip - tip_.at(object.latest().t)).norm();
+         (sample.p_base_tip - tip_.at(object.pose().latest().t)).norm();
 }
 
 std::vector<CorrectionProposal::Contact> RobotSite::tried_contacts(
     std::size_t index, const ObjectParameters& parameters) const {
   std::vector<CorrectionProposal::Contact> contacts;
   const RobotObject& object = objects_[index];
-  if (is_empty(parameters) || object.is_shared || !has_force(now_)) return contacts;
-  ObjectParameters next = object.acknowledged;
+  if (is_empty(parameters) || object.is_shared() || !has_force(now_)) return contacts;
+  ObjectParameters next = object.corrections().acknowledged();
   overwrite(next, parameters);
-  const BodyPhysics before = object.physics_with(object.acknowledged);
+  const BodyPhysics before = object.physics_with(object.corrections().acknowledged());
   BodyPhysics after = object.physics_with(next);
   const Eigen::Vector3d offset = after.surface_offset;
   const double smoothing = std::max(kTipSmoothing, kMinSmoothedIntervals * tip_.interval());
-  for (const RobotObject::TrackedContact& seen : object.tracked_contacts()) {
-    const double end = std::min(seen.begin + RobotObject::kMaxTrackedTime, processed_);
+  for (const ObjectPose::TrackedContact& seen : object.pose().tracked_contacts()) {
+    const double end = std::min(seen.begin + ObjectPose::kMaxTrackedTime, processed_);
     if (seen.begin < tip_.t().front() || seen.poses.empty()) continue;
     const ForceStream::Record force = force_.between(seen.begin, end);
     RecordedContact recorded{
@@ -263,7 +258,7 @@ std::vector<CorrectionProposal::Contact> RobotSite::tried_contacts(
         .p_base_tip = [smoothing, path = TriedPath(tip_, seen.begin - smoothing, end + smoothing)](
                           double t) { return path.smooth_at(t, smoothing); }};
     // The surface is measured on the face that is touched now: another one's need not change.
-    const bool is_newest = &seen == &object.tracked_contacts().back();
+    const bool is_newest = &seen == &object.pose().tracked_contacts().back();
     after.surface_offset = is_newest ? offset : before.surface_offset;
     contacts.push_back({std::move(recorded), before, after});
   }
@@ -274,16 +269,14 @@ void RobotSite::send_full_state(std::size_t index, const TouchSample& sample,
                                 const PlanarPose& predicted, const SiteComparison& seen) {
   RobotObject& object = objects_[index];
   if (!seen.position_gap) return;
-  object.is_full_state_due = false;
+  object.corrections().note_full_state();
   CorrectionMessage message;
   message.t = sample.t;
   message.object = index;
   message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
-  message.twist = object.twist();
+  message.twist = object.pose().twist();
   message.parameters = object.parameters();
-  message.sequence = ++object.sequence;
-  object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
-  object.correction_switch.note_sent(message.which, now_, message.sequence);
+  object.corrections().number(message, now_);
   outgoing_.push_back(std::move(message));
 }
 
@@ -292,11 +285,11 @@ CorrectionMessage RobotSite::compose(std::size_t index, CorrectionCase which,
                                      double gap, const SiteComparison& seen) {
   RobotObject& object = objects_[index];
   const bool is_pose_current = seen.position_gap && gap > options_.messages.min_pose_error &&
-                               !object.correction_switch.is_sliding_force();
+                               !object.corrections().decision().is_sliding_force();
   const bool is_noise = !seen.robot_slides && gap < resting_noise(object, sample, seen);
   const ParameterDifference changed =
-      difference(object.parameters(), object.acknowledged,
-                 object.in_flight ? &object.in_flight->parameters : nullptr, options_.messages);
+      difference(object.parameters(), object.corrections().acknowledged(),
+                 object.corrections().in_flight(), options_.messages);
   CorrectionMessage message;
   message.t = sample.t;
   message.object = index;
@@ -304,10 +297,11 @@ CorrectionMessage RobotSite::compose(std::size_t index, CorrectionCase which,
   if (is_pose_current && !is_noise) {
     // Again, since newly identified contact parameters change it.
     message.pose = planar_pose_of(object.estimate_pose(sample, predicted).T_base_object);
-    if (seen.operator_slides || slides(object.monitor.phase())) message.twist = object.twist();
+    if (seen.operator_slides || slides(object.monitor().phase()))
+      message.twist = object.pose().twist();
   }
   message.parameters = parameters_to_send(
-      changed, which, object.correction_switch.forces_agree(seen), options_.messages);
+      changed, which, object.corrections().decision().forces_agree(seen), options_.messages);
   return message;
 }
 
@@ -317,23 +311,22 @@ void RobotSite::send(CorrectionMessage message, const TouchSample& sample) {
   const bool has_parameters = !is_empty(message.parameters);
   const bool is_known = !message.pose && !has_parameters;
   const bool is_unfinished =
-      message.parameters.contact_stiffness || !contact_law_of(object.knowledge.known());
-  if (is_unfinished && object.monitor.is_touched()) object.unfinished_law = which;
-  if (is_known || (!has_parameters && object.correction_switch.had_no_effect(which))) {
-    return object.correction_switch.note_nothing_to_send(which, sample.t);
+      message.parameters.contact_stiffness || !contact_law_of(object.knowledge().parameters());
+  if (is_unfinished && object.monitor().is_touched())
+    object.corrections().note_unfinished_law(which);
+  if (is_known || (!has_parameters && object.corrections().decision().had_no_effect(which))) {
+    return object.corrections().decision().note_nothing_to_send(which, sample.t);
   }
-  const double inside = std::max(-object.touch(sample.p_base_tip).gap, 0.0);
+  const double inside = std::max(-object.pose().touch(sample.p_base_tip).gap, 0.0);
   if (which == CorrectionCase::touched_by_robot && message.pose) {
-    message.tool_retraction = -inside * object.monitor.direction_base();
+    message.tool_retraction = -inside * object.monitor().direction_base();
   }
   if (options_.correction_switch.keeps_off && which == CorrectionCase::phases_differ &&
-      has_parameters && object.is_pushed() && !object.corrections_off_since) {
-    message.tool_retraction = -(inside + kOffDistance) * object.monitor.direction_base();
-    object.corrections_off_since = sample.t;
+      has_parameters && object.pose().is_pushed() && !object.corrections().off_since()) {
+    message.tool_retraction = -(inside + kOffDistance) * object.monitor().direction_base();
+    object.corrections().keep_off(sample.t);
   }
-  message.sequence = ++object.sequence;
-  object.in_flight = RobotObject::InFlight{message.sequence, message.parameters};
-  object.correction_switch.note_sent(which, now_, message.sequence);
+  object.corrections().number(message, now_);
   outgoing_.push_back(std::move(message));
 }
 

@@ -227,7 +227,7 @@ void note_unseen(const TeleopInput& input, const TeleopOptions& options, const R
                           " was never tracked: its pose is that of the scene, updated "
                           "by contact only");
     }
-    if (robot.objects()[i].monitor.changes().size() == 1) {
+    if (robot.objects()[i].monitor().changes().size() == 1) {
       run.notes.push_back(object.name +
                           " was never touched: none of its parameters could be identified");
     }
@@ -238,9 +238,9 @@ void finish(const TeleopInput& input, const TeleopOptions& options, const RobotS
             const OperatorSite& site, const std::vector<Changes>& predicted, TeleopRun& run) {
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     const std::vector<PhaseRow> rows =
-        phase_rows(i, merged(robot.objects()[i].monitor.changes()), merged(predicted[i]));
+        phase_rows(i, merged(robot.objects()[i].monitor().changes()), merged(predicted[i]));
     run.phases.insert(run.phases.end(), rows.begin(), rows.end());
-    run.parameters.push_back(robot.objects()[i].knowledge.known());
+    run.parameters.push_back(robot.objects()[i].knowledge().parameters());
     note_held(input.objects[i], site.held(i), run);
   }
   std::stable_sort(run.phases.begin(), run.phases.end(),

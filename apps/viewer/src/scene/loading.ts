@@ -107,11 +107,16 @@ export class SceneLoader {
 
   /// The texture that all levels share, fetched once.
   private scanTexture(): Promise<Texture> {
-    this.texture ??= fetchTexture(texturePath, (bytes) => {
-      this.total += bytes;
-      this.advance(bytes, 'texture');
-    });
+    this.texture ??= this.countedTexture(texturePath, 'texture');
     return this.texture;
+  }
+
+  /// Its size is not known beforehand.
+  private countedTexture(path: string, what: string): Promise<Texture> {
+    return fetchTexture(path, (bytes) => {
+      this.total += bytes;
+      this.advance(bytes, what);
+    });
   }
 
   private replaceScan(layer: 'mesh' | 'unseen', parts: GlbPart[], maps: (Texture | null)[]): void {
@@ -142,9 +147,13 @@ export class SceneLoader {
   }
 
   private async loadBody(body: SceneView['bodies'][number]): Promise<void> {
-    const { path, name } = body.object;
+    const { path, name, texture } = body.object;
     await this.attempt(path, async () => {
-      body.addParts(await readGlb(await fetchBytes(path, (bytes) => this.advance(bytes, name))));
+      const onProgress = (bytes: number) => this.advance(bytes, name);
+      const parts = await readGlb(await fetchBytes(path, onProgress));
+      const hasMap = texture !== null && parts.some(({ hasTexture }) => hasTexture);
+      const map = hasMap ? await this.countedTexture(texture, name) : null;
+      body.addParts(parts, map);
       ++this.objectsLoaded;
     });
   }

@@ -5,7 +5,7 @@ import { fetchBytes } from './scene_model';
 
 const anisotropy = 4; // a table is seen at a flat angle
 
-/// Fetches a scan's texture and decodes it off the main thread. Throws an Error like fetchBytes.
+/// Fetches a scan's or a body's texture and decodes it off the main thread. Throws an Error like fetchBytes.
 export async function fetchTexture(
   url: string,
   onProgress: (bytes: number) => void,

@@ -14,6 +14,7 @@ export interface SceneObject {
   name: string;
   path: string;
   bytes: number;
+  texture: string | null; // path of its image; null: it is painted in one colour
   position: Vector;
   quaternion: Quaternion;
   mass: number | null; // [kg]

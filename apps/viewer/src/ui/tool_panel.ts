@@ -7,6 +7,7 @@ import { Command, type LiveState } from '../protocol';
 import { CallToAction } from './call_to_action';
 import { byId, setPressed, setText } from './dom';
 import { moveTo, project } from './labels';
+import { SessionRecording } from './session_recording';
 import { ToolRequest } from './tool_request';
 
 /// The tool's buttons, its drag handle (the ring), and the handle for its height.
@@ -21,6 +22,7 @@ export class ToolPanel {
   private readonly clutch = byId('clutch', HTMLButtonElement);
   private readonly callToAction: CallToAction;
   private readonly request: ToolRequest;
+  private readonly recording: SessionRecording;
 
   constructor(
     private readonly app: App,
@@ -32,6 +34,7 @@ export class ToolPanel {
     this.section.hidden = false;
     this.callToAction = new CallToAction(app.view.bodies.some((body) => body.object.movable));
     this.request = new ToolRequest(session, () => tool.disengage());
+    this.recording = new SessionRecording(session);
     this.take.addEventListener('click', () => {
       // A request stays until it is withdrawn.
       session.command(session.latest()?.hasAsked ? Command.release : Command.take);
@@ -78,6 +81,7 @@ export class ToolPanel {
     setText(this.take, takeText(state, isTakenByOther));
     this.take.disabled = !state || state.hasTool;
     this.request.update(state);
+    this.recording.update(state, this.app.session.welcome?.can_record ?? false);
     this.release.disabled = !state?.hasTool;
     this.hold.disabled = !state;
     this.undo.hidden = !state?.canUndoReset || isTakenByOther;

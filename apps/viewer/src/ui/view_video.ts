@@ -50,7 +50,7 @@ export class ViewVideo {
     );
     recorder.addEventListener('stop', () => {
       for (const track of stream.getTracks()) track.stop();
-      if (this.recorder === recorder) this.stop(); // it has ended by itself
+      if (this.recorder === recorder) this.stop(); // the browser has ended it
       const video = new Blob(parts, { type: kind.type });
       if (video.size > 0) this.save(video, kind);
     });

@@ -14,6 +14,13 @@ namespace pcavr {
 [[nodiscard]] TriangleMesh simplified(const TriangleMesh& mesh, std::size_t target_triangles,
                                       double max_error);
 
+/// The same for meshes that are too large for it: 150 bytes a triangle. It is done in cubes of
+/// `part_edge` [m], whose common vertices stay, down to four times the target, then in one: each by
+/// half of the error. A closed mesh stays closed. Deterministic.
+[[nodiscard]] TriangleMesh simplified_in_parts(const TriangleMesh& mesh,
+                                               std::size_t target_triangles, double max_error,
+                                               double part_edge);
+
 /// Removes the vertices that no triangle references and reindexes the rest in their order.
 void remove_unused_vertices(TriangleMesh& mesh);
 

@@ -20,6 +20,7 @@ struct TagPlacement {
   MarkerId id;
   double size = 0.0;  ///< [m]
   Pose T_body_marker;
+  Matrix6d covariance = Matrix6d::Zero();  ///< MarkerEntry::covariance: of T_body_marker * exp()
 };
 
 /// The placements of the manifest's base markers, or of one object's.
@@ -81,7 +82,8 @@ struct BodyPoseOptions {
 /// The pose of a rigid body from all of its tags at once (a tag bundle). Both planar solutions
 /// [Collins & Bartoli 2014 (IPPE)] of each tag are initial guesses; each is refined by robust
 /// Gauss-Newton on all inlier corners and on the depth inside the tags, and the one with the lowest
-/// cost over tags, depth and continuity is selected. Thread-safe.
+/// cost over tags, depth and continuity is selected. Tags count the less, the larger the covariance
+/// of their placement is, which is so contained in the pose's. Thread-safe.
 [[nodiscard]] BodyPose solve_body_pose(const std::vector<TagPlacement>& placements,
                                        const std::vector<TagDetection>& detections,
                                        const CameraModel& camera, const BodyPoseHints& hints = {},

@@ -4,12 +4,14 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 
 #include "pcavr/base/geometry/camera.hpp"
 #include "pcavr/base/geometry/depth_noise.hpp"
 #include "pcavr/base/geometry/image.hpp"
 #include "pcavr/base/geometry/mesh.hpp"
 #include "pcavr/base/geometry/pose.hpp"
+#include "pcavr/perception/reconstruction/surface_tiles.hpp"
 
 namespace pcavr {
 
@@ -20,8 +22,10 @@ namespace pcavr {
 /// thread-safe.
 class MeasuredCloud {
  public:
-  /// `voxel_size` in metres, > 0.
-  MeasuredCloud(double voxel_size, const DepthNoise& noise);
+  /// `voxel_size` in metres, > 0. With a `part`, only points in its blocks of 8^3 voxels and those
+  /// next to it are kept.
+  MeasuredCloud(double voxel_size, const DepthNoise& noise,
+                const std::optional<BlockBox>& part = {});
   ~MeasuredCloud();
   MeasuredCloud(MeasuredCloud&&) noexcept;
 
@@ -30,6 +34,8 @@ class MeasuredCloud {
   /// axis, or farther than a million voxels from base, are left out.
   void add(const DepthImage& depth, const ColorImage& color, const MaskImage& is_dynamic,
            const CameraModel& camera, const Pose& T_base_camera);
+  /// Counts a frame that sees nothing of the part, in the place of add().
+  void add_unseen();
 
   /// The points of the voxels that at least `min_frames` frames measured, in the order in which
   /// they were seen first: with normals, and with colours where frames had them. Where noise
@@ -44,6 +50,9 @@ class MeasuredCloud {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// The points in the blocks of a box.
+[[nodiscard]] PointCloud points_in(const PointCloud& cloud, const BlockBox& box, double voxel_size);
 
 /// The points within `max_distance` [m] of one of the mesh's vertices, along each axis, and some up
 /// to twice as far: vertices are looked up in a grid of that spacing. Things that space carving

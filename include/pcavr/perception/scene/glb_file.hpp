@@ -32,15 +32,14 @@ inline constexpr char kStaticMeshNode[] = "static_mesh";
 /// Parts of the support planes that no view saw: for display only.
 inline constexpr char kUnseenSupportNode[] = "unseen_support";
 
-/// The mesh of a node of such a file as a separate file, in base: without the other nodes and the
-/// rotation to y-up. Empty where the file has no such node. The meshes in the binary chunk are
-/// unchanged.
+/// The mesh of a node of such a file as a separate file, in its own axes: without the other nodes
+/// and the rotation to y-up. Empty where the file has no such node.
 struct NodeGlb {
   std::string bytes;
   std::size_t triangles = 0;
-  std::string texture;  ///< a JPEG file; empty where the file has none
+  std::string texture;  ///< a JPEG file; empty where the mesh has none
 };
-/// All levels of a scene have the same texture: it is separated, and named `texture_uri` in
+/// The texture is separated, as all levels of a scene have the same one, and named `texture_uri` in
 /// `bytes`.
 [[nodiscard]] Expected<NodeGlb> read_node_glb(const std::filesystem::path& file,
                                               const std::string& node,

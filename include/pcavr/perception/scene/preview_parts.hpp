@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,10 @@ namespace pcavr {
 void draw_background(Canvas& canvas);
 
 /// Eye-dome lighting [Boucheny 2009]: darkens pixels behind a nearer neighbour; and draws an
-/// outline around each object whose id is at least `first_outlined`.
-void draw_contours(Canvas& canvas, std::uint8_t first_outlined);
+/// outline around each object whose id is at least `first_outlined`: of its colour in `colors`,
+/// which begin with that id, or a dark one.
+void draw_contours(Canvas& canvas, std::uint8_t first_outlined,
+                   const std::vector<std::optional<Rgb8>>& colors = {});
 
 /// A text underlined with `color`, above a point of the image.
 void draw_label(ColorImage& picture, const Eigen::Vector2d& at, const std::string& text,

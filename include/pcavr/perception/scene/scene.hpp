@@ -35,7 +35,21 @@ inline constexpr char kNotSeen[] = "not_seen";
 /// only.
 inline constexpr char kByManifest[] = "manifest";
 
-/// A movable CAD body in the scene.
+/// A CAD body's texture, from the recorded images.
+struct BodyTexture {
+  std::string jpeg;  ///< the image's file
+  /// The body for display, in its frame: with normals, and vertices that are split where charts
+  /// meet.
+  TriangleMesh mesh_object;
+  std::vector<Eigen::Vector2f> coordinates;  ///< by its vertices, as in SceneTexture
+  int width = 0;                             ///< [px]
+  int height = 0;                            ///< [px]
+  double texel = 0.0;          ///< root mean square edge of a texel on the surface [m]
+  std::size_t views = 0;       ///< images that it was made from
+  double seen_fraction = 0.0;  ///< of the texels: with colours from an image
+};
+
+/// A CAD body in the scene.
 struct SceneObject {
   CadModel model;
   Pose T_base_object;  ///< at the end of the recording
@@ -50,6 +64,7 @@ struct SceneObject {
   bool is_movable = true;
   /// [N/m^1.5] of the contact with the tool, by both materials; empty: they are not known.
   std::optional<double> hertz_stiffness = {};
+  std::optional<BodyTexture> texture = {};  ///< nullopt: no image shows it, or none is wanted
 };
 
 /// An arm that stands in the scene.
@@ -62,6 +77,7 @@ struct SceneRobot {
   struct Link {
     std::string name;
     TriangleMesh mesh_link;  ///< in the link's frame, not empty
+    Pose T_base_link = {};   ///< with the joints at `position`; base is the scene's
   };
   std::vector<Link> links;  ///< those with a surface
 };

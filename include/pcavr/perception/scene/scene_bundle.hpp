@@ -24,6 +24,15 @@ namespace pcavr {
 [[nodiscard]] Expected<void> write_scene(const Scene& scene, const std::filesystem::path& folder,
                                          Parallelism parallelism);
 
+/// The texture of an object in `scene.glb`; the fields are those of BodyTexture.
+struct BodyTextureEntry {
+  int width = 0;       ///< [px]
+  int height = 0;      ///< [px]
+  double texel = 0.0;  ///< [m]
+  std::size_t views = 0;
+  double seen_fraction = 0.0;
+};
+
 /// An object's entry in `scene.yaml`; the fields are those of SceneObject.
 struct SceneObjectEntry {
   std::string name;
@@ -46,6 +55,7 @@ struct SceneObjectEntry {
     Eigen::Vector3d centre_of_mass_object = Eigen::Vector3d::Zero();  ///< [m]
   };
   std::optional<Simplified> simplified = {};
+  std::optional<BodyTextureEntry> texture = {};  ///< nullopt: none, or of an older version
 };
 
 /// An object of the recording that the scene does not contain, because no frame showed where it is.

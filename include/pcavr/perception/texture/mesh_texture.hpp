@@ -37,6 +37,13 @@ struct ColorRegistration {
   bool is_estimated = false;
 };
 
+/// What a view's colours are multiplied with, and what is added, so that they agree with the
+/// others'.
+struct ViewExposure {
+  Eigen::Vector3f gain = Eigen::Vector3f::Ones();    ///< by channel
+  Eigen::Vector3f offset = Eigen::Vector3f::Zero();  ///< by channel, of 255
+};
+
 /// Coordinates by vertex in the unit square, with the origin at the texture's upper left corner (as
 /// in glTF).
 using TextureCoordinates = std::vector<Eigen::Vector2f>;
@@ -46,6 +53,7 @@ struct MeshTexture {
   ColorImage image;                             ///< sRGB
   std::vector<TextureCoordinates> coordinates;  ///< by level
   ColorRegistration registration;
+  std::vector<ViewExposure> exposures;  ///< by view; empty where nothing was painted
   std::size_t views = 0;
   double texel = 0.0;          ///< root mean square edge of a texel [m]
   double seen_fraction = 0.0;  ///< of these, with colours from an image
@@ -65,5 +73,21 @@ struct MeshTexture {
                                         const CameraModel& color_camera,
                                         const DepthNoise& depth_noise,
                                         const TextureOptions& options, Parallelism parallelism);
+
+/// A view of a body that may move, and the body's pose in it.
+struct BodyView {
+  std::size_t view = 0;  ///< index of the TextureView
+  Pose T_body_camera;    ///< of the depth camera
+};
+
+/// Paints the texture of a rigid body, from the views that show it at a known pose, with the
+/// registration and the exposures of the static mesh's texture (`scene`). The mesh is in the body's
+/// frame, with normals; vertices between two charts are duplicated. Where no view sees the body it
+/// has the colours of the mesh's vertices. The atlas is at most `max_edge` [px] wide and high.
+/// Empty, with the mesh unchanged, as paint_texture. Bitwise identical for any Parallelism.
+[[nodiscard]] MeshTexture paint_body(TriangleMesh& mesh_body, const std::vector<TextureView>& views,
+                                     const std::vector<BodyView>& seen_in, const MeshTexture& scene,
+                                     int max_edge, const DepthNoise& depth_noise,
+                                     const TextureOptions& options, Parallelism parallelism);
 
 }  // namespace pcavr

@@ -18,6 +18,7 @@ struct TextureOptions {
   double view_interval;     ///< [s]
   int atlas_width;          ///< [px]
   int atlas_height;         ///< [px]
+  int bodies_edge;          ///< [px]
   double texels_per_pixel;
   double best_view_exponent;
   double mask_distance;  ///< [px]

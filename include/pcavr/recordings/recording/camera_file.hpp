@@ -5,12 +5,16 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "pcavr/base/core/expected.hpp"
 #include "pcavr/base/geometry/camera.hpp"
 #include "pcavr/base/geometry/depth_noise.hpp"
 
 namespace pcavr {
+
+/// The name of a lens model, the value of the key `model` in recording.yaml and camera files.
+[[nodiscard]] std::string_view name_of(LensModel model);
 
 /// The content of a camera file.
 struct CameraFile {

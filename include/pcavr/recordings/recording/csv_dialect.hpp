@@ -30,6 +30,15 @@ struct CsvColumn {
 };
 [[nodiscard]] CsvColumn parse_column(std::string_view text);
 
+/// A column of a header that was searched by its name.
+struct FoundColumn {
+  std::size_t column = 0;
+  std::string unit;  ///< as CsvColumn has it
+};
+/// The first column of one of these names, the earlier name first; nullopt where there is none.
+[[nodiscard]] std::optional<FoundColumn> find_column(const std::vector<std::string>& header,
+                                                     const std::vector<std::string>& names);
+
 /// Decimal units of time; the value is the exponent of ten in a second.
 enum class TimeUnit { seconds = 0, milliseconds = 3, microseconds = 6, nanoseconds = 9 };
 

@@ -33,6 +33,9 @@ struct MarkerEntry {
   MarkerRole role = MarkerRole::base;
   std::string object;      ///< name of its object; empty for a base marker
   Pose T_parent_marker{};  ///< in base or in its object, by role
+  /// Of the twist [v; w] of T_parent_marker * exp([v; w]) where a calibration found it; 0 where the
+  /// manifest states the pose, of which no more is known.
+  Matrix6d covariance = Matrix6d::Zero();
 };
 
 /// An elastic material, for the contact's first stiffness [Hertz 1882].
@@ -49,6 +52,8 @@ struct ObjectEntry {
   std::optional<double> mass = {};  ///< [kg]
   bool is_movable = true;
   std::optional<Pose> T_base_object = {};  ///< initial pose, if the manifest states it
+  /// Of the mesh in the frame that a tracker calls the object's, as `tracked/` has it.
+  Pose T_tracked_object = {};
   std::optional<MaterialEntry> material = {};
 };
 
@@ -62,12 +67,15 @@ struct RobotEntry {
 /// The content of `recording.yaml` (`pcavr-recording/1`).
 struct Manifest {
   std::optional<CameraModel> camera = {};
-  double depth_scale = 0.0;  ///< depth image units in one metre; > 0 where there is a camera
+  double depth_scale = 0.0;   ///< depth image units in one metre; > 0 where there is a camera
+  double depth_offset = 0.0;  ///< [m] to add to the depth, where there is any
   std::vector<MarkerEntry> markers = {};
   std::vector<ObjectEntry> objects = {};
   std::optional<double> tool_radius = {};           ///< [m]
   std::optional<MaterialEntry> tool_material = {};  ///< without a radius, which is tool_radius
   std::optional<RobotEntry> robot = {};
+  /// [rad] Of the force's direction in wrench.csv, where a calibration of the sensor states it.
+  std::optional<double> force_direction_std = {};
 };
 
 /// Reads and checks the text of a manifest; `file` names it in errors. Unknown keys, wrong types,

@@ -50,6 +50,7 @@ class YamlValue {
   [[nodiscard]] std::vector<double> numbers(std::size_t count) const;
   /// Each of them in the range.
   [[nodiscard]] std::vector<double> numbers_in(std::size_t count, const InputRange& range) const;
+  [[nodiscard]] bool is_list() const;
   [[nodiscard]] std::vector<YamlValue> items() const;
 
   /// The entries of a map in the file's order, for keys that are names chosen by the user. Fails on

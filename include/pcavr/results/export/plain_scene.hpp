@@ -10,8 +10,8 @@
 
 namespace pcavr {
 
-/// Formats of geometry alone: one file each, without masses and friction.
-enum class PlainFormat { gltf, ply, obj, stl, pcd };
+/// Formats of geometry alone, without masses and friction.
+enum class PlainFormat { gltf, ply, obj, stl, pcd, tiles };
 
 /// What was written: the file's name and how many triangles, or for pcd points, are in it.
 struct PlainScene {
@@ -21,9 +21,9 @@ struct PlainScene {
 
 /// Writes the scan and the bodies at their recorded poses, in base [m], not reduced: scene.glb
 /// (with the scan's texture; y up), scene.ply (one mesh with colours), scene.obj (an object each,
-/// with colours), scene.stl; scene.pcd has the scan's points alone. Errors: a file of the scene
-/// that can't be read, a scene without geometry, a file that can't be written. Thread-safe for
-/// different folders.
+/// with colours), scene.stl; scene.pcd has the scan's points alone. `tiles` are 3D Tiles, which
+/// viewers load by parts: tileset.json and tiles/. Errors: a file of the scene that can't be read,
+/// a scene without geometry, a file that can't be written. Thread-safe for different folders.
 [[nodiscard]] Expected<PlainScene> write_plain_scene(const SceneManifest& scene, PlainFormat format,
                                                      const std::filesystem::path& folder);
 

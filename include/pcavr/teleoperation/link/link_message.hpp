@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,6 +15,7 @@
 #include <Eigen/Geometry>
 
 #include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/geometry/lens.hpp"
 #include "pcavr/physics/prediction/predicted_world.hpp"
 #include "pcavr/teleoperation/link/tip_response.hpp"
 
@@ -22,7 +24,7 @@ namespace pcavr {
 /// Messages between the operator's and the robot's site: `pcavr-link/5`; docs/link.md specifies
 /// each byte. Base frame, SI; "shared clock" is the clock of the robot's site, see LinkClock. Pure
 /// functions: any thread.
-inline constexpr int kLinkVersion = 5;
+inline constexpr int kLinkVersion = 6;
 /// Maximum length of a message, its header included; of a picture kMaxLinkPictureBytes.
 inline constexpr std::size_t kMaxLinkMessageBytes = 64 * 1024;
 inline constexpr std::size_t kMaxLinkPictureBytes = 1024 * 1024;
@@ -150,12 +152,25 @@ enum class LinkStop : std::uint32_t {
   reset = 4,           ///< of the emergency stop; the site stays on hold
 };
 
+/// The camera of a picture, as CameraModel has it.
+struct LinkPictureCamera {
+  float fx = 0.0F;  ///< [px] of the picture, > 0
+  float fy = 0.0F;
+  float cx = 0.0F;
+  float cy = 0.0F;
+  LensModel lens = LensModel::plumb_bob;
+  std::array<float, 8> coefficients = {};  ///< the model's first; the rest is 0
+
+  friend bool operator==(const LinkPictureCamera&, const LinkPictureCamera&) = default;
+};
+
 /// A picture by the robot's camera. A lost one is not sent again: the next is newer.
 struct LinkPicture {
   double t = 0.0;  ///< [s] shared clock
   std::uint16_t width = 0;
   std::uint16_t height = 0;
   std::vector<std::uint8_t> jpeg = {};
+  std::optional<LinkPictureCamera> camera = {};  ///< nullopt: the robot's site does not know it
 };
 
 /// A picture has arrived.

@@ -29,6 +29,14 @@ struct Ros2Object {
   double position_std = 0.001;  ///< [m]
 };
 
+/// Topics that a site publishes what is predicted on, besides /tf.
+struct Ros2Publication {
+  DdsOptions dds = {};
+  std::string base_frame = "base_link";
+  std::string prefix = "/pcavr";  ///< of the topics: a name with leading slash
+  double rate = 50.0;             ///< [Hz]
+};
+
 /// Topics that `pcavr robot-site --ros2 FILE` subscribes and publishes; docs/ros2.md describes the
 /// file.
 struct Ros2Setup {
@@ -55,6 +63,7 @@ struct Ros2Setup {
   double max_command_rotation = 0.5;   ///< [rad/s] of the tool, where it follows the commands'
   double command_rate = 500.0;         ///< [Hz]
   double max_command_distance = 0.05;  ///< [m] from the measured tip: a farther one is withheld
+  std::optional<Ros2Publication> publication = {};  ///< nothing: not published
 };
 
 /// A subscription of a setup, and its purpose.
@@ -75,5 +84,7 @@ struct Ros2Subscription {
 [[nodiscard]] Expected<Ros2Setup> parse_ros2_setup(const std::string& text,
                                                    const std::filesystem::path& file);
 [[nodiscard]] Expected<Ros2Setup> read_ros2_setup(const std::filesystem::path& file);
+/// Of such a file, or of one without a robot's topics, what a site publishes; an Error if nothing.
+[[nodiscard]] Expected<Ros2Publication> read_ros2_publication(const std::filesystem::path& file);
 
 }  // namespace pcavr

@@ -26,6 +26,7 @@ namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
 class BlackBox;        // sites/black_box.hpp
+class PredictionSink;  // sites/prediction_sink.hpp
 
 /// The main loops of `pcavr robot-site` and `pcavr operator-site`. Each runs on the caller's thread
 /// until its end, a lasting fault, or `stop`.
@@ -73,12 +74,10 @@ struct RobotSiteReport {
   std::vector<std::string> notes;
 };
 
-[[nodiscard]] Expected<RobotSiteReport> run_robot_site(LinkServer& server, RobotInterface& robot,
-                                                       LiveRobotSite& site, const SiteScene& scene,
-                                                       const RobotSiteOptions& options,
-                                                       const Observer& observer,
-                                                       const std::atomic<bool>& stop,
-                                                       BlackBox* black_box = nullptr);
+[[nodiscard]] Expected<RobotSiteReport> run_robot_site(
+    LinkServer& server, RobotInterface& robot, LiveRobotSite& site, const SiteScene& scene,
+    const RobotSiteOptions& options, const Observer& observer, const std::atomic<bool>& stop,
+    BlackBox* black_box = nullptr, PredictionSink* predictions = nullptr);
 
 struct OperatorSiteOptions {
   OperatorSiteOptions();
@@ -130,6 +129,6 @@ struct OperatorSiteReport {
     LinkClient& client, OperatorInterface& interface, const TeleopInput& world,
     const TeleopOptions& teleop, const SiteScene& scene, const OperatorSiteOptions& options,
     const SimulatedNetwork& network, const Observer& observer, const std::atomic<bool>& stop,
-    BlackBox* black_box = nullptr);
+    BlackBox* black_box = nullptr, PredictionSink* predictions = nullptr);
 
 }  // namespace pcavr

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "pcavr/base/core/expected.hpp"
+#include "pcavr/base/geometry/camera.hpp"
 #include "pcavr/base/geometry/image.hpp"
 
 namespace pcavr {
@@ -12,6 +13,7 @@ namespace pcavr {
 struct CameraPicture {
   double t = 0.0;  ///< [s] of the scene
   ColorImage image;
+  std::optional<CameraModel> camera = {};  ///< of the image; nullopt: not known
 };
 
 /// The camera of a robot, for the eyes of its operator. Called from one thread of the robot's site,

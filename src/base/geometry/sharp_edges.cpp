@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "display_mesh.hpp"
+#include "pcavr/base/geometry/sharp_edges.hpp"
 
 #include <algorithm>
 #include <cmath>

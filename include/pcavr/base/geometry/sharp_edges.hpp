@@ -6,8 +6,8 @@
 
 namespace pcavr {
 
-/// The mesh of a CAD body for shading: smooth surfaces with sharp edges (crease angle 30 degrees).
-/// Vertices on a sharp edge are split, each with its own normal.
+/// A mesh for shading: smooth surfaces with sharp edges (crease angle 30 degrees). Vertices on a
+/// sharp edge are split, each with its own unit normal.
 [[nodiscard]] TriangleMesh with_sharp_edges(const TriangleMesh& mesh);
 
 }  // namespace pcavr
