@@ -71,6 +71,21 @@ TEST(LiveChecks, NameATopicThatIsSilentOnce) {
   EXPECT_EQ(rig.run(1.0), "/tool: messages again after 5.0 s\n");
 }
 
+// Where the disk is too slow, the source must not be blamed.
+TEST(LiveChecks, NameDropsAndNoGapWhereTheDiskIsTooSlow) {
+  Rig rig;
+  EXPECT_EQ(rig.run(5.0), "");
+  rig.tool_end = rig.t;
+  std::string lines;
+  for (std::uint64_t i = 1; i <= 50; ++i) {
+    rig.checks().on_dropped(kToolIndex, rig.t, 10 * i);
+    lines += rig.run(0.1);
+  }
+  rig.tool_end = 1e9;
+  lines += rig.run(5.0);
+  EXPECT_EQ(lines, "/tool: 10 messages dropped: the disk is too slow\n");
+}
+
 TEST(LiveChecks, NameATopicThatNeverCame) {
   Rig rig;
   rig.has_images = false;

@@ -25,6 +25,7 @@ constexpr double kRestMotion = 5e-4;   // [m] of a tool that stands still, by it
 constexpr double kMaxScatter = 0.5;    // [N] of a force on nothing that moves
 constexpr std::size_t kMinForces = 10;
 constexpr std::size_t kMaxForces = 10'000;         // of a peer that floods
+constexpr double kDropTime = 10.0;                 // [s] between two warnings of drops
 constexpr double kTagTime = 5.0;                   // [s] without a tag
 constexpr std::size_t kMaxWaitingWarnings = 1000;  // that nobody has taken
 
@@ -99,6 +100,15 @@ void LiveChecks::on_wrench(const Topic& topic, double t, const Eigen::Vector3d& 
   warn(topic, fmt::format("{:.2f} N while the tool rests (x {:.2f}, y {:.2f}, z {:.2f}): if it "
                           "touches nothing, set the sensor to zero, or import with --tare",
                           mean.norm(), mean.x(), mean.y(), mean.z()));
+}
+
+void LiveChecks::on_dropped(std::size_t index, double t, std::uint64_t count) {
+  Topic& topic = topics_.at(index);
+  topic.last = t;
+  topic.has_partial_window = true;
+  if (topic.last_dropped && t - *topic.last_dropped < kDropTime) return;
+  topic.last_dropped = t;
+  warn(topic, fmt::format("{} messages dropped: the disk is too slow", count));
 }
 
 void LiveChecks::on_tags(std::size_t index, double t, std::size_t count) {

@@ -29,7 +29,11 @@ class LiveChecks {
   void on_message(std::size_t topic, double t, std::span<const std::uint8_t> payload);
   /// An image of a topic that was searched for the declared tags.
   void on_tags(std::size_t topic, double t, std::size_t count);
-  /// Looks at the time that has passed; call it some times a second.
+  /// Messages of a topic arrived up to `t` [s] and could not be kept: that is neither a gap nor a
+  /// lower rate of the source.
+  void on_dropped(std::size_t topic, double t, std::uint64_t count);
+  /// Looks at the time that has passed; call it some times a second, when all messages that arrived
+  /// up to `t` have been given.
   void on_time(double t);
   /// The warnings since the last call, one line each.
   [[nodiscard]] std::vector<std::string> take_warnings();
@@ -45,8 +49,9 @@ class LiveChecks {
     std::uint64_t window_messages = 0;  ///< in the current window
     bool is_silent = false;             ///< stated
     bool has_partial_window = false;    ///< it was silent at the window's begin
-    bool is_slow = false;               ///< stated
-    bool is_undecodable = false;        ///< stated
+    std::optional<double> last_dropped = {};  ///< [s] of the last warning
+    bool is_slow = false;                     ///< stated
+    bool is_undecodable = false;              ///< stated
     std::optional<double> last_tags = {};  ///< [s] when tags were seen; first: when it was searched
     bool is_without_tags = false;          ///< stated
   };

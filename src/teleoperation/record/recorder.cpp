@@ -115,8 +115,9 @@ struct Recorder::Content {
   std::unique_ptr<TagWatch> tags;
   std::map<std::size_t, double> next_tags;  ///< [s] by topic: when it is searched next
   std::map<std::string, std::uint64_t> written_counts;
-  double next_counts = kCountsInterval;  ///< [s]
-  double next_checks = 0.0;              ///< [s]
+  double next_counts = kCountsInterval;      ///< [s]
+  std::vector<std::uint64_t> checked_drops;  ///< by topic
+  double next_checks = 0.0;                  ///< [s]
   std::vector<std::uint8_t> record;
   std::optional<Error> error;  ///< read by others after it has ended
 
@@ -161,6 +162,7 @@ Expected<void> Recorder::Content::prepare() {
     }
   }
   checks.emplace(topics, 0.0);
+  checked_drops.resize(topics.size());
   if (!inputs.tags.empty()) {
     Expected<std::unique_ptr<TagWatch>> watch = TagWatch::create(inputs.tags);
     if (!watch) return watch.error();
@@ -245,9 +247,11 @@ void Recorder::Content::write_file() {
   const Expected<bool> done = caught([&] {
     for (bool is_last = false; !error;) {
       is_last = is_stopped;  // before the queues are emptied: what came until then is written
+      // What arrived up to now is checked once all of it is written: a slow disk is no gap.
+      const double now = elapsed();
       const bool has_more = write_waiting();
       if (!error) note(file.flush_if_due());
-      check(elapsed());
+      if (!has_more) check(now);
       bytes = file.bytes_written();
       if (has_more) continue;
       if (is_last) break;
@@ -301,6 +305,12 @@ void Recorder::Content::check(double now) {
   next_checks = now + kChecksInterval;
   if (tags) {
     if (const auto sight = tags->take()) checks->on_tags(sight->topic, now, sight->tags);
+  }
+  for (std::size_t i = 0; i < topics.size(); ++i) {
+    const std::uint64_t dropped = counts[i].dropped;
+    if (dropped == checked_drops[i]) continue;
+    checked_drops[i] = dropped;
+    checks->on_dropped(i, now, dropped);
   }
   checks->on_time(now);
   for (std::string& line : checks->take_warnings()) warn(std::move(line));
