@@ -29,7 +29,7 @@ struct Ros2Object {
 
 /// Topics that a site publishes what is predicted on, besides /tf.
 struct Ros2Publication {
-  DdsOptions dds;
+  DdsOptions dds = {};
   std::string base_frame = "base_link";
   std::string prefix = "/pcavr";  ///< of the topics: a name with leading slash
   double rate = 50.0;             ///< [Hz]
