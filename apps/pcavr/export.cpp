@@ -64,27 +64,10 @@ constexpr std::array kWriters{Writer{"mjcf", &write_mjcf}, Writer{"urdf", &write
                               Writer{"sdf", &write_sdf}, Writer{"usd", &write_usd},
                               Writer{kPlanningFormat, &write_moveit}};
 
-/// Formats of geometry alone.
-struct PlainName {
-  const char* format;
-  PlainFormat value;
-};
-constexpr std::array kPlainNames{
-    PlainName{"gltf", PlainFormat::gltf}, PlainName{"ply", PlainFormat::ply},
-    PlainName{"obj", PlainFormat::obj},   PlainName{"stl", PlainFormat::stl},
-    PlainName{"pcd", PlainFormat::pcd},   PlainName{"3dtiles", PlainFormat::tiles}};
-
-std::optional<PlainFormat> plain_format_of(const std::string& name) {
-  for (const PlainName& plain : kPlainNames) {
-    if (name == plain.format) return plain.value;
-  }
-  return std::nullopt;
-}
-
 std::vector<std::string> format_names() {
   std::vector<std::string> names;
   for (const Writer& writer : kWriters) names.emplace_back(writer.format);
-  for (const PlainName& plain : kPlainNames) names.emplace_back(plain.format);
+  for (const auto& [name, format] : kPlainFormats) names.emplace_back(name);
   names.emplace_back(kLerobotFormat);
   return names;
 }

@@ -36,20 +36,6 @@ struct ExportFormat {
 constexpr std::array kFormats{ExportFormat{"mjcf", &write_mjcf}, ExportFormat{"urdf", &write_urdf},
                               ExportFormat{"sdf", &write_sdf}, ExportFormat{"usd", &write_usd},
                               ExportFormat{"moveit", &write_moveit}};
-/// Geometry alone.
-constexpr std::array<std::pair<const char*, PlainFormat>, 5> kPlainFormats{
-    {{"gltf", PlainFormat::gltf},
-     {"ply", PlainFormat::ply},
-     {"obj", PlainFormat::obj},
-     {"stl", PlainFormat::stl},
-     {"pcd", PlainFormat::pcd}}};
-
-std::optional<PlainFormat> plain_format_of(const std::string& name) {
-  for (const auto& [known, format] : kPlainFormats) {
-    if (name == known) return format;
-  }
-  return std::nullopt;
-}
 
 const ExportFormat& format_of(const std::string& name) {
   const auto found = std::find_if(kFormats.begin(), kFormats.end(),
@@ -57,7 +43,7 @@ const ExportFormat& format_of(const std::string& name) {
   if (found == kFormats.end()) {
     raise_error({.message = "'" + name + "' is not a format",
                  .place = "format",
-                 .hint = "give mjcf, urdf, sdf, usd, moveit, gltf, ply, obj, stl or pcd"});
+                 .hint = "give mjcf, urdf, sdf, usd, moveit, gltf, ply, obj, stl, pcd or 3dtiles"});
   }
   return *found;
 }
@@ -165,7 +151,7 @@ constexpr char kExportDoc[] =
 scene        folder from build
 output       a new or an empty folder
 format       'mjcf', 'urdf', 'sdf' or 'usd'; 'moveit', a planning scene; geometry alone, without the
-             arguments below: 'gltf', 'ply', 'obj', 'stl', 'pcd'
+             arguments below: 'gltf', 'ply', 'obj', 'stl', 'pcd', '3dtiles'
 parameters   a dict from object to Parameters, or a parameter file
 motion       recording whose tool's motion is written, for MuJoCo with a script that plays it
 speed        [m/s] at which the bodies will slide: the coefficients hold there

@@ -93,7 +93,8 @@ def test_build_identify_replay_evaluate_export(scene, push_folder, tmp_path, com
     assert {"scene.xml", "motion.csv", "run.py"} <= set(files_of(tmp_path / "world"))
 
 
-@pytest.mark.parametrize("format", ["mjcf", "urdf", "sdf", "usd", "moveit", "gltf", "ply", "obj", "stl"])
+@pytest.mark.parametrize("format", ["mjcf", "urdf", "sdf", "usd", "moveit", "gltf", "ply", "obj", "stl",
+                                    "3dtiles"])
 def test_export_has_the_bytes_of_the_command(format, scene, tmp_path, command):
     is_engine = format in ("mjcf", "urdf", "sdf", "usd")
     pcavr.export(scene.folder, tmp_path / "by_python", format, assume=is_engine)

@@ -132,6 +132,13 @@ Expected<PlainScene> write_tiles(const SceneManifest& scene, std::vector<NamedMe
 
 }  // namespace
 
+std::optional<PlainFormat> plain_format_of(std::string_view name) {
+  for (const auto& [known, format] : kPlainFormats) {
+    if (name == known) return format;
+  }
+  return std::nullopt;
+}
+
 Expected<PlainScene> write_plain_scene(const SceneManifest& scene, PlainFormat format,
                                        const std::filesystem::path& folder) {
   if (format == PlainFormat::gltf) return write_gltf(scene, folder);

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "pcavr/base/core/expected.hpp"
 #include "pcavr/perception/scene/scene_bundle.hpp"
@@ -12,6 +16,17 @@ namespace pcavr {
 
 /// Formats of geometry alone, without masses and friction.
 enum class PlainFormat { gltf, ply, obj, stl, pcd, tiles };
+
+/// By their names in `pcavr export --to`.
+inline constexpr std::array<std::pair<std::string_view, PlainFormat>, 6> kPlainFormats{
+    {{"gltf", PlainFormat::gltf},
+     {"ply", PlainFormat::ply},
+     {"obj", PlainFormat::obj},
+     {"stl", PlainFormat::stl},
+     {"pcd", PlainFormat::pcd},
+     {"3dtiles", PlainFormat::tiles}}};
+/// Empty: no plain format has that name.
+[[nodiscard]] std::optional<PlainFormat> plain_format_of(std::string_view name);
 
 /// What was written: the file's name and how many triangles, or for pcd points, are in it.
 struct PlainScene {
