@@ -15,7 +15,7 @@ const limit = { timeout: 120_000 }; // [ms]
 let made;
 let file;
 before(() => {
-  made = makeScene(() => {}, ['--frames-per-second', '4', '--image-size', '320x240']);
+  made = makeScene(() => {}, ['--frames-per-second', '4', '--image-size', '640x480']);
   file = join(made.folder, 'replay.mcap');
   const parameters = ['--parameters', made.parameters];
   run(

@@ -90,6 +90,7 @@ test(
     const browser = await openBrowser();
     try {
       const { page, seen } = await openPage(browser.context, server.url);
+      await page.setViewportSize({ width: 1280, height: 800 }); // wide enough for the panel
       await loaded(page);
       const place = page.locator('#recording-place');
       for (const name of ['recording_001', 'recording_002']) {
