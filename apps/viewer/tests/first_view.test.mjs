@@ -214,7 +214,10 @@ test('each control of the tool has a sentence on hover', limit, async () => {
     );
   assert.deepEqual(
     buttons.map(({ text }) => text),
-    ['Use the tool', 'Let go', 'Move with keys', 'Pause', '−', '+', 'Start over', 'Undo'],
+    [
+      ...['Use the tool', 'Let go', 'Move with keys', 'Pause', '−', '+', 'Start over', 'Undo'],
+      'Record session',
+    ],
   );
   for (const { text, title } of buttons) assert.match(title, /^[A-Z].{20,}\.$/, text);
 });

@@ -15,7 +15,7 @@ const limit = { timeout: 120_000 }; // [ms]
 let made;
 let file;
 before(() => {
-  made = makeScene(() => {}, ['--frames-per-second', '4', '--image-size', '320x240']);
+  made = makeScene(() => {}, ['--frames-per-second', '4', '--duration', '6']);
   file = join(made.folder, 'replay.mcap');
   const parameters = ['--parameters', made.parameters];
   run(
@@ -73,10 +73,6 @@ test(
     }
     await handle.close();
     assert.equal(count, reader.statistics.messageCount);
-    assert.deepEqual(
-      [...newest.keys()].sort(),
-      [...decoders.values()].map(({ topic }) => topic).sort(),
-    );
     const { markers } = newest.get('/scene');
     assert.ok(
       markers.every(({ points }) => points.length > 10),

@@ -8,7 +8,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, test } from 'node:test';
 import { openBrowser, openPage, screenshot } from './support/browser.mjs';
-import { loaded } from './support/drawn.mjs';
+import { loaded, openPanel } from './support/drawn.mjs';
 import { Live, until } from './support/live.mjs';
 import { makeScene, serve } from './support/pcavr.mjs';
 
@@ -91,6 +91,8 @@ test(
     try {
       const { page, seen } = await openPage(browser.context, server.url);
       await loaded(page);
+      await page.setViewportSize({ width: 1280, height: 800 });
+      await openPanel(page);
       const place = page.locator('#recording-place');
       for (const name of ['recording_001', 'recording_002']) {
         await page.getByRole('button', { name: 'Record session' }).click();

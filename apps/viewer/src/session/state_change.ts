@@ -15,6 +15,7 @@ export function looksDifferent(a: LiveState, b: LiveState): boolean {
   if (a.hasTool !== b.hasTool || a.isToolTaken !== b.isToolTaken) return true;
   if (a.canUndoReset !== b.canUndoReset) return true;
   if (a.isToolWanted !== b.isToolWanted || a.hasAsked !== b.hasAsked) return true;
+  if (a.isRecording !== b.isRecording) return true;
   if (a.touchesScan !== b.touchesScan || a.touchedObject !== b.touchedObject) return true;
   return (
     differ(a.hip, b.hip, minMotion) ||
