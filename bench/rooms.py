@@ -10,6 +10,7 @@ Prints the largest distance between the two meshes' vertices, times and peak mem
 """
 import argparse
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -36,6 +37,7 @@ def write_rooms(pcavr, folder, seconds, rate):
     room = folder.parent / "room"
     subprocess.run([pcavr, "simulate", "room", "--seed", "3", "--duration", str(seconds), "--frames-per-second",
                     str(rate), "-o", room, "--force"], check=True, stdout=subprocess.DEVNULL)
+    shutil.rmtree(folder, ignore_errors=True)  # of a run that was broken off
     folder.mkdir(parents=True)
     for name in ("rgb", "depth"):
         (folder / name).symlink_to((room / name).resolve())

@@ -23,7 +23,7 @@ constexpr InputRange kPoseStd{"std of a pose", 1e-6, 1.0, "m, rad",
 constexpr InputRange kTile{
     "edge of a tile", 0.5, 1000.0, "m",
     "from a table, below which borders cost more than they save, to any hall"};
-constexpr InputRange kMemory{"memory", 0.1, 1e6, "GB", "from what any build takes to a petabyte"};
+constexpr InputRange kMemory{"memory", 0.36, 1e6, "GB", "from what any build takes to a petabyte"};
 
 struct BuildArguments {
   std::string recording;

@@ -8,6 +8,7 @@
 
 #include "pcavr/base/core/json_text.hpp"
 #include "pcavr/base/report/number_text.hpp"
+#include "pcavr/perception/board/picture_file.hpp"
 #include "pcavr/pipeline/calibrate_pictures.hpp"
 #include "pcavr/recordings/recording/camera_file.hpp"
 
@@ -124,6 +125,10 @@ Expected<CommandResult> run_picture_rig(const PictureRigArguments& arguments,
       arguments.output, {arguments.robot.path, arguments.pictures, arguments.camera_file,
                          arguments.depth, board_file(*board)});
   if (!outputs) return outputs.error();
+  if (!arguments.depth.empty()) {  // before the long work
+    const auto images = list_pictures(arguments.depth);
+    if (!images) return images.error();
+  }
   const Expected<PairedPictures> paired =
       read_paired_pictures(arguments.robot, arguments.pictures, *board, Parallelism::max());
   if (!paired) return paired.error();

@@ -163,7 +163,8 @@ void add_doctor(CLI::App& app, const Configuration& configuration, Action& actio
                          "or a camera's file: what agrees, what "
                          "disagrees and why, what could not be checked, and what to do next");
   command->footer(
-      "Exit code: 0 if nothing disagrees, 3 if something does, 1 if it could not be read.\n"
+      "Exit code: 0 if nothing disagrees, 3 if something does or a recording can't be read, 1 if "
+      "there is nothing to check.\n"
       "Example:\n  pcavr doctor my_recording\n  pcavr doctor push.bag");
   auto path = std::make_shared<std::string>();
   command

@@ -246,13 +246,6 @@ Expected<CommandResult> export_plain(const ExportArguments& arguments, PlainForm
   return result;
 }
 
-/// A planning scene has neither mass nor friction: nothing is said of them.
-void leave_geometry(ExportedWorld& world) {
-  world.numbers.clear();
-  world.residuals.clear();
-  world.warnings.clear();
-}
-
 Expected<CommandResult> export_world(const ExportArguments& arguments, const SceneManifest& scene,
                                      const std::optional<RobotInput>& robot,
                                      const Configuration& configuration, const Observer& observer,
@@ -260,15 +253,14 @@ Expected<CommandResult> export_world(const ExportArguments& arguments, const Sce
   const Expected<ParameterTable> parameters = table_of(arguments, scene);
   if (!parameters) return parameters.error();
   ExportOptions options;
-  const bool is_planning = arguments.format == kPlanningFormat;
-  options.assumes = arguments.assumes || is_planning;
+  options.assumes = arguments.assumes;
+  options.geometry_only = arguments.format == kPlanningFormat;
   options.speed = arguments.speed;
   options.tool_radius = arguments.tool_radius;
   const Expected<Trajectory> motion = use_motion(arguments, configuration, observer, options);
   if (!motion) return motion.error();
   Expected<ExportedWorld> world = make_exported_world(scene, *parameters, options);
   if (!world) return world.error();
-  if (is_planning) leave_geometry(*world);
   for (const std::string& warning : world->warnings) observer.on_warning(warning);
   const std::filesystem::path& place = folder.path();
   if (auto written = write_world(arguments, *parameters, *motion, robot, place, *world); !written) {

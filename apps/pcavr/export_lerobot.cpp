@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "export_lerobot.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -17,24 +16,12 @@
 namespace pcavr::app {
 namespace {
 
-/// An Error where parameters are given, of none of a recording's objects.
-Expected<void> check_known(const Recording& recording, const ParameterTable& known,
-                           const std::string& file) {
-  const auto is_known = [&](const ObjectEntry& object) { return known.contains(object.name); };
-  if (known.empty() || std::ranges::any_of(recording.manifest.objects, is_known)) return {};
-  return Error{.message = "has parameters of none of the objects in " + recording.folder.string(),
-               .file = file,
-               .hint = "give the parameter file of these objects"};
-}
-
 Expected<LerobotEpisode> read_episode(const LerobotArguments& arguments, std::size_t index,
                                       const ParameterTable& known, Configuration& configuration,
                                       const Observer& observer) {
   const Expected<Recording> recording =
       read_with_warnings(arguments.recordings[index], false, configuration, observer);
   if (!recording) return recording.error();
-  if (const auto fits = check_known(*recording, known, arguments.parameters); !fits)
-    return fits.error();
   IdentificationSources sources{.perception = configuration.perception()};
   if (!arguments.scenes.empty())
     sources.scene = arguments.scenes[arguments.scenes.size() == 1 ? 0 : index];
@@ -96,6 +83,7 @@ Expected<CommandResult> export_lerobot(const LerobotArguments& given, Configurat
     Expected<LerobotEpisode> episode = read_episode(arguments, i, *known, configuration, observer);
     if (!episode) return episode.error();
     episodes.push_back(*std::move(episode));
+    if (episodes.back().rate != episodes.front().rate) break;  // which is an error below
   }
   const Expected<LerobotSummary> written =
       write_lerobot_dataset(episodes, folder->path(), observer);

@@ -370,7 +370,7 @@ Expected<CommandResult> record(const RecordArguments& arguments, const Configura
   follow(**recorder, arguments, observer);
   const Expected<RecordStatus> status = (*recorder)->finish();
   if (!status) return status.error();
-  if (status->messages == 0) {
+  if (status->messages == 0 && missing_of(*status) == 0) {
     std::error_code code;
     fs::remove(arguments.file, code);
     return Error{.message = "no message arrived: nothing is recorded",

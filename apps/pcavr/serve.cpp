@@ -236,7 +236,11 @@ std::unique_ptr<PageRecorder> make_page_recorder(const ServeInputs& inputs,
 /// Ends what a page records, and adds to the result what no page was sent any more.
 void finish(PageRecorder& recorder, CommandResult& result) {
   recorder.finish();
-  while (const auto message = recorder.take_message()) result.summary += message->text + '\n';
+  while (const auto message = recorder.take_message()) {
+    result.summary += message->text + '\n';
+    result.json["recordings"].push_back(message->text);
+    result.is_failure = result.is_failure || message->is_error;
+  }
 }
 
 Expected<CommandResult> run(LiveServer& server, LiveWorld& world, const ServeArguments& arguments,

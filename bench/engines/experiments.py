@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
 """The experiments of the table of engines: what is asked of an engine, and the figure that its rows give."""
+import bisect
 import csv
 import math
 import statistics
@@ -138,7 +139,12 @@ def read_poses(file):
     """(t, x, y, yaw) of a TUM file."""
     rows = [[float(word) for word in line.split()] for line in file.read_text().splitlines()
             if line and line[0] != "#"]
-    return [(row[0], row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows]
+    poses = []
+    for row in rows:
+        yaw = 2.0 * math.atan2(row[6], row[7])
+        last = poses[-1][3] if poses else yaw
+        poses.append((row[0], row[1], row[2], yaw - math.tau * round((yaw - last) / math.tau)))  # without jumps
+    return poses
 
 
 def push_experiment(folder):
@@ -150,7 +156,7 @@ def push_experiment(folder):
 
 def at_time(rows, t):
     """A row of a table whose first column is the time, between the two next to it."""
-    after = next((i for i, row in enumerate(rows) if row[0] > t), len(rows) - 1)
+    after = min(bisect.bisect_right(rows, t, key=lambda row: row[0]), len(rows) - 1)
     a, b = rows[max(0, after - 1)], rows[after]
     s = min(1.0, max(0.0, (t - a[0]) / (b[0] - a[0]))) if b[0] > a[0] else 0.0
     return [x + s * (y - x) for x, y in zip(a, b)]

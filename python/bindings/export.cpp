@@ -83,11 +83,6 @@ Expected<std::vector<std::string>> export_into(const OutputArgument& output,
   if (!motion) return motion.error();
   Expected<ExportedWorld> world = make_exported_world(*scene, *table, options);
   if (!world) return world.error();
-  if (format.write == &write_moveit) {  // which has neither mass nor friction
-    world->numbers.clear();
-    world->residuals.clear();
-    world->warnings.clear();
-  }
   Expected<void> done = format.write(*world, folder->path());
   if (done && !motion->empty()) done = write_motion(*motion, folder->path());
   const bool has_runners = !motion->empty() && format.write == &write_mjcf;
@@ -139,7 +134,7 @@ std::vector<std::string> export_scene(const py::object& scene, const py::object&
         py::none(), [&](const Observer&) { return export_plain(target, *plain, inputs.scene); });
   }
   const ExportFormat& chosen = format_of(format);
-  options.assumes |= chosen.write == &write_moveit;  // which has no friction
+  options.geometry_only = chosen.write == &write_moveit;
   return run_interruptible(py::none(), [&](const Observer&) {
     return export_into(target, chosen, inputs, std::move(options));
   });
@@ -178,9 +173,9 @@ Expected<std::size_t> export_recordings(const OutputArgument& output, const Data
   std::vector<LerobotEpisode> episodes;
   for (std::size_t i = 0; i < inputs.recordings.size(); ++i) {
     observer.on_progress("episodes", i, inputs.recordings.size());
-    const Expected<Recording> recording = read_recording(inputs.recordings[i]);
+    const Expected<Recording> recording =
+        read_with_warnings(inputs.recordings[i], false, Settings(), observer);
     if (!recording) return recording.error();
-    for (const std::string& warning : recording->warnings) observer.on_warning(warning);
     IdentificationSources sources;
     if (!inputs.scenes.empty()) sources.scene = inputs.scenes[inputs.scenes.size() == 1 ? 0 : i];
     Expected<LerobotEpisode> episode = make_lerobot_episode(
@@ -188,6 +183,7 @@ Expected<std::size_t> export_recordings(const OutputArgument& output, const Data
         options, observer);
     if (!episode) return episode.error();
     episodes.push_back(*std::move(episode));
+    if (episodes.back().rate != episodes.front().rate) break;  // which is an error below
   }
   const Expected<LerobotSummary> summary =
       write_lerobot_dataset(episodes, folder->path(), observer);

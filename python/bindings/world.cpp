@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -88,19 +89,28 @@ class World {
     }
   }
 
-  void step(const py::handle& tip) { predictor_.step(tip_of(tip)); }
+  void step(const py::handle& tip) {
+    const Eigen::Vector3d p_base = tip_of(tip);
+    const std::lock_guard lock(mutex_);
+    predictor_.step(p_base);
+  }
   void run(const py::object& tips) {
     const Numbers rows = numbers_of(tips, "tips", {kAnySize, 3});
     const double* numbers = rows.data();
     const py::ssize_t count = rows.shape(0);
     const py::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
     for (py::ssize_t i = 0; i < count; ++i) {
       predictor_.step(Eigen::Vector3d::Map(numbers + 3 * i));
     }
   }
-  [[nodiscard]] double now() const { return predictor_.now(); }
+  [[nodiscard]] double now() const {
+    const std::lock_guard lock(mutex_);
+    return predictor_.now();
+  }
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
   [[nodiscard]] ShownBody shown(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
     return predictor_.shown(index_of(name));
   }
 
@@ -119,6 +129,7 @@ class World {
                                     kStandardGravity, PhysicsDefaults())
                                .physics;
     }
+    const std::lock_guard lock(mutex_);
     return predictor_.correct(correction);
   }
 
@@ -155,6 +166,7 @@ class World {
 
   std::vector<Body> bodies_;
   Predictor predictor_;
+  mutable std::mutex mutex_;  ///< of the predictor: run() works without the GIL
   std::vector<std::string> names_;
 };
 

@@ -375,7 +375,7 @@ TEST_F(ExportCommand, RefusesADataSetOfWhatIsNoRecording) {
   expect_refused(dataset("absent"), "absent");
   ASSERT_TRUE(write_file(path_of("others.yaml"),
                          "format: pcavr-parameters/2\nanother_object:\n  mass: 2.0\n"));
-  expect_refused(dataset("recording", {"--parameters", path_of("others.yaml")}), "others.yaml");
+  expect_refused(dataset("recording", {"--parameters", path_of("others.yaml")}), "another_object");
   EXPECT_EQ(run_pcavr(dataset("recording", {"--fps", "0"})).exit_code, 2);
   EXPECT_EQ(run_pcavr(dataset("recording", {"--assume"})).exit_code, 2);
   EXPECT_EQ(run_pcavr(command("obj", "refused", {"--fps", "30"})).exit_code, 2);

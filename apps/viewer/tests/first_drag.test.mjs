@@ -78,6 +78,14 @@ async function dragWithFinger(page, from, to) {
   await touch('touchEnd');
 }
 
+/// Over before the tool can be at the body.
+async function flickWithMouse(page, from, to) {
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(to.x, to.y, { steps: 2 });
+  await page.mouse.up();
+}
+
 async function assertPushed(world, body, start, what) {
   const moved = () => distance(world.state.objects[body].position, start);
   await until(() => moved() > minPush, `${what}: the body is pushed`, 5000);
@@ -123,7 +131,9 @@ test('the first drag by arrow keys pushes a body', limit, () =>
   }),
 );
 
-for (const { name, size, drag } of ways)
+const waysOfBodies = [...ways, { name: 'flick', size: ways[0].size, drag: flickWithMouse }];
+
+for (const { name, size, drag } of waysOfBodies)
   test(`a body dragged by ${name} goes where the pointer goes`, limit, () =>
     inScene(2, size, async (page, world) => {
       const body = nearest(world.state);

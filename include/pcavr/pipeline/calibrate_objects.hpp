@@ -19,7 +19,7 @@ namespace pcavr {
 
 struct ObjectsInput {
   std::filesystem::path recording;
-  double min_force = 0.0;  ///< [N] from which on the tip touches; 0: by the force at rest
+  double min_force = 0.0;  ///< [N] from which on the tip touches; 0: by the largest force
   bool skip_bad = false;
 };
 

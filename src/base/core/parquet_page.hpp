@@ -31,7 +31,6 @@ struct Shape {
   bool is_text = false;
   bool is_list = false;
   bool is_nullable = false;
-  bool operator==(const Shape&) const = default;
 };
 
 template <typename T>

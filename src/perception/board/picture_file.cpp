@@ -29,13 +29,6 @@ std::optional<int> number_at_end(const fs::path& file) {
   return std::stoi(stem.substr(begin));
 }
 
-bool is_picture(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-}
-
 }  // namespace
 
 Expected<std::vector<NumberedPicture>> list_pictures(const std::string& pictures) {
@@ -50,7 +43,7 @@ Expected<std::vector<NumberedPicture>> list_pictures(const std::string& pictures
   for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
        entry.increment(code)) {
     const fs::path& file = entry->path();
-    if (!is_picture(file) || !file.filename().string().starts_with(start)) continue;
+    if (!is_picture_file(file) || !file.filename().string().starts_with(start)) continue;
     const std::optional<int> number = number_at_end(file);
     if (!number) continue;
     const auto [before, is_new] = files.emplace(*number, file);

@@ -46,7 +46,6 @@ void emit_pose_values(YAML::Emitter& out, const char* key, double translation, d
   out << YAML::EndMap;
 }
 
-/// Properties of the original CAD mesh, and the simplification error of the scene's mesh.
 /// The figures that the scan's texture and a body's have in common.
 template <typename Texture>
 void emit_texture_figures(YAML::Emitter& out, const Texture& texture) {
@@ -63,6 +62,7 @@ void emit_body_texture(YAML::Emitter& out, const BodyTextureEntry& texture) {
   out << YAML::EndMap;
 }
 
+/// Properties of the original CAD mesh, and the simplification error of the scene's mesh.
 void emit_simplified(YAML::Emitter& out, const SceneObjectEntry::Simplified& simplified) {
   emit(out, "simplified_error", simplified.simplification.max_error);
   emit(out, "full_triangles", simplified.simplification.full_triangles);

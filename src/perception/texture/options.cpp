@@ -37,7 +37,8 @@ constexpr auto kTextureFields = std::to_array<OptionField<Texture>>({
      "lower: blurred; higher: more memory on the graphics card"},
     // Of a box of 10 cm six charts at 1 mm have room; 1.3 MiB of a headset's memory.
     {"bodies_edge", &Texture::bodies_edge, 512, 0, 16384, "px",
-     "edge of the square that the textures of all bodies have together; 0: bodies have none",
+     "edge of the square that the textures of all bodies have together, each at least 64; 0: "
+     "bodies have none",
      "lower: blurred; higher: more memory on the graphics card"},
     {"texels_per_pixel", &Texture::texels_per_pixel, 1.2, 0.1, 8.0, "",
      "texels per pixel of the nearest view, where the atlas has room",

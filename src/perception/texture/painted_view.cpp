@@ -102,6 +102,16 @@ Eigen::Array4f cubic_weights(float u) {
 
 PaintedView::PaintedView(const TextureView& view, const ColorRegistration& registration,
                          const DepthNoise& depth_noise, const TextureOptions& options)
+    : PaintedView(view, registration, depth_noise, options, view.T_base_camera, true) {}
+
+PaintedView::PaintedView(const TextureView& view, const Pose& T_body_camera,
+                         const ColorRegistration& registration, const DepthNoise& depth_noise,
+                         const TextureOptions& options)
+    : PaintedView(view, registration, depth_noise, options, T_body_camera, false) {}
+
+PaintedView::PaintedView(const TextureView& view, const ColorRegistration& registration,
+                         const DepthNoise& depth_noise, const TextureOptions& options,
+                         const Pose& T_base_camera, bool uses_mask)
     : view_(&view),
       registration_(registration),
       depth_camera_(on_grid(registration.camera, view.depth.width(), view.depth.height())),
@@ -110,16 +120,8 @@ PaintedView::PaintedView(const TextureView& view, const ColorRegistration& regis
       mask_distance_(static_cast<float>(options.mask_distance * depth_camera_.width /
                                         registration.camera.width)),
       nearest_(minimum_around(view.depth, kEdgeRadius)) {
-  if (!view.is_dynamic.empty()) from_dynamic_ = distance_from(view.is_dynamic);
-  set_camera_pose(view.T_base_camera);
-}
-
-PaintedView::PaintedView(const TextureView& view, const Pose& T_body_camera,
-                         const ColorRegistration& registration, const DepthNoise& depth_noise,
-                         const TextureOptions& options)
-    : PaintedView(view, registration, depth_noise, options) {
-  from_dynamic_ = {};
-  set_camera_pose(T_body_camera);
+  if (uses_mask && !view.is_dynamic.empty()) from_dynamic_ = distance_from(view.is_dynamic);
+  set_camera_pose(T_base_camera);
 }
 
 void PaintedView::set_camera_pose(const Pose& T_base_camera) {

@@ -89,6 +89,9 @@ class PaintedView {
   float sharpness_weight = 1.0F;
 
  private:
+  PaintedView(const TextureView& view, const ColorRegistration& registration,
+              const DepthNoise& depth_noise, const TextureOptions& options,
+              const Pose& T_base_camera, bool uses_mask);
   /// Whether the sensor was saturated there: the surface is at least as bright as the colour.
   [[nodiscard]] bool is_overexposed(const Eigen::Vector2f& pixel) const;
   void set_camera_pose(const Pose& T_base_camera);

@@ -146,6 +146,11 @@ std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const 
   return findings;
 }
 
+std::size_t count_known(const std::vector<std::optional<Pose>>& poses) {
+  return static_cast<std::size_t>(
+      std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }));
+}
+
 }  // namespace
 
 Expected<Scene> build_scene(const Recording& recording, const BuildOptions& options,
@@ -199,8 +204,9 @@ Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& r
   }
   const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
   if (!survey) return survey.error();
-  if (!has_poses) {
-    if (const auto fits = check_memory(limits, recording, found_poses(*survey), options); !fits)
+  const std::vector<std::optional<Pose>> found = found_poses(*survey);
+  if (!has_poses || count_known(found) > count_known(stated_poses(recording))) {
+    if (const auto fits = check_memory(limits, recording, found, options); !fits)
       return fits.error();
   }
 

@@ -116,7 +116,8 @@ std::optional<BodyTexture> body_texture_of(const SceneObject& object, const Obje
                      .seen_fraction = texture.seen_fraction};
 }
 
-/// Edge of each body's atlas [px]: all together they fit into a square of `bodies_edge`.
+/// Edge of each body's atlas [px]: all together they fit into a square of
+/// `bodies_edge`, unless they are so many that each has the minimum.
 int atlas_edge(std::size_t bodies, int bodies_edge) {
   constexpr int kMinEdge = 64;  // less shows nothing
   int side = 1;
@@ -128,7 +129,9 @@ void paint_bodies(const SceneViews& views, const MeshTexture& texture,
                   const std::vector<ObjectTrack>& tracks, const BuildOptions& options,
                   Scene& scene) {
   if (options.texture.bodies_edge == 0 || views.views.empty()) return;
-  const int max_edge = atlas_edge(scene.objects.size(), options.texture.bodies_edge);
+  const auto seen = std::count_if(scene.objects.begin(), scene.objects.end(),
+                                  [](const SceneObject& one) { return one.evidence != kNotSeen; });
+  const int max_edge = atlas_edge(static_cast<std::size_t>(seen), options.texture.bodies_edge);
   const std::vector<Rgb8> colors = object_colors(scene);
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     SceneObject& object = scene.objects[i];

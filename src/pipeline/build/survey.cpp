@@ -159,11 +159,14 @@ void use_closure(const Recording& recording, const ConsistencyObservations& seen
   widen_by(survey.camera_doubt, survey.camera);
   if (!closure->is_significant()) return;
   const ConsistencyFinding finding = finding_of(*closure);
-  if (survey.findings.empty()) {
-    survey.findings.push_back(finding);
-  } else if (finding.severity == FindingSeverity::contradiction) {
-    survey.findings.front().severity = finding.severity;
-  }
+  const bool is_contradiction = finding.severity == FindingSeverity::contradiction;
+  if (!survey.findings.empty() && !is_contradiction) return;
+  // Behind those that name a cause: the first one is what a user reads.
+  const auto place = std::find_if(survey.findings.begin(), survey.findings.end(),
+                                  [](const ConsistencyFinding& other) {
+                                    return other.severity != FindingSeverity::contradiction;
+                                  });
+  survey.findings.insert(place, finding);
 }
 
 Error not_placed_error(const Recording& recording, const Survey& survey,

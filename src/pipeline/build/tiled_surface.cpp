@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "pcavr/base/geometry/depth_grid.hpp"
@@ -98,10 +99,19 @@ class TiledSurface final : public SurfaceBuilder {
     // One block more than the reach: the lowest one is not at the border of a tile.
     const int low = cell(reach_.min().z(), block_size()) - 1;
     const int high = cell(reach_.max().z(), block_size()) + 2;
-    for (int y = cell(reach_.min().y(), edge); y <= cell(reach_.max().y(), edge); ++y) {
-      for (int x = cell(reach_.min().x(), edge); x <= cell(reach_.max().x(), edge); ++x) {
-        boxes.push_back({{x * side_, y * side_, low}, {(x + 1) * side_, (y + 1) * side_, high}});
+    // Of each frame alone: sites that are far apart have nothing between them.
+    std::set<std::pair<int, int>> squares;  // y, x
+    for (const PlacedFrame& frame : frames_) {
+      const Eigen::AlignedBox3d box = finder_->bounds(frame.reach);
+      if (box.isEmpty()) continue;
+      for (int y = cell(box.min().y(), edge); y <= cell(box.max().y(), edge); ++y) {
+        for (int x = cell(box.min().x(), edge); x <= cell(box.max().x(), edge); ++x) {
+          squares.emplace(y, x);
+        }
       }
+    }
+    for (const auto& [y, x] : squares) {
+      boxes.push_back({{x * side_, y * side_, low}, {(x + 1) * side_, (y + 1) * side_, high}});
     }
     return boxes;
   }

@@ -64,6 +64,17 @@ std::array<std::size_t, kObjectParameters> order_of(int vertical) {
   return {first, second, 3 + up, kObjectScale, up, 3 + first, 3 + second};
 }
 
+/// [m] Median distance of the tip from the surface; points out of reach are infinitely far.
+double error_of(const PlacementProblem& problem, const MeshPlacement& placement) {
+  std::vector<double> sizes;
+  for (const ContactPoint& point : problem.object.points) {
+    if (point.contact == problem.without) continue;
+    const auto gap = gap_of(point, placement, problem.surface, problem.object.tip_radius);
+    sizes.push_back(gap ? std::abs(gap->value) : HUGE_VAL);
+  }
+  return sizes.empty() ? HUGE_VAL : median(std::move(sizes));
+}
+
 /// A fit of the plane's parameters from the stated pose and turns of it; the others as good as it.
 struct Search {
   MeshPlacement placement = {};
@@ -85,8 +96,8 @@ Search search(const PlacementProblem& problem, const Parameters& plane) {
     Vector6d turn = Vector6d::Zero();
     turn.tail<3>() = 2.0 * std::numbers::pi * steps / kTurns * up;
     const MeshPlacement found = fitted(problem, plane, {T_stated * Pose::exp(turn), 1.0});
-    candidates.push_back({found, median_size(gaps_of(problem, found)),
-                          rotation_distance(T_stated, found.T_tracked_object)});
+    candidates.push_back(
+        {found, error_of(problem, found), rotation_distance(T_stated, found.T_tracked_object)});
   }
   const double least =
       std::min_element(candidates.begin(), candidates.end(),
@@ -154,9 +165,8 @@ void add_shown(const PlacementProblem& problem, std::span<const std::size_t> gro
 
 /// The parameters that the contacts show, by their slopes: first those in the plane, from the best
 /// fit of all of them, whose residuals say what a gap is good for.
-Parameters shown_parameters(const PlacementProblem& problem) {
+Parameters shown_parameters(const PlacementProblem& problem, MeshPlacement placement) {
   const Parameters plane = in_plane(problem.object);
-  MeshPlacement placement = search(problem, plane).placement;
   const double variance = variance_of(problem, plane, placement);
   const auto order = order_of(vertical_axis(problem.object));
   Parameters free{};
@@ -175,8 +185,9 @@ std::size_t worst_parameter(const ObjectStds& stds) {
 }
 
 /// Fits those parameters, without what the jackknife shows not to be certain, and a scale of 1.
-Search settle(const PlacementProblem& problem, CalibratedObject& found) {
-  Parameters free = shown_parameters(problem);
+Search settle(const PlacementProblem& problem, const MeshPlacement& in_plane_alone,
+              CalibratedObject& found) {
+  Parameters free = shown_parameters(problem, in_plane_alone);
   while (has_any(free)) {
     const Search best = placed(problem, free);
     const MeshPlacement& placement = best.placement;
@@ -220,11 +231,11 @@ std::size_t contacts_elsewhere(const PlacementProblem& problem, const MeshPlacem
 
 /// An Error where too many contacts are not at the surface, and where fewer would be with
 /// parameters that the contacts do not show.
-std::optional<Error> misfit_of(const PlacementProblem& problem, const MeshPlacement& placement) {
+std::optional<Error> misfit_of(const PlacementProblem& problem, const MeshPlacement& placement,
+                               const MeshPlacement& in_plane_alone) {
   const std::string& name = problem.object.name;
   const std::size_t elsewhere = contacts_elsewhere(problem, placement);
-  const Parameters plane = in_plane(problem.object);
-  const std::size_t at_best = contacts_elsewhere(problem, search(problem, plane).placement);
+  const std::size_t at_best = contacts_elsewhere(problem, in_plane_alone);
   if (at_best < elsewhere) {
     return Error{.message = "the contacts do not show where " + name +
                             " is: several places fit them, and the stated one does not",
@@ -251,13 +262,14 @@ Expected<CalibratedObject> calibrate_object(const TouchedObject& object) {
   const BodySurface surface(object.model);
   const PlacementProblem problem{object, surface};
   CalibratedObject found{.name = object.name, .contacts = object.contacts};
-  const Search best = settle(problem, found);
+  const MeshPlacement in_plane_alone = search(problem, in_plane(object)).placement;
+  const Search best = settle(problem, in_plane_alone, found);
   if (!has_any(found.is_observable)) {
     return Error{.message = "the contacts do not show where " + object.name + " is",
                  .hint = "push it at several places of all of its sides"};
   }
   const MeshPlacement& placement = best.placement;
-  if (auto error = misfit_of(problem, placement)) return *std::move(error);
+  if (auto error = misfit_of(problem, placement, in_plane_alone)) return *std::move(error);
   found.T_tracked_object = placement.T_tracked_object;
   found.scale = placement.scale;
   found.mesh_unit = object.mesh_unit * placement.scale;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,6 +16,8 @@
 #include "pcavr/pipeline/calibrate_depth.hpp"
 #include "pcavr/recordings/recording/frame_reader.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
+
+#include "pipeline/build/survey.hpp"
 
 namespace pcavr {
 namespace {
@@ -226,14 +227,6 @@ std::optional<Error> missing_input(const Recording& recording, const DepthInput&
                .hint = "add the tags in view with their sizes"};
 }
 
-Expected<TagDetector> detector_of(const Manifest& manifest) {
-  std::set<std::string> families;
-  for (const MarkerEntry& marker : manifest.markers) families.insert(marker.id.family);
-  TagDetectorOptions options;
-  if (manifest.camera->has_distortion()) options.lens = *manifest.camera;
-  return TagDetector::create({families.begin(), families.end()}, options);
-}
-
 }  // namespace
 
 Expected<DepthViews> read_depth_views(const DepthInput& input, const Observer& observer) {
@@ -244,7 +237,7 @@ Expected<DepthViews> read_depth_views(const DepthInput& input, const Observer& o
   for (const std::string& warning : recording->warnings) observer.on_warning(warning);
   if (const auto error = missing_input(*recording, input)) return *error;
   const Manifest& manifest = recording->manifest;
-  Expected<TagDetector> detector = detector_of(manifest);
+  Expected<std::optional<TagDetector>> detector = make_tag_detector(*recording, {});
   if (!detector) return detector.error();
   DepthViews found{.depth_scale = manifest.depth_scale, .depth_offset = manifest.depth_offset};
   std::vector<TaggedBody> bodies = bodies_of(manifest);
@@ -257,7 +250,7 @@ Expected<DepthViews> read_depth_views(const DepthInput& input, const Observer& o
     observer.on_progress("Measuring tags", i + 1, frames);
     unread += frame ? 0 : 1;
     if (!frame) continue;
-    add_views(*frame, *manifest.camera, detector->detect(to_gray(frame->color)), bodies, found);
+    add_views(*frame, *manifest.camera, (*detector)->detect(to_gray(frame->color)), bodies, found);
   }
   found.frames = frames - unread;
   if (unread > 0) found.notes.push_back(fmt::format("{} images can't be read: left out", unread));

@@ -191,9 +191,10 @@ Expected<void> write_picture_rig_report(const PictureRig& found, const PairedPic
        view_plot("Flange, from where the arm said", "distance (mm)", std::move(arm_errors))}});
   section.blocks.emplace_back(std::vector<ReportTable>{picture_table(found)});
   page.sections.push_back(std::move(section));
-  return write_calibration_report(std::move(page),
-                                  "Std: standard deviation, by the noise that the residuals show.",
-                                  report_json, folder);
+  return write_calibration_report(
+      std::move(page),
+      "Std: standard deviation, by the pixels' noise or the views' scatter, the larger.",
+      report_json, folder);
 }
 
 }  // namespace pcavr

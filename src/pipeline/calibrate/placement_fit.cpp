@@ -8,6 +8,7 @@
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/base/core/solvers.hpp"
+#include "pcavr/physics/identification/jackknife.hpp"
 
 namespace pcavr {
 namespace {
@@ -24,6 +25,12 @@ constexpr double kUsualStds = 4.0;
 MeshPlacement moved(const MeshPlacement& placement, const PlacementStep& step) {
   const Vector6d twist = step.head<6>();
   return {placement.T_tracked_object * Pose::exp(twist), placement.scale + step[kObjectScale]};
+}
+
+double median_size(const std::vector<Gap>& gaps) {
+  std::vector<double> sizes;
+  for (const Gap& gap : gaps) sizes.push_back(std::abs(gap.value));
+  return median(std::move(sizes));
 }
 
 double std_of(const std::vector<Gap>& gaps) {
@@ -83,12 +90,6 @@ std::vector<Gap> gaps_of(const PlacementProblem& problem, const MeshPlacement& p
     if (gap) gaps.push_back(*gap);
   }
   return gaps;
-}
-
-double median_size(const std::vector<Gap>& gaps) {
-  std::vector<double> sizes;
-  for (const Gap& gap : gaps) sizes.push_back(std::abs(gap.value));
-  return median(std::move(sizes));
 }
 
 double rms_of(const std::vector<Gap>& gaps) {
@@ -157,20 +158,16 @@ std::vector<MeshPlacement> without_each(const PlacementProblem& problem,
 ObjectStds jackknife_stds(const MeshPlacement& placement,
                           const std::vector<MeshPlacement>& without) {
   std::vector<PlacementStep> steps;
-  PlacementStep mean = PlacementStep::Zero();
-  const auto count = static_cast<double>(without.size());
   for (const MeshPlacement& other : without) {
-    PlacementStep step;
+    PlacementStep& step = steps.emplace_back();
     step << (placement.T_tracked_object.inverse() * other.T_tracked_object).log(),
         other.scale - placement.scale;
-    steps.push_back(step);
-    mean += step / count;
   }
-  PlacementStep squares = PlacementStep::Zero();
-  for (const PlacementStep& step : steps) squares += (step - mean).cwiseAbs2();
   ObjectStds stds{};
   for (std::size_t i = 0; i < kObjectParameters; ++i) {
-    stds[i] = std::sqrt((count - 1.0) / count * squares[static_cast<Eigen::Index>(i)]);
+    std::vector<double> values;
+    for (const PlacementStep& step : steps) values.push_back(step[static_cast<Eigen::Index>(i)]);
+    stds[i] = jackknife_std(values);
   }
   return stds;
 }

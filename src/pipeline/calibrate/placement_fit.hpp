@@ -50,8 +50,7 @@ struct PlacementProblem {
                                         const BodySurface& surface, double tip_radius);
 [[nodiscard]] std::vector<Gap> gaps_of(const PlacementProblem& problem,
                                        const MeshPlacement& placement);
-[[nodiscard]] double median_size(const std::vector<Gap>& gaps);  ///< [m]
-[[nodiscard]] double rms_of(const std::vector<Gap>& gaps);       ///< [m]
+[[nodiscard]] double rms_of(const std::vector<Gap>& gaps);  ///< [m]
 
 /// Gauss-Newton, damped; a step is limited, so that the nearest faces stay those that were linked.
 [[nodiscard]] MeshPlacement fitted(const PlacementProblem& problem, const ObjectParameterSet& free,

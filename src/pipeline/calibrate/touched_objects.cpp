@@ -16,6 +16,8 @@
 #include "pcavr/recordings/recording/recording.hpp"
 #include "pcavr/recordings/recording/stream_clocks.hpp"
 
+#include "pipeline/checks/segmented_force.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -30,17 +32,14 @@ constexpr double kPointInterval = 0.05, kReleaseTime = 0.2;
 /// Fewer points of a contact are a knock, which may be of anything.
 constexpr std::size_t kMinPointsOfContact = 2;
 
-/// [N] The force's size, each the median of five successive samples: sensors have spikes of one.
+/// [N] The force's size, without spikes and the sensor's bias.
 std::vector<double> force_sizes(const Recording& recording) {
-  const std::vector<WrenchSample>& samples = recording.wrench;
+  const SegmentedForce segmented = segment_force(recording);
+  // Fewer than 20 samples have no segmentation.
+  const auto& force =
+      segmented.found.force_base.empty() ? segmented.force : segmented.found.force_base;
   std::vector<double> sizes;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    std::vector<double> near;
-    for (std::size_t k = i < 2 ? 0 : i - 2; k < std::min(samples.size(), i + 3); ++k) {
-      near.push_back(samples[k].force.norm());
-    }
-    sizes.push_back(median(std::move(near)));
-  }
+  for (const Eigen::Vector3d& one : force) sizes.push_back(one.norm());
   return sizes;
 }
 
@@ -186,7 +185,15 @@ Expected<TouchedObjects> read_touched_objects(const ObjectsInput& input, const O
     found.notes.push_back(
         fmt::format("{} contacts are farther than 20 cm from all objects: not used", elsewhere));
   }
-  for (TrackedBody& body : *bodies) found.objects.push_back(std::move(body.object));
+  const bool is_any_touched = std::any_of(
+      bodies->begin(), bodies->end(), [](const auto& body) { return body.object.contacts > 0; });
+  for (TrackedBody& body : *bodies) {
+    if (is_any_touched && body.object.contacts == 0) {
+      found.notes.push_back(body.object.name + " is not touched: it stays as stated");
+      continue;
+    }
+    found.objects.push_back(std::move(body.object));
+  }
   return found;
 }
 

@@ -16,6 +16,7 @@
 #include "pcavr/recordings/recording/stream_clocks.hpp"
 
 #include "diagnosis_rows.hpp"
+#include "pipeline/checks/segmented_force.hpp"
 #include "pipeline/robot/recorded_arm.hpp"
 
 namespace pcavr {
@@ -49,23 +50,12 @@ struct FreeForce {
 };
 
 std::vector<FreeForce> free_forces(const Recording& recording) {
-  const Stamp start = start_of(recording);
-  std::vector<double> t_force, t_tool;
-  std::vector<Eigen::Vector3d> force, p_base_tip;
-  for (const WrenchSample& sample : recording.wrench) {
-    t_force.push_back(to_seconds(sample.stamp - start));
-    force.push_back(sample.force);
-  }
-  for (const TimedPose& pose : recording.tool.poses()) {
-    t_tool.push_back(to_seconds(pose.stamp - start));
-    p_base_tip.push_back(pose.pose.translation());
-  }
-  // Contacts by the force less its own level: a tool that turns is not taken for one that touches.
-  const Segmentation found = segment_contacts(t_force, force, t_tool, p_base_tip);
+  const SegmentedForce segmented = segment_force(recording);
+  const std::vector<Eigen::Vector3d>& force = segmented.force;
   const auto touches = [&](double t) {
-    return std::any_of(found.contacts.begin(), found.contacts.end(), [&](const auto& contact) {
-      return t >= contact.t.front() && t <= contact.t.back();
-    });
+    return std::any_of(
+        segmented.found.contacts.begin(), segmented.found.contacts.end(),
+        [&](const auto& contact) { return t >= contact.t.front() && t <= contact.t.back(); });
   };
   std::vector<FreeForce> free, all;
   const std::size_t stride = std::max<std::size_t>(1, force.size() / kForceSamples);
@@ -73,20 +63,23 @@ std::vector<FreeForce> free_forces(const Recording& recording) {
     const auto T_base_tool = recording.tool.at(recording.wrench[i].stamp);
     if (!T_base_tool) continue;
     all.push_back({T_base_tool->rotation_matrix(), force[i]});
-    if (!touches(t_force[i])) free.push_back(all.back());
+    if (!touches(segmented.t[i])) free.push_back(all.back());
   }
   // A weight that turns with the tool looks like one long contact.
   const double share = static_cast<double>(free.size()) / static_cast<double>(all.size());
   return share < kMinFreeShare ? all : free;
 }
 
-double largest_turn(const std::vector<FreeForce>& free) {
-  double turn = 0.0;
+/// [rad] The largest change of the vertical in the tool's axes: without one, a weight and a bias
+/// look alike.
+double largest_tilt(const std::vector<FreeForce>& free) {
+  const Eigen::Vector3d first = free.front().R_base_tool.row(2);
+  double tilt = 0.0;
   for (const FreeForce& one : free) {
-    turn = std::max(
-        turn, Eigen::AngleAxisd(free.front().R_base_tool.transpose() * one.R_base_tool).angle());
+    const Eigen::Vector3d up = one.R_base_tool.row(2);
+    tilt = std::max(tilt, std::atan2(first.cross(up).norm(), first.dot(up)));
   }
-  return turn;
+  return tilt;
 }
 
 /// force = steady + R turning, in the axes that `in_tool_axes` says.
@@ -108,7 +101,16 @@ FreeForceFit fit_free_force(const std::vector<FreeForce>& free, bool in_tool_axe
     right += rows.transpose() * one.force;
     squares += one.force.squaredNorm();
   }
-  const Vector6d solution = information.ldlt().solve(right);
+  // What the turns do not separate, as along a single axis of them, is shared out evenly.
+  constexpr double kSeparated = 1e-3;  // of the largest eigenvalue
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
+  const double least = kSeparated * solver.eigenvalues()[5];
+  Vector6d solution = Vector6d::Zero();
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    if (solver.eigenvalues()[k] < least) continue;
+    const Vector6d direction = solver.eigenvectors().col(k);
+    solution += direction.dot(right) / solver.eigenvalues()[k] * direction;
+  }
   const double left = std::max(0.0, squares - right.dot(solution));
   return {solution.head<3>(), solution.tail<3>(),
           std::sqrt(left / (3.0 * static_cast<double>(free.size())))};
@@ -125,9 +127,9 @@ DiagnosisRow gravity_row(const Recording& recording) {
   }
   const std::vector<FreeForce> free = free_forces(recording);
   if (free.size() < kMinSamplesOfTool) return unchecked(kGravity, "the tool is hardly ever free");
-  const double turn = largest_turn(free);
+  const double turn = largest_tilt(free);
   if (turn < kMinTilt) {
-    return unchecked(kGravity, fmt::format("the tool keeps its orientation within {:.1f} degrees: "
+    return unchecked(kGravity, fmt::format("the tool tilts by no more than {:.1f} degrees: "
                                            "a weight and a bias look alike",
                                            kToDegrees * turn));
   }

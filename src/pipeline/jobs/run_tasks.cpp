@@ -65,7 +65,6 @@ class TaskRunner {
         observer_(observer),
         states_(graph.tasks.size()),
         is_pending_(graph.tasks.size(), !options.only),
-        was_busy_(graph.tasks.size(), false),
         busy_until_(graph.tasks.size()) {}
 
   Expected<TasksRun> run() {
@@ -120,14 +119,14 @@ class TaskRunner {
         TaskLock::try_acquire(task_file(graph_, task, ".lock"));
     if (!lock) return finish(i, failed(lock.error().to_string()));
     if (!*lock) {
-      was_busy_[i] = true;
       busy_until_[i] = Clock::now() + kBusyInterval;
       return false;
     }
     const std::string key = key_of(graph_, task, states_);
     const TaskStatus recorded = recorded_status(graph_, task, key);
+    const bool was_busy = busy_until_[i] != Clock::time_point();
     const bool is_settled =
-        recorded.state == TaskState::done || (recorded.state == TaskState::failed && was_busy_[i]);
+        recorded.state == TaskState::done || (recorded.state == TaskState::failed && was_busy);
     if (is_settled) {
       if (recorded.state == TaskState::done) ++were_done_;
       return finish(i, recorded);
@@ -208,8 +207,7 @@ class TaskRunner {
   const Observer& observer_;
   std::vector<TaskStatus> states_;
   std::vector<bool> is_pending_;
-  std::vector<bool> was_busy_;  ///< another process had it
-  std::vector<Clock::time_point> busy_until_;
+  std::vector<Clock::time_point> busy_until_;  ///< where another process had it; else the epoch
   std::vector<RunningTask> running_ = {};
   std::ptrdiff_t total_ = 0;
   std::size_t finished_ = 0;

@@ -5,19 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcavr/results/evaluation/trajectory_errors.hpp"
+
 namespace pcavr {
 namespace {
 
 constexpr std::array<std::pair<const char*, double>, 5> kQuantiles{
     {{"q01", 0.01}, {"q10", 0.1}, {"q50", 0.5}, {"q90", 0.9}, {"q99", 0.99}}};
-
-/// Between the two values next to it in rank, linearly [Hyndman & Fan 1996, definition 7].
-double quantile(const std::vector<double>& sorted, double share) {
-  const double rank = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(rank);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return std::lerp(sorted[below], sorted[above], rank - static_cast<double>(below));
-}
 
 /// In the order of ColumnStats, without the count.
 std::vector<double> stats_of(std::vector<double> values) {

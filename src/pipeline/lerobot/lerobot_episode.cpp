@@ -9,6 +9,7 @@
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/pipeline/lerobot_dataset.hpp"
+#include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recordings/recording/stream_clocks.hpp"
 
 namespace pcavr {
@@ -35,17 +36,24 @@ struct TimeRange {
   double end = 0.0;
 };
 
+/// What the stamps of force and images are ahead of the tool's clock by [s].
+struct StreamShifts {
+  double force = 0.0;
+  double images = 0.0;
+};
+
 /// From when tool, force and images have begun until one of them ends.
-TimeRange common_time(const Recording& recording, double force_shift) {
+TimeRange common_time(const Recording& recording, const StreamShifts& shifts) {
   const Stamp zero = start_of(recording);
   const auto seconds = [&](Stamp stamp) { return to_seconds(stamp - zero); };
   TimeRange range{seconds(recording.tool.poses().front().stamp),
                   seconds(recording.tool.poses().back().stamp)};
-  range.begin = std::max(range.begin, seconds(recording.wrench.front().stamp) - force_shift);
-  range.end = std::min(range.end, seconds(recording.wrench.back().stamp) - force_shift);
+  range.begin = std::max(range.begin, seconds(recording.wrench.front().stamp) - shifts.force);
+  range.end = std::min(range.end, seconds(recording.wrench.back().stamp) - shifts.force);
   if (!recording.frames.empty()) {
-    range.begin = std::max(range.begin, seconds(recording.frames.front().color_stamp));
-    range.end = std::min(range.end, seconds(recording.frames.back().color_stamp));
+    range.begin =
+        std::max(range.begin, seconds(recording.frames.front().color_stamp) - shifts.images);
+    range.end = std::min(range.end, seconds(recording.frames.back().color_stamp) - shifts.images);
   }
   return range;
 }
@@ -185,14 +193,14 @@ Error too_short(const Recording& recording, const TimeRange& range) {
           .hint = "give a higher --fps, or a longer recording"};
 }
 
-Expected<LerobotEpisode> sampled(const Recording& recording, double force_shift, Contacts contacts,
-                                 const LerobotOptions& options) {
+Expected<LerobotEpisode> sampled(const Recording& recording, const StreamShifts& shifts,
+                                 Contacts contacts, const LerobotOptions& options) {
   const Stamp zero = start_of(recording);
-  const TimeRange range = common_time(recording, force_shift);
+  const TimeRange range = common_time(recording, shifts);
   LerobotEpisode episode;
   episode.rate = rate_of(recording, options);
   const double interval = 1.0 / episode.rate;
-  WrenchMeans wrench(recording.wrench, zero, force_shift);
+  WrenchMeans wrench(recording.wrench, zero, shifts.force);
   for (std::size_t k = 0;; ++k) {
     const double t = range.begin + static_cast<double>(k) * interval;
     if (t > range.end) break;
@@ -205,7 +213,8 @@ Expected<LerobotEpisode> sampled(const Recording& recording, double force_shift,
     if (k > 0) episode.frames.back().action = frame.state;
     frame.wrench = wrench.mean(t - 0.5 * interval, t + 0.5 * interval);
     contacts.describe(t - 0.5 * interval, t + 0.5 * interval, frame);
-    if (!recording.frames.empty()) frame.image = nearest_image(recording.frames, stamp);
+    if (!recording.frames.empty())
+      frame.image = nearest_image(recording.frames, stamp + duration_from_seconds(shifts.images));
     episode.frames.push_back(frame);
   }
   if (episode.frames.size() < kMinFrames) return too_short(recording, range);
@@ -227,6 +236,16 @@ Expected<LerobotEpisode> make_lerobot_episode(const Recording& recording,
                                               const Observer& observer) {
   const Expected<IdentificationInput> input = identification_input(recording, sources, observer);
   if (!input) return input.error();
+  const auto is_known = [&](const IdentifiableObject& object) {
+    return known.contains(object.name);
+  };
+  if (!known.empty() && std::ranges::none_of(input->objects, is_known)) {
+    return Error{.message = "the parameters, of " + known.begin()->first +
+                            (known.size() > 1 ? " and others" : "") +
+                            ", are of none of its objects",
+                 .file = recording.folder.string(),
+                 .hint = "give the parameter file of these objects"};
+  }
   const Expected<Identification> found =
       identify(*input, IdentificationGoal::friction, identification);
   if (!found) {
@@ -238,8 +257,12 @@ Expected<LerobotEpisode> make_lerobot_episode(const Recording& recording,
     observer.on_warning(recording.folder.string() + ": " + warning);
   ParameterTable parameters = found->parameters();
   for (const auto& [name, values] : known) parameters[name] = values;
-  return sampled(recording, found->inputs.force_shift(), Contacts(*input, *found, parameters),
-                 options);
+  // Images in which the bodies are tracked have the tracking's clock.
+  const bool is_tracked_in_images = !tracked_folder_of(
+      recording, sources.tracked.empty() ? std::nullopt : std::optional(sources.tracked));
+  const StreamShifts shifts{found->inputs.force_shift(),
+                            is_tracked_in_images ? found->inputs.camera_shift() : 0.0};
+  return sampled(recording, shifts, Contacts(*input, *found, parameters), options);
 }
 
 }  // namespace pcavr

@@ -181,6 +181,7 @@ class BagImport {
     }
     const bool is_metric =
         selection_.depth != nullptr && is_metric_depth(selection_.depth->image_format);
+    manifest_.depth_offset = 0.0;  // of a calibration, as the scale that is replaced
     manifest_.depth_scale = is_metric ? options_.depth_scale.value_or(kMetricScale)
                                       : options_.raw_depth_scale.value_or(kMillimetreScale);
     for (const std::string& doubt : color_doubts(selection_, streams_)) warn(doubt);

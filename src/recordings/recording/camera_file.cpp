@@ -6,6 +6,7 @@
 #include "pcavr/recordings/recording/yaml_map.hpp"
 
 #include "recordings/recording/camera_keys.hpp"
+#include "recordings/recording/manifest_calibration.hpp"
 
 namespace pcavr {
 namespace {
@@ -33,6 +34,11 @@ DepthNoise read_noise(const YamlValue& noise) {
 
 /// What `calibrate camera` writes.
 CameraFile read_calibrated_camera(const YamlValue& root) {
+  const YamlValue format = root.at("format");
+  if (format.text() != kCalibrationFormat) {
+    format.fail("is '" + format.text() + "'",
+                std::string("this version reads ") + kCalibrationFormat);
+  }
   const YamlValue kind = root.at("kind");
   if (kind.text() != "camera") {
     kind.fail("is '" + kind.text() + "'", "give what `pcavr calibrate camera` wrote");

@@ -3,6 +3,7 @@
 #include "pcavr/recordings/recording/image_codec.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -221,6 +222,13 @@ std::string encode_depth(const RawDepthImage& image) {
     }
   }
   return encode_png(png);
+}
+
+bool is_picture_file(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
 }  // namespace pcavr

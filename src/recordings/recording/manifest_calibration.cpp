@@ -14,7 +14,6 @@
 namespace pcavr {
 namespace {
 
-constexpr char kCalibrationFormat[] = "pcavr-calibration/1";
 /// Of an entry of a covariance: variances of metres and radians.
 constexpr InputRange kCovarianceEntry{"covariance", -1e6, 1e6, "m^2, rad^2",
                                       "the squares of the largest stds"};

@@ -9,6 +9,9 @@
 
 namespace pcavr {
 
+/// The `format` of what `pcavr calibrate` writes.
+inline constexpr char kCalibrationFormat[] = "pcavr-calibration/1";
+
 /// Takes what a calibration file found in the place of what the manifest states: of `calibrate
 /// tags` the tags with their covariances, of `depth` scale and offset, of `objects` where tracked
 /// bodies' meshes are, and their scales, of `force` how well its direction is known. Fails at `key`

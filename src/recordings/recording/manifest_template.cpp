@@ -15,7 +15,9 @@ Expected<Manifest> read_manifest_template(const std::filesystem::path& file) {
   if (file.empty()) return Manifest{};
   const Expected<std::string> text = read_file(file);
   if (!text) return text.error();
-  Expected<Manifest> manifest = parse_manifest(*text, file.string(), file.parent_path());
+  // An empty folder would mean: not known, and calibrations would not be taken.
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  Expected<Manifest> manifest = parse_manifest(*text, file.string(), folder);
   if (manifest) manifest->camera.reset();
   return manifest;
 }

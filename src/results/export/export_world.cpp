@@ -46,7 +46,7 @@ Expected<void> check_known(const SceneObjectEntry& object, const ObjectParameter
                    .hint = "give the parameters that were identified with this scene"};
     }
   }
-  if (!object.is_movable || options.assumes) return {};
+  if (!object.is_movable || options.assumes || options.geometry_only) return {};
   const char* missing = !known.mass ? "mass" : !has_friction(known) ? "friction" : nullptr;
   if (missing == nullptr) return {};
   return Error{.message = fmt::format("object '{}' has no identified {}", object.name, missing),
@@ -277,9 +277,11 @@ Expected<ExportedWorld> make_exported_world(const SceneManifest& scene,
     Expected<CompletedBody> body = make_body(scene, object, values, world.reference_speed, options);
     if (!body) return body.error();
     const auto numbers = detail::numbers_of(object.name, values, body->physics);
-    warn_of_assumed(numbers, world);
-    world.numbers.insert(world.numbers.end(), numbers.begin(), numbers.end());
-    if (!body->body.is_convex) {
+    if (!options.geometry_only) {
+      warn_of_assumed(numbers, world);
+      world.numbers.insert(world.numbers.end(), numbers.begin(), numbers.end());
+    }
+    if (!body->body.is_convex && !options.geometry_only) {
       world.warnings.push_back(
           fmt::format("{}: is not convex; engines fill its concavities", object.name));
     }
@@ -295,6 +297,7 @@ Expected<ExportedWorld> make_exported_world(const SceneManifest& scene,
     world.occupancy_file = scene.folder / kOccupancyFile;
   }
   add_tool(options, world);
+  if (options.geometry_only) world.residuals.clear();
   return world;
 }
 

@@ -8,7 +8,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pcavr/base/core/input_ranges.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/model/mesh_octree.hpp"
 #include "pcavr/perception/scene/single_glb.hpp"
@@ -22,7 +21,6 @@ constexpr char kTilesFolder[] = "tiles";
 constexpr char kBodies[] = "bodies";
 /// Error of the first level above the scan [voxels]: no more than its noise.
 constexpr double kFirstError = 0.5;
-constexpr double kMinVoxel = ranges::kVoxel.min;  ///< of a scene that does not state it [m]
 
 std::string tile_file(const std::string& name) {
   return std::string(kTilesFolder) + '/' + name + ".glb";
@@ -54,7 +52,7 @@ Json tile_tree(const OctreeTile& node) {
 Expected<Json> write_scan(const TriangleMesh& scan, double voxel_size,
                           const std::filesystem::path& folder) {
   OctreeOptions options;
-  options.min_edge = 16.0 * std::max(voxel_size, kMinVoxel);
+  options.min_edge = 16.0 * voxel_size;
   options.error = kFirstError * voxel_size;
   const auto write = [&](const std::string& name, const TriangleMesh& mesh) -> Expected<void> {
     return write_file(folder / tile_file(name), format_single_glb("scan", mesh, true));

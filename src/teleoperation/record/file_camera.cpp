@@ -10,6 +10,7 @@
 
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/recordings/bag_import/camera_images.hpp"
+#include "pcavr/recordings/recording/image_codec.hpp"
 #include "pcavr/teleoperation/record/camera_source.hpp"
 #include "pcavr/teleoperation/sites/site_clock.hpp"
 
@@ -19,11 +20,6 @@ namespace {
 
 constexpr double kDefaultRate = 30.0;  // [Hz]
 constexpr std::string_view kFilePrefix = "file:";
-
-bool is_image_file(const fs::path& file) {
-  const std::string extension = file.extension().string();
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png";
-}
 
 class FileCamera final : public CameraSource {
  public:
@@ -54,10 +50,7 @@ class FileCamera final : public CameraSource {
     }
     const Expected<std::string_view> format = read(frame_ % files_.size());
     if (!format) return format.error();
-    CameraFrame frame{.t = start_ + static_cast<double>(frame_) * interval_,
-                      .format = *format,
-                      .width = width_,
-                      .height = height_};
+    CameraFrame frame{.t = start_ + static_cast<double>(frame_) * interval_, .format = *format};
     frame.bytes = {reinterpret_cast<const std::uint8_t*>(bytes_.data()), bytes_.size()};
     ++frame_;
     return std::optional(frame);
@@ -98,7 +91,7 @@ class FileCamera final : public CameraSource {
                    .hint = "a camera's images have one size"};
     }
     bytes_ = std::move(*bytes);
-    return std::string_view(files_[index].extension() == ".png" ? "png" : "jpeg");
+    return std::string_view(bytes_.starts_with("\x89PNG") ? "png" : "jpeg");
   }
 
   const std::string folder_;
@@ -120,7 +113,7 @@ Expected<std::unique_ptr<CameraSource>> open_file_camera(const fs::path& folder,
   std::error_code code;
   for (fs::directory_iterator entry(folder, code), end; !code && entry != end;
        entry.increment(code)) {
-    if (is_image_file(entry->path())) files.push_back(entry->path());
+    if (is_picture_file(entry->path())) files.push_back(entry->path());
   }
   if (code || files.empty()) {
     return Error{.message = code ? "can't be read: " + code.message() : "has no JPEG or PNG images",

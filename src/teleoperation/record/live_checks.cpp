@@ -126,6 +126,8 @@ void LiveChecks::on_tags(std::size_t index, double t, std::size_t count) {
 
 void LiveChecks::check_gap(Topic& topic, double t) {
   if (topic.is_silent || may_pause(topic.role)) return;
+  // Said once, as a robot's description is.
+  if (topic.role == RecordRole::other && topic.messages == 1) return;
   if (!topic.last) {
     if (t - start_ < kFirstMessage) return;
     topic.is_silent = true;

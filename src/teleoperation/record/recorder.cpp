@@ -75,7 +75,7 @@ struct Recorder::Content {
   Content(McapWriter writer, RecordInputs given, const RecorderOptions& chosen)
       : file(std::move(writer)), inputs(std::move(given)), options(chosen) {}
 
-  Expected<void> prepare();
+  void prepare();
   void start();
   std::size_t add_topic(RecordedTopic topic);
   [[nodiscard]] std::string free_camera_name() const;
@@ -106,6 +106,7 @@ struct Recorder::Content {
   std::deque<Source> sources;
   std::deque<Camera> cameras;  ///< as inputs.cameras
   std::atomic<bool> is_stopped = false;
+  std::atomic<bool> are_sources_ended = false;
   std::atomic<std::uint64_t> bytes = 0;
   std::atomic<bool> has_failed = false;
   std::thread writing;
@@ -147,13 +148,11 @@ std::string Recorder::Content::free_camera_name() const {
   }
 }
 
-Expected<void> Recorder::Content::prepare() {
+void Recorder::Content::prepare() {
   for (const RecordedTopic& topic : inputs.topics) add_topic(topic);
-  McapWriter::Metadata described;
   for (const RecordedCamera& recorded : inputs.cameras) {
     Camera& camera = cameras.emplace_back();
     camera.name = free_camera_name();
-    described.emplace_back(camera.name, recorded.source->description());
     camera.image = add_topic({'/' + camera.name + "/image_raw/compressed",
                               std::string(cdr::kCompressedImageType), RecordRole::image});
     if (recorded.model) {
@@ -163,12 +162,6 @@ Expected<void> Recorder::Content::prepare() {
   }
   checks.emplace(topics, 0.0);
   checked_drops.resize(topics.size());
-  if (!inputs.tags.empty()) {
-    Expected<std::unique_ptr<TagWatch>> watch = TagWatch::create(inputs.tags);
-    if (!watch) return watch.error();
-    tags = std::move(*watch);
-  }
-  return file.write_metadata("pcavr.sources", described);
 }
 
 void Recorder::Content::start() {
@@ -246,7 +239,7 @@ void Recorder::Content::record_frame(Source& source, std::size_t camera, const C
 void Recorder::Content::write_file() {
   const Expected<bool> done = caught([&] {
     for (bool is_last = false; !error;) {
-      is_last = is_stopped;  // before the queues are emptied: what came until then is written
+      is_last = are_sources_ended;  // before the queues are emptied: all of it is written
       // What arrived up to now is checked once all of it is written: a slow disk is no gap.
       const double now = elapsed();
       const bool has_more = write_waiting();
@@ -359,13 +352,21 @@ Recorder::~Recorder() { (void)finish(); }
 Expected<std::unique_ptr<Recorder>> Recorder::start(const std::filesystem::path& file, bool replace,
                                                     RecordInputs inputs,
                                                     const RecorderOptions& options) {
+  // Before the file is replaced.
+  std::unique_ptr<TagWatch> tags;
+  if (!inputs.tags.empty()) {
+    Expected<std::unique_ptr<TagWatch>> watch = TagWatch::create(inputs.tags);
+    if (!watch) return watch.error();
+    tags = std::move(*watch);
+  }
   Expected<McapWriter> writer = McapWriter::create(file, {.profile = "ros2",
                                                           .max_chunk = kMaxChunk,
                                                           .flush_interval = options.flush_interval,
                                                           .replace = replace});
   if (!writer) return writer.error();
   auto content = std::make_unique<Content>(std::move(*writer), std::move(inputs), options);
-  if (const Expected<void> prepared = content->prepare(); !prepared) return prepared.error();
+  content->tags = std::move(tags);
+  content->prepare();
   content->start();
   return std::unique_ptr<Recorder>(new Recorder(std::move(content)));
 }
@@ -391,6 +392,7 @@ Expected<RecordStatus> Recorder::finish() {
   status.elapsed = content_->elapsed();
   content_->is_stopped = true;
   for (Source& source : content_->sources) source.thread.join();
+  content_->are_sources_ended = true;
   content_->writing.join();
   const double elapsed = status.elapsed;
   status = content_->status();

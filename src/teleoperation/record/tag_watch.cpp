@@ -68,22 +68,22 @@ void TagWatch::run() {
       is_busy_ = true;
     }
     // An image that a library refuses must not end the recording.
-    const Expected<std::size_t> tags = caught([&] { return count(image); });
+    const Expected<std::optional<std::size_t>> tags = caught([&] { return count(image); });
     const std::lock_guard lock(mutex_);
-    sight_ = Sight{image.topic, tags ? *tags : 0};
+    if (tags && *tags) sight_ = Sight{image.topic, **tags};
     is_busy_ = false;
   }
 }
 
-std::size_t TagWatch::count(const Image& image) {
+std::optional<std::size_t> TagWatch::count(const Image& image) {
   const BagTopic topic{
       .name = {}, .type = image.type, .encoding = "cdr", .schema_encoding = {}, .schema = {}};
   const Expected<RosMessage> message = decode_ros_message(topic, image.message);
-  if (!message) return 0;
+  if (!message) return std::nullopt;
   const auto [width, height] = image_size(*message);
-  if (width <= 0 || height <= 0 || std::int64_t{width} * height > kMaxPixels) return 0;
+  if (width <= 0 || height <= 0 || std::int64_t{width} * height > kMaxPixels) return std::nullopt;
   const Expected<ColorImage> color = decode_color(*message, width, height);
-  if (!color) return 0;
+  if (!color) return std::nullopt;  // depth, or damaged: it says nothing of tags
   const std::vector<TagDetection> detections = detector_.detect(to_gray(*color));
   return static_cast<std::size_t>(
       std::count_if(detections.begin(), detections.end(),

@@ -19,7 +19,8 @@
 namespace pcavr {
 
 /// Counts the declared tags in single images of a recording, on a thread of its own, so that the
-/// recording does not wait for it. Images come from peers: damaged ones count as without tags.
+/// recording does not wait for it. Images come from peers: damaged ones, and depth, say nothing of
+/// tags.
 class TagWatch {
  public:
   /// An Error for a family that is not known.
@@ -49,7 +50,7 @@ class TagWatch {
   };
 
   void run();
-  [[nodiscard]] std::size_t count(const Image& image);
+  [[nodiscard]] std::optional<std::size_t> count(const Image& image);
 
   const std::set<MarkerId> declared_;
   TagDetector detector_;

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <ctime>
 #include <optional>
 #include <set>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,6 +23,8 @@
 namespace pcavr {
 namespace {
 
+constexpr int kMaxIoErrors = 100;
+constexpr std::chrono::milliseconds kIoErrorWait(10);
 constexpr std::uint32_t kBuffers = 4;      // at 30 Hz the encoder may be late by 0.1 s
 constexpr std::uint32_t kMinBuffers = 2;   // one is filled while the other is read
 constexpr std::uint32_t kMaxFormats = 64;  // asked for: a driver must not keep us asking
@@ -61,9 +65,15 @@ class V4l2Camera final : public CameraSource {
     v4l2_buffer buffer = make_buffer(0);
     if (const int code = device_->control(VIDIOC_DQBUF, &buffer)) {
       if (code == EAGAIN) return std::optional<CameraFrame>();
-      if (code == EIO) return damaged();  // the driver lost the frame, and goes on
+      // The driver lost the frame, and goes on; or its queue has failed for good: it says so at
+      // once.
+      if (code == EIO && ++io_errors_ < kMaxIoErrors) {
+        std::this_thread::sleep_for(kIoErrorWait);
+        return damaged();
+      }
       return failure("was disconnected", code);
     }
+    io_errors_ = 0;
     const bool is_whole = take(buffer);
     v4l2_buffer returned = make_buffer(buffer.index);
     if (const int code = device_->control(VIDIOC_QBUF, &returned)) {
@@ -254,7 +264,7 @@ class V4l2Camera final : public CameraSource {
   }
 
   Expected<std::optional<CameraFrame>> encode(double t) {
-    CameraFrame frame{.t = t, .format = "jpeg", .width = width_, .height = height_};
+    CameraFrame frame{.t = t, .format = "jpeg"};
     if (format_ == V4L2_PIX_FMT_MJPEG) {
       frame.bytes = bytes_;
       return std::optional(frame);
@@ -276,6 +286,7 @@ class V4l2Camera final : public CameraSource {
   const std::string name_;
   std::vector<std::span<const std::uint8_t>> buffers_;
   std::uint32_t format_ = 0;  ///< V4L2_PIX_FMT_*
+  int io_errors_ = 0;         ///< one after another
   int width_ = 0;
   int height_ = 0;
   std::uint32_t stride_ = 0;  ///< [bytes] of a row of YUYV

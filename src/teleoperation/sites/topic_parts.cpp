@@ -17,7 +17,10 @@ std::string plain_part_of(const std::string& name) {
   for (const char c : name) {
     part += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   }
-  return part;
+  // ROS 2 has no name that begins with a digit.
+  const bool has_digit_first =
+      !part.empty() && std::isdigit(static_cast<unsigned char>(part.front())) != 0;
+  return has_digit_first ? '_' + part : part;
 }
 
 }  // namespace

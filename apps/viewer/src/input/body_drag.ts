@@ -13,6 +13,8 @@ import { SmoothFollower } from './smooth_follower';
 
 const minDrag = 6; // [CSS pixels]; less is a click, which selects the body
 const pushSpeed = 0.3; // [m/s] of the tool after a pointer that is ahead of it
+const finishSeconds = 5; // after a quick drag: a metre to the body and half a metre of push take 4 s
+const reached = 1e-4; // [m] from where the pointer was let go
 
 interface Press {
   body: Body;
@@ -21,7 +23,8 @@ interface Press {
 }
 
 /// A movable body pressed and dragged in the scene: the tool goes behind it, seen in the direction
-/// of the drag, and pushes it after the pointer. A press without a drag stays a click.
+/// of the drag, and pushes it after the pointer, also after it was let go. A press without a drag
+/// stays a click.
 export class BodyDrag {
   private press: Press | null = null;
   private readonly trail = new PointerTrail();
@@ -30,6 +33,8 @@ export class BodyDrag {
   private plane: DragPlane | null = null; // from the drag's start on
   private approach: Approach | null = null;
   private offset = new Vector3(); // from the pressed point to the tool behind the body, in base
+  private letGo: Vector3 | null = null; // the pressed point there, in base: the view may turn since
+  private isReached = false; // by the tip, where the pointer is
 
   constructor(
     private readonly app: App,
@@ -52,6 +57,11 @@ export class BodyDrag {
     this.press = null;
     this.plane = null;
     this.approach = null;
+    this.isReached = false;
+  }
+
+  private get isHeld(): boolean {
+    return this.press !== null && this.releasedAt === Infinity;
   }
 
   /// For each time: moves `tip` behind the body, then after the pointer. `tool`: where the tool is.
@@ -65,15 +75,18 @@ export class BodyDrag {
     if (!this.press || !this.plane) return;
     this.approach ??= this.approachOf(tip, obstacles);
     if (this.approach && !this.approach.isDone) return this.approach.update(seconds, tip, tool);
-    const pushed = this.pushedPoint(this.trail.at(now));
+    const pushed = now < this.releasedAt ? this.pushedPoint(this.trail.at(now)) : this.letGo;
     if (!pushed) return;
-    this.follower.follow(seconds, tip, pushed.add(this.offset).setZ(tip.z), pushSpeed);
+    const target = pushed.clone().add(this.offset).setZ(tip.z);
+    this.follower.follow(seconds, tip, target, pushSpeed);
+    this.isReached = tip.distanceTo(target) < reached;
   }
 
   private start(event: PointerEvent): void {
-    if (event.button !== 0 || this.press || this.picking.isMeasuring || !this.canStart()) return;
+    if (event.button !== 0 || this.isHeld || this.picking.isMeasuring || !this.canStart()) return;
     const hit = this.picking.movableAt(event.clientX, event.clientY);
     if (!hit) return;
+    this.end(); // of a drag whose push is still on its way
     event.stopImmediatePropagation();
     event.preventDefault();
     this.app.canvas.focus({ preventScroll: true });
@@ -85,7 +98,7 @@ export class BodyDrag {
   }
 
   private update(event: PointerEvent): void {
-    if (!this.press) return;
+    if (!this.press || !this.isHeld) return;
     this.trail.add(event);
     const { at, point } = this.press;
     const { x, y } = this.trail.newest;
@@ -97,19 +110,22 @@ export class BodyDrag {
 
   private release(event: PointerEvent): void {
     const { press, plane } = this;
-    if (!press) return;
+    if (!press || !this.isHeld) return;
     event.stopImmediatePropagation();
     if (plane) {
-      this.releasedAt = Math.min(this.releasedAt, pageClock());
+      this.releasedAt = pageClock();
+      this.letGo = this.pushedPoint(this.trail.newest);
       return;
     }
     this.end();
     if (event.type === 'pointerup') this.picking.onPick(press.body);
   }
 
-  /// Ends a drag that was let go up to `time` [s].
-  settle(time: number): void {
-    if (this.plane && time >= this.releasedAt) this.end();
+  /// Ends a drag that was let go up to `time` [s], once the body is pushed to there. `isShown`: the
+  /// world has had the last position of the tip.
+  settle(time: number, isShown: boolean): void {
+    if (!this.plane || time < this.releasedAt) return;
+    if ((this.isReached && isShown) || time > this.releasedAt + finishSeconds) this.end();
   }
 
   /// The pressed point where the pointer at `x`, `y` has dragged it to, in base.

@@ -129,7 +129,8 @@ export class DesktopTool {
 
   /// Ends what was let go up to `time` [s].
   private settle(time: number): void {
-    this.bodyDrag.settle(time);
+    const state = this.app.session.latest();
+    this.bodyDrag.settle(time, state !== null && state.toolClock >= this.lastSent);
     if (!this.drag || time < this.releasedAt) return;
     this.finishUntil = time + finishSeconds;
     this.drag = null;
@@ -234,6 +235,7 @@ export class DesktopTool {
     if (!this.isEnabled || event.button !== 0) return;
     const state = this.app.session.latest();
     if (!state) return;
+    this.bodyDrag.end();
     handle.setPointerCapture(event.pointerId);
     this.app.canvas.focus({ preventScroll: true });
     const isFinishing = this.finishUntil > pageClock() || this.releasedAt < Infinity;

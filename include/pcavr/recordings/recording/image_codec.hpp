@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -57,5 +58,8 @@ class ImageDecoder {
 [[nodiscard]] RawDepthImage to_raw_depth(const DepthImage& depth, double units_per_metre);
 /// PNG with one channel of 16 bits.
 [[nodiscard]] std::string encode_depth(const RawDepthImage& image);
+
+/// Whether a file is named as a PNG or a JPEG image.
+[[nodiscard]] bool is_picture_file(const std::filesystem::path& file);
 
 }  // namespace pcavr

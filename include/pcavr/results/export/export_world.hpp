@@ -14,6 +14,8 @@ namespace pcavr {
 
 struct ExportOptions {
   bool assumes = false;  ///< defaults for masses and friction that are not known, instead of Errors
+  /// For a planner: nothing is said of masses and friction, and none need be known.
+  bool geometry_only = false;
   /// [m/s] at which bodies slide: engines have one coefficient, without a viscous part. Empty: the
   /// mean of the speeds at which friction was identified.
   std::optional<double> speed = {};

@@ -21,7 +21,7 @@
 
 namespace pcavr {
 
-/// Messages between the operator's and the robot's site: `pcavr-link/5`; docs/link.md specifies
+/// Messages between the operator's and the robot's site: `pcavr-link/6`; docs/link.md specifies
 /// each byte. Base frame, SI; "shared clock" is the clock of the robot's site, see LinkClock. Pure
 /// functions: any thread.
 inline constexpr int kLinkVersion = 6;

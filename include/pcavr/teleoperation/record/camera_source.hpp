@@ -19,8 +19,6 @@ namespace pcavr {
 struct CameraFrame {
   double t = 0.0;                            ///< CLOCK_MONOTONIC [s] when it was taken
   std::string_view format;                   ///< "jpeg" or "png"
-  int width = 0;                             ///< [px]
-  int height = 0;                            ///< [px]
   std::span<const std::uint8_t> bytes = {};  ///< of the file; valid until the next call of next()
 };
 
