@@ -9,6 +9,7 @@
 
 #include "pcavr/base/core/random.hpp"
 
+#include "physics/object_identification/contact_fits.hpp"
 #include "physics/object_identification/identification_steps.hpp"
 
 namespace pcavr {
@@ -41,7 +42,8 @@ ObjectIdentification law_of(const std::function<double(double)>& force_at, doubl
   std::vector<IdentifiedContact> contacts{contact};
   ObjectIdentification result;
   const PathView tip(episode.t, p_base_tip);
-  identify_contact_of(contacts, 0, tip, IdentificationOptions{}, result);
+  ContactFits fits;
+  identify_contact_of(contacts, 0, tip, IdentificationOptions{}, fits, result);
   return result;
 }
 

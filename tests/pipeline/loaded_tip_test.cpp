@@ -127,6 +127,11 @@ TEST(LoadedTip, MakesTheStdsOfContactsCoverTheTruth) {
     EXPECT_LT(score(own.contact_damping, truth.contact_damping), 3.0) << object.name;
     EXPECT_LT(score(own.contact_exponent, truth.contact_exponent), 3.0) << object.name;
     EXPECT_LT(*own.contact_exponent->std, 0.3) << object.name;  // not by knowing nothing
+    const PenetrationFinding& found_at = object.penetration;
+    const double true_depth = std::pow(found_at.force / truth.contact_stiffness->value,
+                                       1.0 / truth.contact_exponent->value);
+    EXPECT_LT(std::abs(found_at.depth.value - true_depth) / found_at.depth.std, 3.0) << object.name;
+    EXPECT_LT(found_at.depth.std, 0.5 * true_depth) << object.name;
   }
 }
 

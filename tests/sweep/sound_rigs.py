@@ -57,7 +57,7 @@ def stand_elsewhere(rng, recording):
         numbers = (", ".join(f"{x:.9f}" for x in values) for values in (pose[:3], pose[3:]))
         return match[1] + "{{t: [{}], q: [{}]}}".format(*numbers)
 
-    edit_manifest(recording, r"(\n    pose: )\{t: \[([^\]]*)\], q: \[([^\]]*)\]\}", moved)
+    edit_manifest(recording, r"(\n +pose: )\{t: \[([^\]]*)\], q: \[([^\]]*)\]\}", moved)
     return f"turned by {math.degrees(angle):.0f} degrees and moved"
 
 
@@ -85,9 +85,11 @@ def slower_rates(rng, recording):
 
 
 def noisier(rng, recording):
-    """By as much as the sensors have already."""
+    """By as much as the sensors have already; a tip by an arm's encoders has no sensor of its own."""
     force, position = log_uniform(rng, 0.01, 0.2), log_uniform(rng, 5e-6, 5e-5)
     wrench(recording).change(lambda row: [row[0], *(x + rng.gauss(0.0, force) for x in row[1:4]), *row[4:]])
+    if recording.joinpath("joints.csv").exists():
+        return f"noise of {force:.2g} N"
     tool(recording).change(lambda row: [row[0], *(x + rng.gauss(0.0, position) for x in row[1:4]), *row[4:]])
     return f"noise of {force:.2g} N and {1e6 * position:.0f} um"
 

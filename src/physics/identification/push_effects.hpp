@@ -37,8 +37,9 @@ struct NormalEquations {
 
   /// Marginalises an effect of the information `by` on these sums [Woodbury].
   void remove(const PushSums<N>& sums, double by) {
-    information -= sums.row * sums.row.transpose() / by;
-    weighted -= sums.value / by * sums.row;
+    const Eigen::Matrix<double, N, 1> scaled = sums.row / by;
+    information.noalias() -= scaled * sums.row.transpose();
+    weighted -= sums.value * scaled;
     misfit -= sums.value * sums.value / by;
   }
 };

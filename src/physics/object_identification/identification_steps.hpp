@@ -12,16 +12,18 @@
 
 namespace pcavr {
 
+class ContactFits;
+
 /// The steps of ObjectIdentifier::result().
 
 void forget_contact(ObjectParameters& parameters);
 /// Removes a contact law that is not a result (ObjectIdentification::is_contact_off_centre).
 void withhold_contact_off_centre(ObjectIdentification& result);
 
-/// Presses, faces and impacts, and the estimators' comparison.
+/// Presses, faces and impacts, and the estimators' comparison. `fits`: of the same options before.
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const PathView& tip, const IdentificationOptions& options,
-                         ObjectIdentification& result);
+                         ContactFits& fits, ObjectIdentification& result);
 /// Estimates the stiffness by the tip's displacement while pushes are loaded, under the exponent of
 /// a spherical tip, if no contact law was found, nor withheld. The object creeps meanwhile, so that
 /// the estimate is too soft, by up to a half; what would be assumed instead knows nothing of the

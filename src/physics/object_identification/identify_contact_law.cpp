@@ -14,6 +14,7 @@
 
 #include "pcavr/physics/identification/local_direction.hpp"
 
+#include "physics/object_identification/contact_fits.hpp"
 #include "physics/object_identification/identification_steps.hpp"
 
 namespace pcavr {
@@ -100,8 +101,15 @@ ForceMotion shallower(const ForceMotion& series, const std::vector<double>& tip_
   return {series.t, tool, series.force, series.tool_noise};
 }
 
-void add_change(const ContactFit& moved, ContactFit& fit) {
+double depth_at(double force, const ContactFit& fit) {
+  return std::pow(force / fit.stiffness.value, 1.0 / fit.exponent.value);
+}
+
+/// Adds the difference from the fit of moved tips; `force` [N]: the largest of these contacts.
+void add_change(const ContactFit& moved, double force, ContactFit& fit) {
   if (!fit.is_valid || !moved.is_valid) return;
+  const double depth = depth_at(force, fit);
+  fit.penetration_std = std::hypot(fit.penetration_std, depth_at(force, moved) / depth - 1.0);
   const Eigen::Vector3d change(moved.stiffness.value - fit.stiffness.value,
                                moved.damping.value - fit.damping.value,
                                moved.exponent.value - fit.exponent.value);
@@ -120,7 +128,8 @@ void add_change(const ContactFit& moved, ContactFit& fit) {
 void add_tip_uncertainty(const std::vector<ForceMotion>& series,
                          const std::vector<ForceMotion>& local,
                          const std::vector<const IdentifiedContact*>& contacts,
-                         const ContactFitOptions& options, ContactIdentification& found) {
+                         const ContactFitOptions& options, ContactFits& fits,
+                         ContactIdentification& found) {
   const bool is_known = std::all_of(contacts.begin(), contacts.end(),
                                     [](const auto* contact) { return contact->tip_std.empty(); });
   if (is_known) return;
@@ -132,9 +141,13 @@ void add_tip_uncertainty(const std::vector<ForceMotion>& series,
   for (std::size_t i = 0; i < local.size(); ++i) {
     moved_local.push_back(shallower(local[i], contacts[i]->tip_std, local_tools[i]));
   }
-  const ContactIdentification shallow = identify_contact(moved, options, moved_local);
-  add_change(shallow.hunt_crossley, found.hunt_crossley);
-  add_change(shallow.mass_damper_spring, found.mass_damper_spring);
+  const ContactIdentification shallow = fits.fit(moved, options, moved_local);
+  double force = 0.0;
+  for (const IdentifiedContact* contact : contacts) {
+    force = std::max(force, contact->episode.peak_force);
+  }
+  add_change(shallow.hunt_crossley, force, found.hunt_crossley);
+  add_change(shallow.mass_damper_spring, force, found.mass_damper_spring);
 }
 
 /// The push until the breakaway alarm: the object is at rest.
@@ -156,15 +169,15 @@ bool is_within_travel(const ContactFit& fit, const std::vector<ForceMotion>& pus
     const auto [first, last] = std::minmax_element(push.tool.begin(), push.tool.end());
     travel = std::max(travel, *last - *first);
   }
-  const double depth = std::pow(force / fit.stiffness.value, 1.0 / fit.exponent.value);
-  return depth <= kMaxDepthShare * travel;
+  return depth_at(force, fit) <= kMaxDepthShare * travel;
 }
 
 /// Relative std of the stiffness from push to push, which the joint fit does not include.
-double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFitOptions& options) {
+double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFitOptions& options,
+                         ContactFits& fits) {
   std::vector<double> logs;
   for (const ForceMotion& push : pushes) {
-    const ContactFit fit = identify_contact(std::span(&push, 1), options).best();
+    const ContactFit fit = fits.fit(std::span(&push, 1), options).best();
     if (fit.is_valid) logs.push_back(std::log(fit.stiffness.value));
   }
   if (logs.size() < 2) return 0.0;
@@ -175,7 +188,8 @@ double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFi
 }
 
 std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& pushes,
-                                        const ParameterValue& exponent, ContactFitOptions options) {
+                                        const ParameterValue& exponent, ContactFitOptions options,
+                                        ContactFits& fits) {
   std::vector<FaceContact> faces;
   std::vector<std::vector<ForceMotion>> series;
   std::vector<std::vector<const IdentifiedContact*>> sources;
@@ -198,11 +212,11 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
   options.exponent = exponent.value;
   options.exponent_std = exponent.std.value_or(0.0);
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    faces[i].contact = identify_contact(series[i], options);
-    add_tip_uncertainty(series[i], {}, sources[i], options, faces[i].contact);
+    faces[i].contact = fits.fit(series[i], options);
+    add_tip_uncertainty(series[i], {}, sources[i], options, fits, faces[i].contact);
     ContactFit& fit = faces[i].contact.hunt_crossley;
     if (!fit.is_valid) continue;
-    const double share = std::hypot(kCreep, stiffness_scatter(series[i], options));
+    const double share = std::hypot(kCreep, stiffness_scatter(series[i], options, fits));
     fit.stiffness.std = std::hypot(fit.stiffness.std, fit.stiffness.value * share);
     fit.penetration_std = std::hypot(fit.penetration_std, share / fit.exponent.value);
     faces[i].is_usable = fit.penetration_std * fit.exponent.value < 1.0 / kMinStds &&
@@ -227,7 +241,7 @@ void withhold_undetermined(ContactIdentification& found) {
 /// The contact law of presses on what stays, or moves under them while the tip travels.
 ContactIdentification identify_presses(const std::vector<IdentifiedContact*>& presses,
                                        const std::vector<ForceMotion>& series, const PathView& tip,
-                                       ContactFitOptions options) {
+                                       ContactFitOptions options, ContactFits& fits) {
   options.is_surface_shared = options.is_surface_shared && is_one_surface(presses);
   std::vector<LocalContact> contacts;
   std::vector<ForceMotion> local;
@@ -238,8 +252,8 @@ ContactIdentification identify_presses(const std::vector<IdentifiedContact*>& pr
         along_local_force(episode.t, press->force_base, tip, options.moving_half_width));
     local.push_back(contacts.back().series(episode.tool_noise));
   }
-  ContactIdentification found = identify_contact(series, options, local);
-  add_tip_uncertainty(series, local, {presses.begin(), presses.end()}, options, found);
+  ContactIdentification found = fits.fit(series, options, local);
+  add_tip_uncertainty(series, local, {presses.begin(), presses.end()}, options, fits, found);
   withhold_undetermined(found);
   return found;
 }
@@ -248,7 +262,7 @@ ContactIdentification identify_presses(const std::vector<IdentifiedContact*>& pr
 
 void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
                          const PathView& tip, const IdentificationOptions& options,
-                         ObjectIdentification& result) {
+                         ContactFits& fits, ObjectIdentification& result) {
   auto presses = contacts_of(contacts, object, true);
   auto pushes = contacts_of(contacts, object, false);
   if (!result.is_movable) {
@@ -262,14 +276,14 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   for (const IdentifiedContact* press : presses) series.push_back(press->episode.series());
   result.press_count = static_cast<int>(presses.size());
   if (!series.empty()) {
-    result.presses = identify_presses(presses, series, tip, options.contact_fit);
+    result.presses = identify_presses(presses, series, tip, options.contact_fit, fits);
     if (!result.presses.best().is_valid) result.notes.push_back(result.presses.proposal);
   }
   const ParameterValue exponent = result.parameters.contact_exponent.value_or(
       ParameterValue{kExponentOfPushes, kExponentStdOfPushes});
   result.is_contact_off_centre = centred.empty() && !pushes.empty();
   result.faces = identify_faces(result.is_contact_off_centre ? pushes : centred, exponent,
-                                options.contact_fit);
+                                options.contact_fit, fits);
 
   const ContactFit* best = nullptr;
   int count = result.press_count;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "physics/object_identification/contact_fits.hpp"
 #include "physics/object_identification/identification_steps.hpp"
 
 namespace pcavr {
@@ -83,7 +84,8 @@ ObjectIdentifier::ObjectIdentifier(const IdentifiableObject& object, ObjectParam
       known_(with_weighed_mass(std::move(known), object)),
       tool_radius_(tool_radius),
       goal_(goal),
-      options_(options) {}
+      options_(options),
+      contact_fits_(std::make_shared<ContactFits>()) {}
 
 ObjectIdentifier ObjectIdentifier::with(ObjectParameters known, IdentificationGoal goal) const {
   ObjectIdentifier other = *this;
@@ -115,7 +117,7 @@ ObjectIdentifier::Result ObjectIdentifier::result() const {
   if (is_contact_assumed(found.parameters)) forget_contact(found.parameters);
   const bool has_contact_law = found.parameters.contact_stiffness.has_value();
   if (goal_ == IdentificationGoal::contact || !has_contact_law) {
-    identify_contact_of(contacts, index, tip, options_, found);
+    identify_contact_of(contacts, index, tip, options_, *contact_fits_, found);
     identify_surface_offset(contacts, index, *object_, *surface_, tool_radius_, tip, found);
   }
   if (goal_ == IdentificationGoal::friction && object_->is_movable) {

@@ -18,6 +18,8 @@
 
 namespace pcavr {
 
+class ContactFits;
+
 enum class IdentificationGoal {
   contact,  ///< contact law: stiffness, damping, exponent
   friction  ///< breakaway, sliding and turning friction; with the contact law that these need
@@ -82,6 +84,7 @@ class ObjectIdentifier {
   double tool_radius_;  ///< [m]
   IdentificationGoal goal_;
   IdentificationOptions options_;
+  std::shared_ptr<ContactFits> contact_fits_;                         ///< of `options_`
   double suspected_turn_ = 0.0;                                   ///< [rad]
   std::vector<std::shared_ptr<const ObservedContact>> contacts_;  ///< by their begin
 };
