@@ -26,9 +26,7 @@ void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters&
                  &ObjectParameters::viscous_friction, &ObjectParameters::contact_stiffness,
                  &ObjectParameters::contact_damping, &ObjectParameters::loading_rate},
       share, known, result.parameters);
-  for (SlidingForce& sliding : result.parameters.sliding_force) {
-    sliding.std = std::hypot(sliding.std, share * sliding.force);
-  }
+  widen_sliding_forces(share, result);
   result.notes.push_back(fmt::format(
       "the stds of friction and stiffness contain that the force, or the given mass, is wrong by "
       "a factor of {:.3g}",

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <vector>
 
-#include "pcavr/physics/object/object_parameters.hpp"
+#include "pcavr/physics/object_identification/object_identification.hpp"
 
 namespace pcavr {
 
@@ -18,6 +19,16 @@ inline void widen_new(std::span<std::optional<ParameterValue> ObjectParameters::
     const std::optional<ParameterValue>& before = known.*field;
     if (!value || !value->std || (before && before->value == value->value)) continue;
     value->std = std::hypot(*value->std, share * value->value);
+  }
+}
+
+/// Adds a std of `share` of each sliding force, in the parameters and in what the report states.
+inline void widen_sliding_forces(double share, ObjectIdentification& found) {
+  for (std::vector<SlidingForce>* forces :
+       {&found.parameters.sliding_force, &found.friction.sliding_force}) {
+    for (SlidingForce& sliding : *forces) {
+      sliding.std = std::hypot(sliding.std, share * sliding.force);
+    }
   }
 }
 

@@ -14,6 +14,7 @@
 
 #include "pipeline/robot/robot_log.hpp"
 #include "pipeline/robot/torque_scale.hpp"
+#include "pipeline/robot/unexplained_torque.hpp"
 
 namespace pcavr {
 namespace {
@@ -372,6 +373,7 @@ Expected<RobotIdentification> identify_robot(JointLog log, const RobotModel& mod
     return possible.error();
   }
   doubt_torque_scale(found);
+  doubt_unexplained_torque(found);
   note_unexcited(found);
   return found;
 }
