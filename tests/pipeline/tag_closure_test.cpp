@@ -77,6 +77,15 @@ TEST(TagClosure, PutsIntoTheStdsWhatThePosesLeaveOpen) {
   }
 }
 
+TEST(TagClosure, OfHardlyUsualSizeIsDoubtedInPart) {
+  const auto usual = closure_of(a_case({0.001, -0.001, 0.0}, 1.01));
+  ASSERT_TRUE(usual.has_value());
+  TagClosure closure = *usual;
+  closure.offset = 2.25 * closure.expected;
+  EXPECT_FALSE(closure.is_significant());
+  EXPECT_NEAR(doubt_of(closure, {}).position, 0.5 * closure.offset, 1e-12);
+}
+
 TEST(TagClosure, ContradictsWhereTheSceneWouldBeElsewhere) {
   const auto closure = closure_of(a_case(Eigen::Vector3d::Zero(), 1.4));
   ASSERT_TRUE(closure && closure->is_significant());

@@ -27,6 +27,10 @@ void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters&
                  &ObjectParameters::contact_damping, &ObjectParameters::loading_rate},
       share, known, result.parameters);
   widen_sliding_forces(share, result);
+  if (const auto& exponent = result.parameters.contact_exponent) {
+    double& depth_std = result.penetration.relative_std;  // at a force that is wrong by the factor
+    if (depth_std > 0.0) depth_std = std::hypot(depth_std, share / exponent->value);
+  }
   result.notes.push_back(fmt::format(
       "the stds of friction and stiffness contain that the force, or the given mass, is wrong by "
       "a factor of {:.3g}",

@@ -20,6 +20,8 @@ constexpr double kDepthShare = 0.005;
 /// A tag is glued on and measured to a millimetre [m, one std].
 constexpr double kTagCentreStd = 1e-3;
 constexpr double kSignificantStds = 3.0;
+constexpr double kUsualStds =
+    1.5;  // from here on, up to all of it at kSignificantStds, it is doubted
 /// Offset from which on nothing of the scene is where it is drawn: as for the stds of cameras, and
 /// as the share of the distance that a factor of 1.5 makes.
 constexpr double kMaxTagOffset = 0.25;  // [m]
@@ -43,6 +45,11 @@ bool is_about_the_lens(const ConsistencyFinding& finding) {
 }  // namespace
 
 bool TagClosure::is_significant() const { return offset > kSignificantStds * expected; }
+
+double TagClosure::doubted() const {
+  const double beyond = offset / expected - kUsualStds;
+  return offset * std::clamp(beyond / (kSignificantStds - kUsualStds), 0.0, 1.0);
+}
 
 std::optional<TagClosure> close_tags(const Manifest& manifest,
                                      const std::vector<TagMeasurement>& measurements,
@@ -74,7 +81,7 @@ std::optional<TagClosure> close_tags(const Manifest& manifest,
 }
 
 CameraDoubt doubt_of(const TagClosure& closure, const std::vector<ConsistencyFinding>& findings) {
-  double offset = closure.is_significant() ? closure.offset : 0.0;
+  double offset = closure.doubted();
   for (const ConsistencyFinding& finding : findings) {
     if (!is_about_the_lens(finding)) continue;
     offset = std::hypot(offset, (finding.factor - 1.0) * closure.distance);

@@ -26,6 +26,8 @@ struct TagClosure {
 
   /// More than sound inputs leave.
   [[nodiscard]] bool is_significant() const;
+  /// [m] What a std has to contain: none of a usual offset, all of a significant one.
+  [[nodiscard]] double doubted() const;
 };
 
 /// nullopt where fewer than `min_frames` placed frames measure a base tag.
@@ -41,7 +43,7 @@ struct CameraDoubt {
   double rotation = 0.0;  ///< [rad]
 };
 
-/// That of a significant closure, and of the findings about the camera, at the closure's distance.
+/// What is doubted of the closure, and of the findings about the camera, at the closure's distance.
 [[nodiscard]] CameraDoubt doubt_of(const TagClosure& closure,
                                    const std::vector<ConsistencyFinding>& findings);
 

@@ -155,7 +155,7 @@ void check_joint_lags(const RobotFitOptions& options, const std::string& file,
 /// Friction takes power from a joint's motion. Where it gives some, decidedly, the joint's torques
 /// have another sign than the other joints', or than its positions.
 Expected<void> check_friction_power(const std::string& file, const RobotIdentification& found) {
-  constexpr double kDecisive = 10.0;   // stds
+  constexpr double kDecisive = 5.0;    // stds
   constexpr double kMinOfNoise = 2.0;  // of the residual, which the wrong sign makes large
   const std::vector<bool> moving = moving_joints(found.signals);
   for (std::size_t j = 0; j < moving.size(); ++j) {
