@@ -20,6 +20,7 @@
 
 #include "commands.hpp"
 #include "import_bag.hpp"
+#include "recover_log.hpp"
 #include "unknown_input.hpp"
 
 namespace pcavr::app {
@@ -252,15 +253,39 @@ Expected<CommandResult> inspect(const fs::path& folder, const Configuration& con
 }  // namespace
 
 void add_inspect(CLI::App& app, const Configuration& configuration, Action& action) {
+  struct Arguments {
+    std::string folder;
+    bool is_recovery = false;
+    OutputOption output;
+  };
   CLI::App* command = app.add_subcommand(
       "inspect", "Summarise a recording, a scene or a run, and check that it is sound; list a bag");
-  command->footer("Example:\n  pcavr inspect my_scene\n  pcavr inspect push.bag");
-  auto folder = std::make_shared<std::string>();
-  command->add_option("folder", *folder, "Folder of a recording, a scene or a run; or a bag")
+  command->footer(
+      "Example:\n  pcavr inspect my_scene\n  pcavr inspect push.bag\n"
+      "  pcavr inspect push.mcap --recover -o whole.mcap");
+  auto arguments = std::make_shared<Arguments>();
+  command
+      ->add_option("folder", arguments->folder, "Folder of a recording, a scene or a run; or a bag")
       ->required();
-  command->callback([folder, &configuration, &action] {
-    action = [folder, &configuration](const Observer& observer) {
-      return inspect(*folder, configuration, observer);
+  CLI::Option* recover = command->add_flag(
+      "--recover", arguments->is_recovery,
+      "Write an MCAP file whose writer was killed again: whole, with an index, up to its last "
+      "whole record");
+  command
+      ->add_option("-o,--output", arguments->output.folder,
+                   "With --recover: MCAP file to write, which may be the one that is read; "
+                   "default: beside it, NAME-recovered.mcap")
+      ->needs(recover);
+  command
+      ->add_flag("--force", arguments->output.replace,
+                 "With --recover: replace another MCAP file that exists")
+      ->needs(recover);
+  command->callback([arguments, &configuration, &action] {
+    action = [arguments, &configuration](const Observer& observer) {
+      if (arguments->is_recovery) {
+        return recover_log(arguments->folder, arguments->output, observer);
+      }
+      return inspect(arguments->folder, configuration, observer);
     };
   });
 }

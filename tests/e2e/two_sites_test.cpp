@@ -8,7 +8,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
+#include <map>
 #include <optional>
+#include <set>
+#include <span>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -19,6 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "pcavr/base/core/bytes.hpp"
 #include "pcavr/recordings/rosbag/cdr_messages.hpp"
 #include "pcavr/recordings/rosbag/ros_messages.hpp"
 #include "pcavr/teleoperation/link/link_message.hpp"
@@ -123,9 +128,131 @@ void expect_one_line(const CommandOutcome& outcome, const std::string& about) {
   EXPECT_NE(outcome.standard_error.find(about), std::string::npos) << outcome.standard_error;
 }
 
-// A recording sent through both programs gives each correction to the operator's site once.
+/// What a subscriber to one body's predictions of one site has received.
+struct ReceivedPredictions {
+  std::vector<double> t;  ///< [s] stamps of the poses
+  std::vector<Eigen::Vector3d> positions_base;
+  std::size_t wrenches = 0;
+  double max_force = 0.0;  ///< [N]
+  std::set<std::string> phases;
+};
+
+const std::vector<std::string> kPublishingSites{"robot", "operator"};
+
+/// Asks a site for predictions under its name.
+std::string publication(const std::string& site, const pcavr::DdsOptions& dds) {
+  return "format: pcavr-ros2/1\ndomain: " + std::to_string(dds.domain) +
+         "\nnetwork: {interface: 127.0.0.1, peers: [127.0.0.1], multicast: false}\n"
+         "publish: {prefix: /" +
+         site + ", rate: 50}\n";
+}
+
+/// Writes each message to a file: topic, stamp [s], and its three numbers or its text. Never
+/// returns.
+void record_predictions(const fs::path& file, const pcavr::DdsOptions& dds) {
+  std::vector<pcavr::Ros2Topic> topics;
+  const pcavr::Ros2Qos qos{.is_reliable = true, .depth = 200};
+  for (const std::string& site : kPublishingSites) {
+    for (const std::string body : {"box_1", "box_2"}) {
+      topics.push_back({"/" + site + "/predicted/" + body, "geometry_msgs/msg/PoseStamped", qos});
+      topics.push_back(
+          {"/" + site + "/predicted_force/" + body, "geometry_msgs/msg/WrenchStamped", qos});
+      topics.push_back({"/" + site + "/phase/" + body, "std_msgs/msg/String", qos});
+    }
+  }
+  const auto transport = pcavr::open_dds(topics, {}, dds);
+  std::ofstream received(file);
+  ForkedProcess::report_ready();
+  while (transport) {
+    (*transport)->wait(milliseconds(20), [&](std::size_t i, std::span<const std::uint8_t> bytes) {
+      const pcavr::BagTopic type{topics[i].name, topics[i].type, "cdr", {}, {}};
+      if (type.type == "std_msgs/msg/String") {
+        pcavr::ByteReader text(bytes.subspan(4));  // the CDR header
+        const auto size = text.integer<std::uint32_t>();
+        const auto letters = text.take(size - 1);
+        received << type.name << ' ' << std::string(letters.begin(), letters.end()) << std::endl;
+        return;
+      }
+      const auto message = pcavr::decode_ros_message(type, bytes);
+      if (!message) return;
+      const auto* pose = std::get_if<pcavr::RosPose>(&*message);
+      const auto* wrench = std::get_if<pcavr::RosWrench>(&*message);
+      const pcavr::RosHeader& header = pose != nullptr ? pose->header : wrench->header;
+      const Eigen::Vector3d numbers = pose != nullptr ? pose->position : wrench->force;
+      received << type.name << ' ' << std::fixed << std::setprecision(6)
+               << header.stamp.value_or(pcavr::Stamp{}).seconds() << ' ' << numbers.transpose()
+               << std::endl;
+    });
+  }
+}
+
+std::map<std::string, ReceivedPredictions> read_predictions(const fs::path& file) {
+  std::map<std::string, ReceivedPredictions> received;  // by "/SITE/BODY"
+  std::ifstream lines(file);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);
+    std::string topic;
+    fields >> topic;
+    const std::size_t kind = topic.find('/', 1);
+    const std::size_t body = topic.rfind('/');
+    ReceivedPredictions& of = received[topic.substr(0, kind) + topic.substr(body)];
+    if (topic.find("/phase/") != std::string::npos) {
+      std::string phase;
+      fields >> phase;
+      of.phases.insert(phase);
+      continue;
+    }
+    double t = 0.0;
+    Eigen::Vector3d numbers;
+    if (!(fields >> t >> numbers.x() >> numbers.y() >> numbers.z())) continue;
+    if (topic.find("/predicted_force/") != std::string::npos) {
+      ++of.wrenches;
+      of.max_force = std::max(of.max_force, numbers.norm());
+    } else {
+      of.t.push_back(t);
+      of.positions_base.push_back(numbers);
+    }
+  }
+  return received;
+}
+
+/// Both sites have published, at their rate, how both boxes were pushed.
+void expect_predictions(const fs::path& file) {
+  const auto received = read_predictions(file);
+  ASSERT_EQ(received.size(), 4U);
+  for (const auto& [name, of] : received) {
+    ASSERT_GT(of.t.size(), 50U) << name;
+    const double rate = static_cast<double>(of.t.size() - 1) / (of.t.back() - of.t.front());
+    EXPECT_GT(rate, 10.0) << name;  // 50 on a machine that is not loaded
+    EXPECT_LT(rate, 51.0) << name;
+    EXPECT_NEAR(static_cast<double>(of.wrenches), static_cast<double>(of.t.size()), 3.0) << name;
+    EXPECT_GT(of.max_force, 0.5) << name;
+    EXPECT_LT(of.max_force, 100.0) << name;
+    EXPECT_GT((of.positions_base.back() - of.positions_base.front()).norm(), 0.02) << name;
+    EXPECT_TRUE(of.phases.count("free") == 1 && of.phases.count("sliding") == 1) << name;
+    for (const std::string& phase : of.phases) {
+      EXPECT_TRUE(phase == "free" || phase == "static" || phase == "critical" || phase == "sliding")
+          << phase;
+    }
+  }
+  for (const std::string body : {"/box_1", "/box_2"}) {
+    const auto& at_robot = received.at("/robot" + body).positions_base;
+    const auto& at_operator = received.at("/operator" + body).positions_base;
+    EXPECT_LT((at_robot.back() - at_operator.back()).norm(), 0.002) << body;
+  }
+}
+
+// A recording sent through both programs gives each correction to the operator's site once. A ROS 2
+// subscriber sees what both predict.
 TEST_F(TwoSites, CorrectTheOperatorsWorldOverADelayedLink) {
-  RunningCommand robot(robot_arguments(), folder(), "robot");
+  const pcavr::DdsOptions dds = pcavr::loopback_options();
+  ForkedProcess subscriber([&] { record_predictions(folder() / "predictions.txt", dds); });
+  for (const std::string& site : kPublishingSites) {
+    std::ofstream(folder() / (site + "_publish.yaml")) << publication(site, dds);
+  }
+  std::vector<std::string> robot_site = robot_arguments();
+  robot_site.insert(robot_site.end(), {"--publish", path("robot_publish.yaml")});
+  RunningCommand robot(robot_site, folder(), "robot");
   const int port = port_of(robot);
   ASSERT_GT(port, 0) << robot.errors();
   std::vector<std::string> arguments = operator_arguments(port, "alice");
@@ -133,6 +260,7 @@ TEST_F(TwoSites, CorrectTheOperatorsWorldOverADelayedLink) {
        {"--forward-delay", "0.2", "--backward-delay", "0.2", "--loss", "0.1", "--duplicate", "1"}) {
     arguments.emplace_back(more);
   }
+  arguments.insert(arguments.end(), {"--publish", path("operator_publish.yaml")});
   const CommandOutcome outcome = run_pcavr(arguments);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.standard_error;
   ASSERT_EQ(robot.wait(), 0) << robot.errors();
@@ -149,6 +277,8 @@ TEST_F(TwoSites, CorrectTheOperatorsWorldOverADelayedLink) {
   EXPECT_NEAR(at_operator["round_trip_s"].get<double>(), 0.4, 0.05);
   EXPECT_GT(at_operator["cycle_p50_s"].get<double>(), 0.0);
   EXPECT_LE(at_operator["cycle_p50_s"].get<double>(), at_operator["cycle_p999_s"].get<double>());
+  subscriber.kill(SIGKILL);  // each line of it is flushed
+  expect_predictions(folder() / "predictions.txt");
 }
 
 // One code path: a recording that passes through both programs in real time gives the corrections

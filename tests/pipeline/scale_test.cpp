@@ -88,6 +88,28 @@ TEST(ManyObjects, TwentyAreDetectedTrackedAndMasked) {
   }
 }
 
+TEST(ManyObjects, HaveTexturesWithinTheBoundOfAllUntilItIsUsed) {
+  const TemporaryFolder folder;
+  const Recording recording = simulated(table_case(20, 4), 1, folder);
+  BuildOptions options(0.01, {2});
+  options.texture.atlas_width = 256;
+  options.texture.atlas_height = 256;
+  options.texture.bodies_edge = 128;  // four of 64
+  const Expected<Scene> scene = build_scene(recording, options);
+  ASSERT_TRUE(scene) << scene.error().to_string();
+  ASSERT_TRUE(scene->texture);
+  int used = scene->texture->width * scene->texture->height;
+  int with_texture = 0;
+  for (const SceneObject& object : scene->objects) {
+    if (!object.texture) continue;
+    ++with_texture;
+    used += object.texture->width * object.texture->height;
+  }
+  EXPECT_GE(with_texture, 4);
+  EXPECT_LT(with_texture, 20);
+  EXPECT_LE(used, 256 * 256);
+}
+
 // Ten times the bodies; the number of rays grows most with them.
 TEST(ManyObjects, TwentyCastAtMostThreeAndAHalfTimesTheRaysOfTwoInAFrame) {
   const int max_samples = ObjectTrackerOptions{}.max_samples;

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include "pipeline/build/scene_texture.hpp"
+
 #include <algorithm>
 #include <vector>
 
@@ -37,6 +39,34 @@ GrayImage picture_of(const Scene& scene, std::size_t level, const ColorImage& at
     }
   }
   return to_gray(picture);
+}
+
+std::size_t texels(int width, int height) {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+TEST(SceneTexture, TheSceneAndAnyNumberOfBodiesShareOneBound) {
+  for (const int bodies_edge : {0, 32, 512, 16384}) {
+    for (const int atlas : {64, 1024}) {
+      TextureOptions options;
+      options.atlas_width = 2 * atlas;
+      options.atlas_height = atlas;
+      options.bodies_edge = bodies_edge;
+      for (std::size_t bodies = 0; bodies < 300; ++bodies) {
+        const TextureShares shares = texture_shares(bodies, options);
+        EXPECT_GE(shares.scene_height, atlas / 2);
+        EXPECT_EQ(shares.max_body_edge > 0, bodies > 0 && bodies_edge > 0);
+        EXPECT_GE(shares.body_texels, texels(shares.max_body_edge, shares.max_body_edge));
+        EXPECT_LE(shares.body_texels + texels(2 * atlas, shares.scene_height),
+                  texels(2 * atlas, atlas));
+      }
+    }
+  }
+  EXPECT_EQ(texture_shares(0, {}).scene_height, 1024);
+  EXPECT_EQ(texture_shares(2, {}).max_body_edge, 256);
+  EXPECT_EQ(texture_shares(2, {}).scene_height, 960);
+  EXPECT_EQ(texture_shares(300, {}).max_body_edge, 64);
+  EXPECT_EQ(texture_shares(300, {}).scene_height, 896);
 }
 
 TEST(SceneTexture, ATagOfARecordingIsDecodedInTheCoarsestLevel) {

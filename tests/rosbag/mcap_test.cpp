@@ -189,7 +189,7 @@ TEST(Mcap, BadFilesAreOneLine) {
   EXPECT_NE(read_mcap("").error.find("first 8 bytes differ"), std::string::npos);
   EXPECT_EQ(read_mcap(chunk_file(1'000'000'000'000, "")).error,
             "a.mcap: byte 8: chunk of 1000000000000 bytes, but 1 GiB is the maximum; the file is "
-            "damaged; try 'mcap recover', or copy it again");
+            "damaged; try 'pcavr inspect --recover', or copy it again");
   EXPECT_NE(read_mcap(chunk_file(3, "snappy")).error.find("compression 'snappy' is not supported"),
             std::string::npos);
   EXPECT_NE(read_mcap(chunk_file(3, "zstd")).error.find("compressed data is damaged"),

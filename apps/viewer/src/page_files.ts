@@ -9,15 +9,22 @@ interface CarriedFile {
 }
 
 let carried: Record<string, CarriedFile> | null = null;
+let isCut = false;
 
-/// Answers all requests from these files, without a server. `json`: of files by path; throws a
-/// SyntaxError if it is none. To be called before the first request.
+/// Answers all requests from these files, without a server. `json`: of files by path; where the page's file is
+/// cut it is none, and each request fails. To be called before the first request.
 export function carryFiles(json: string): void {
-  carried = JSON.parse(json) as Record<string, CarriedFile>;
+  try {
+    carried = JSON.parse(json) as Record<string, CarriedFile>;
+  } catch {
+    isCut = true;
+  }
 }
 
 /// As `fetch`: of the server, or of the files that the page carries.
 export async function request(path: string): Promise<Response> {
+  if (isCut)
+    throw new Error('This file is cut: copy it again, or write it again by pcavr replay --html.');
   if (!carried) return fetch(path);
   const file = carried[path];
   if (!file) return new Response(null, { status: 404 });

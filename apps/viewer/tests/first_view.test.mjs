@@ -96,7 +96,11 @@ function lookPastTheTool(page) {
 /// What is written or drawn over the scene, on the page.
 function areasOnScene(page) {
   return page.evaluate(() =>
-    [...document.querySelectorAll('#labels > span, #handle, #height-handle, #call-to-action, #hud')]
+    [
+      ...document.querySelectorAll(
+        '#labels > span, #handle, #height-handle, #call-to-action, #status-lines',
+      ),
+    ]
       .filter((element) => !element.hidden)
       .map((element) => {
         const { left, right, top, bottom } = element.getBoundingClientRect();

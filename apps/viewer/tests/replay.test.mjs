@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
-import { readFileSync, statSync } from 'node:fs';
+import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { pathToFileURL } from 'node:url';
@@ -282,5 +282,13 @@ test(
     const requests = seen.requests.filter((request) => !/^(data|blob):/.test(request));
     assert.deepEqual(requests, [url]);
     assert.deepEqual(seen.errors, []);
+
+    // As after a download that broke off.
+    const cut = join(folder, 'cut.html');
+    const bytes = readFileSync(file);
+    writeFileSync(cut, bytes.subarray(0, bytes.indexOf('id="carried-files"') + 1000));
+    const opened = await openPage(stage.browser.context, pathToFileURL(cut).href);
+    await opened.page.locator('#toasts', { hasText: 'This file is cut' }).waitFor();
+    assert.deepEqual(opened.seen.errors, []);
   },
 );

@@ -18,6 +18,7 @@ import {
 import { Body } from '../src/scene/bodies';
 import { joinedNormals } from '../src/scene/body_outline';
 import { isHidden } from '../src/scene/hidden';
+import { tagPictureSize } from '../src/scene/marks';
 import { DragPlane } from '../src/input/drag_plane';
 import { linearColors, readGrid } from '../src/scene/cells';
 import { readGlb } from '../src/scene/glb';
@@ -265,4 +266,11 @@ test('a body with a texture is drawn with it, outlined in its colour, pointed at
   );
   const painted = cube('b', 0).solid.children.filter((child) => child instanceof Mesh);
   assert.equal(painted.length, 1, 'without a texture there is no outline');
+});
+
+test('the pictures of any number of tags have one bound', () => {
+  const bytes = (tags: number) => (tags * tagPictureSize(tags) ** 2 * 4 * 4) / 3;
+  for (let tags = 0; tags < 2000; ++tags) assert.ok(bytes(tags) <= 1024 * 1024, `${tags} tags`);
+  assert.equal(tagPictureSize(6), 128);
+  assert.equal(tagPictureSize(240), 16); // six on each of 40 bodies
 });

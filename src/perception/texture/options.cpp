@@ -33,13 +33,14 @@ constexpr auto kTextureFields = std::to_array<OptionField<Texture>>({
     // cards need 5 of the 16 MiB that it has at 72 Hz.
     {"atlas_width", &Texture::atlas_width, 2048, 64, 16384, "px", "maximum width of the texture",
      "lower: blurred; higher: more memory on the graphics card"},
-    {"atlas_height", &Texture::atlas_height, 1024, 64, 16384, "px", "maximum height of the texture",
+    {"atlas_height", &Texture::atlas_height, 1024, 64, 16384, "px",
+     "maximum height of the texture, with those of bodies",
      "lower: blurred; higher: more memory on the graphics card"},
-    // Of a box of 10 cm six charts at 1 mm have room; 1.3 MiB of a headset's memory.
+    // Of a box of 10 cm six charts at 1 mm have room; an eighth of the texture.
     {"bodies_edge", &Texture::bodies_edge, 512, 0, 16384, "px",
-     "edge of the square that the textures of all bodies have together, each at least 64; 0: "
-     "bodies have none",
-     "lower: blurred; higher: more memory on the graphics card"},
+     "edge of the square that the textures of all bodies have together, each at least 64, those "
+     "beyond none; taken off atlas_height; 0: bodies have none",
+     "lower: bodies are blurred; higher: the scene is"},
     {"texels_per_pixel", &Texture::texels_per_pixel, 1.2, 0.1, 8.0, "",
      "texels per pixel of the nearest view, where the atlas has room",
      "lower: blurred; higher: a larger download without more detail"},

@@ -116,32 +116,47 @@ std::optional<BodyTexture> body_texture_of(const SceneObject& object, const Obje
                      .seen_fraction = texture.seen_fraction};
 }
 
-/// Edge of each body's atlas [px]: all together they fit into a square of
-/// `bodies_edge`, unless they are so many that each has the minimum.
-int atlas_edge(std::size_t bodies, int bodies_edge) {
-  constexpr int kMinEdge = 64;  // less shows nothing
-  int side = 1;
-  while (static_cast<std::size_t>(side) * static_cast<std::size_t>(side) < bodies) side *= 2;
-  return std::max(std::min(kMinEdge, bodies_edge), bodies_edge / side);
-}
-
 void paint_bodies(const SceneViews& views, const MeshTexture& texture,
-                  const std::vector<ObjectTrack>& tracks, const BuildOptions& options,
-                  Scene& scene) {
-  if (options.texture.bodies_edge == 0 || views.views.empty()) return;
-  const auto seen = std::count_if(scene.objects.begin(), scene.objects.end(),
-                                  [](const SceneObject& one) { return one.evidence != kNotSeen; });
-  const int max_edge = atlas_edge(static_cast<std::size_t>(seen), options.texture.bodies_edge);
+                  const std::vector<ObjectTrack>& tracks, const TextureShares& shares,
+                  const BuildOptions& options, Scene& scene) {
+  if (shares.max_body_edge == 0 || views.views.empty()) return;
   const std::vector<Rgb8> colors = object_colors(scene);
+  std::size_t left = shares.body_texels;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const auto edge = static_cast<std::size_t>(shares.max_body_edge);
+    if (left < edge * edge) return;
     SceneObject& object = scene.objects[i];
     if (object.evidence == kNotSeen) continue;
     object.texture = body_texture_of(object, i < tracks.size() ? &tracks[i] : nullptr, colors[i],
-                                     views, texture, max_edge, options);
+                                     views, texture, shares.max_body_edge, options);
+    if (!object.texture) continue;
+    left -= static_cast<std::size_t>(object.texture->width) *
+            static_cast<std::size_t>(object.texture->height);
   }
 }
 
 }  // namespace
+
+TextureShares texture_shares(std::size_t bodies, const TextureOptions& options) {
+  constexpr int kMinEdge = 64;   // [px] less shows nothing
+  constexpr int kSizeStep = 16;  // [px] of textures
+  TextureShares shares{.scene_height = options.atlas_height};
+  const int max_edge =
+      std::min({options.bodies_edge, options.atlas_width, options.atlas_height / 2});
+  if (bodies == 0 || max_edge == 0) return shares;
+  int side = 1;
+  while (static_cast<std::size_t>(side) * static_cast<std::size_t>(side) < bodies) side *= 2;
+  const int edge = std::max(std::min(kMinEdge, max_edge), max_edge / side);
+  const auto texels = [](int width) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(width);
+  };
+  shares.body_texels = std::min(bodies * texels(edge), texels(max_edge));
+  shares.max_body_edge = edge;
+  const auto width = static_cast<std::size_t>(options.atlas_width);
+  const auto rows = static_cast<int>((shares.body_texels + width - 1) / width);
+  shares.scene_height -= (rows + kSizeStep - 1) / kSizeStep * kSizeStep;
+  return shares;
+}
 
 void paint_scene(const Recording& recording, ViewSelection selection,
                  const std::vector<ObjectTrack>& tracks, const BuildOptions& options,
@@ -163,10 +178,15 @@ void paint_scene(const Recording& recording, ViewSelection selection,
     scene.unseen_support_base = find_unseen_support(areas, scene.levels_of_detail_base.front(),
                                                     views.views, camera, options.fusion.voxel_size);
   }
+  const auto seen = std::count_if(scene.objects.begin(), scene.objects.end(),
+                                  [](const SceneObject& one) { return one.evidence != kNotSeen; });
+  const TextureShares shares = texture_shares(static_cast<std::size_t>(seen), options.texture);
+  TextureOptions scene_options = options.texture;
+  scene_options.atlas_height = shares.scene_height;
   MeshTexture texture =
       paint_texture(scene.levels_of_detail_base, views.views, camera,
-                    options.perception.depth_noise, options.texture, options.parallelism);
-  paint_bodies(views, texture, tracks, options, scene);
+                    options.perception.depth_noise, scene_options, options.parallelism);
+  paint_bodies(views, texture, tracks, shares, options, scene);
   scene.texture = scene_texture_of(texture, options);
 }
 

@@ -222,7 +222,8 @@ std::uint16_t McapWriter::add_channel(std::string_view topic, std::string_view m
 
 Expected<void> McapWriter::write(std::uint16_t channel, Stamp log_time,
                                  std::span<const std::uint8_t> payload,
-                                 std::optional<Stamp> publish_time) {
+                                 std::optional<Stamp> publish_time,
+                                 std::optional<std::uint32_t> sequence) {
   const Stamp published = publish_time.value_or(log_time);
   PCAVR_REQUIRE(channel < state_->channels.size(), static_cast<int>(channel));
   PCAVR_REQUIRE(log_time.nanoseconds >= 0 && published.nanoseconds >= 0);
@@ -234,7 +235,8 @@ Expected<void> McapWriter::write(std::uint16_t channel, Stamp log_time,
   if (state.chunk.empty()) state.chunk_begin = Clock::now();
   state.chunk_messages[channel].emplace_back(time, state.chunk.size());
   mcap::RecordText head;
-  head.integer(channel).integer(static_cast<std::uint32_t>(state.counts[channel]++));
+  const auto count = static_cast<std::uint32_t>(state.counts[channel]++);
+  head.integer(channel).integer(sequence.value_or(count));
   head.integer(time).integer(static_cast<std::uint64_t>(published.nanoseconds));
   state.chunk += mcap::record_head(mcap::kMessage, head.bytes().size() + payload.size());
   state.chunk += head.bytes();

@@ -27,6 +27,8 @@ import type { SceneView } from './view';
 const lift = 0.001; // [m] above the surface, against z-fighting
 const cameraSize = 0.02; // [m]
 const maxCameras = 60; // drawn as pyramids: more would hide the path they lie on
+const tagSizes = [128, 64, 32, 16]; // [px]
+const maxTagBytes = 1024 * 1024; // of a headset's memory for all textures, 16 MiB
 
 /// Adds tags, coordinate frames, support planes and the camera path.
 export function addMarks(view: SceneView, model: SceneModel): void {
@@ -38,7 +40,8 @@ export function addMarks(view: SceneView, model: SceneModel): void {
     layers.group('tags').add(tags);
     layers.group('frames').add(frame);
   }
-  for (const tag of model.tags) addTag(view, tag);
+  const size = tagPictureSize(model.tags.length);
+  for (const tag of model.tags) addTag(view, tag, size);
   for (const { outline } of model.support_planes)
     if (outline.length > 2) layers.group('planes').add(supportPlane(outline));
   for (const guard of model.guards) layers.group('guards').add(guardSurface(guard));
@@ -49,11 +52,18 @@ function axes(length: number): AxesHelper {
   return new AxesHelper(length);
 }
 
-function addTag(view: SceneView, tag: SceneTag): void {
+/// Edge of each tag's picture [px]: smaller where they are many, as all together have a bound.
+export function tagPictureSize(tags: number): number {
+  const bytes = (size: number) => tags * size * size * 4 * (4 / 3); // with mipmaps
+  return tagSizes.find((size) => bytes(size) <= maxTagBytes) ?? 0;
+}
+
+function addTag(view: SceneView, tag: SceneTag, size: number): void {
   const mark = new Group();
+  const map = size > 0 ? tagPicture(tag, size) : null;
   const square = new Mesh(
     new PlaneGeometry(tag.size, tag.size),
-    new MeshBasicMaterial({ map: tagPicture(tag), side: DoubleSide }),
+    new MeshBasicMaterial({ map, side: DoubleSide }),
   );
   square.position.z = lift;
   mark.add(square, axes(0.6 * tag.size));
@@ -64,8 +74,9 @@ function addTag(view: SceneView, tag: SceneTag): void {
 }
 
 /// A tag's family and id in a border; the tag's bit pattern is not drawn.
-function tagPicture(tag: SceneTag): CanvasTexture {
-  const { pen, texture } = drawnTexture(128, 128);
+function tagPicture(tag: SceneTag, size: number): CanvasTexture {
+  const { pen, texture } = drawnTexture(size, size);
+  pen.scale(size / 128, size / 128);
   pen.fillStyle = '#ffffff';
   pen.fillRect(0, 0, 128, 128);
   pen.lineWidth = 12;

@@ -12,7 +12,7 @@ import { phaseLabel, setPhaseColor } from './objects_panel';
 
 const maxLabels = 24; // more would hide the scene
 const edgeGap = { x: 64, y: 24 }; // [CSS pixels] of the robot's label from the stage's edge
-const inFront = ['handle', 'height-handle', 'call-to-action', 'hud']; // of the labels, which move aside
+const inFront = ['handle', 'height-handle', 'call-to-action', 'status-lines']; // of the labels, which move aside
 const belowRobot = -0.4; // [heights of its label] so that its axes are seen
 const minForceShown = 0.05; // [N]
 

@@ -41,7 +41,7 @@ export class LinkPanel {
   ) {
     this.alert.setAttribute('role', 'alert');
     this.alert.append(this.title, this.text, this.release);
-    byId('stage', HTMLElement).append(this.line, this.alert);
+    byId('status-lines', HTMLDivElement).append(this.line, this.alert);
     byId('actions', HTMLDivElement).append(this.stop);
     this.stop.addEventListener('click', () => this.stopNow());
     this.release.addEventListener('click', () => app.session.command(Command.releaseStop));

@@ -54,10 +54,12 @@ class McapWriter {
                             std::uint16_t schema, const Metadata& metadata = {});
 
   /// Stamps must not be negative and the channel must have been added (otherwise a ContractError).
-  /// Messages need not be in the order of time. publish_time: log_time where not given.
+  /// Messages need not be in the order of time. publish_time: log_time where not given. sequence:
+  /// the number of the channel's messages before it where not given.
   [[nodiscard]] Expected<void> write(std::uint16_t channel, Stamp log_time,
                                      std::span<const std::uint8_t> payload,
-                                     std::optional<Stamp> publish_time = {});
+                                     std::optional<Stamp> publish_time = {},
+                                     std::optional<std::uint32_t> sequence = {});
   [[nodiscard]] Expected<void> write(std::uint16_t channel, Stamp log_time,
                                      std::string_view payload,
                                      std::optional<Stamp> publish_time = {});
