@@ -351,6 +351,38 @@ void check_combination(const ExportArguments& arguments) {
   }
 }
 
+void add_arm_options(CLI::App& command, ExportArguments& arguments) {
+  CLI::Option* robot = command.add_option(
+      "--robot", arguments.robot,
+      "Description (URDF) of an arm, written with its identified bodies and joint friction: "
+      "robot.urdf, robot.xml (MJCF)");
+  command
+      .add_option("--identified", arguments.identified,
+                  "Report of pcavr identify robot for this arm")
+      ->needs(robot);
+  robot->needs("--identified");
+}
+
+/// Of what moves in the world, and how.
+void add_motion_options(CLI::App& command, ExportArguments& arguments) {
+  command.add_option(
+      "--motion", arguments.motion,
+      "Recording whose tool's motion is written, with a script that plays it in MuJoCo");
+  command.add_flag("--assume", arguments.assumes,
+                   "Take defaults for masses and friction that were not identified");
+  add_number(command, "--speed", arguments.speed, kSpeed,
+             "Speed at which the bodies will slide [m/s]: the exported coefficients hold there; by "
+             "default the mean speed of the identification");
+  command
+      .add_option("--sample", arguments.samples,
+                  "Also write this many worlds, of parameters drawn from their identified "
+                  "distribution: samples/, samples.csv")
+      ->check(CLI::Range(std::size_t{1}, kMaxSamples));
+  command.add_option("--seed", arguments.seed, "Of the samples")->capture_default_str();
+  add_number(command, "--tool-radius", arguments.tool_radius, ranges::kToolRadius,
+             "Radius of the tool's spherical tip [m]");
+}
+
 void add_lerobot_options(CLI::App& command, LerobotArguments& lerobot) {
   command
       .add_option("--scene", lerobot.scenes,
@@ -390,31 +422,8 @@ void add_export(CLI::App& app, Configuration& configuration, Action& action) {
                    "to 3dtiles), or a data set for policies (lerobot)")
       ->required()
       ->check(CLI::IsMember(format_names()));
-  CLI::Option* robot = command->add_option(
-      "--robot", arguments->robot,
-      "Description (URDF) of an arm, written with its identified bodies and joint friction: "
-      "robot.urdf, robot.xml (MJCF)");
-  command
-      ->add_option("--identified", arguments->identified,
-                   "Report of pcavr identify robot for this arm")
-      ->needs(robot);
-  robot->needs("--identified");
-  command->add_option(
-      "--motion", arguments->motion,
-      "Recording whose tool's motion is written, with a script that plays it in MuJoCo");
-  command->add_flag("--assume", arguments->assumes,
-                    "Take defaults for masses and friction that were not identified");
-  add_number(*command, "--speed", arguments->speed, kSpeed,
-             "Speed at which the bodies will slide [m/s]: the exported coefficients hold there; by "
-             "default the mean speed of the identification");
-  command
-      ->add_option("--sample", arguments->samples,
-                   "Also write this many worlds, of parameters drawn from their identified "
-                   "distribution: samples/, samples.csv")
-      ->check(CLI::Range(std::size_t{1}, kMaxSamples));
-  command->add_option("--seed", arguments->seed, "Of the samples")->capture_default_str();
-  add_number(*command, "--tool-radius", arguments->tool_radius, ranges::kToolRadius,
-             "Radius of the tool's spherical tip [m]");
+  add_arm_options(*command, *arguments);
+  add_motion_options(*command, *arguments);
   add_lerobot_options(*command, arguments->lerobot);
   command
       ->add_option("-o,--output", arguments->output,

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bullet (Debian libbullet-dev): bullet_engine JOBS
 // options: iterations of the solver; compliant: the tip's contact has the identified stiffness;
-// feet_friction: each foot has its own coefficient, by a contact callback (a body has one).
+// feet_friction: each foot has its own coefficient, by a contact callback (a body has one). A body
+// with a law has friction by slip speed.
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ btQuaternion quaternion(const Json& q) {
 
 /// Coefficients of the shapes of the body, by their index: of feet they differ.
 std::vector<double>* child_friction = nullptr;
+/// Of feet, the coefficient at the present slip over the exported one.
+double feet_share = 1.0;
 
 bool set_friction(btManifoldPoint& point, const btCollisionObjectWrapper* first, int,
                   int first_index, const btCollisionObjectWrapper* second, int, int second_index) {
@@ -35,13 +38,15 @@ bool set_friction(btManifoldPoint& point, const btCollisionObjectWrapper* first,
   if (child_friction == nullptr || index < 0 || other->getCollisionObject()->getUserIndex() != 0) {
     return false;
   }
-  point.m_combinedFriction = scalar((*child_friction)[static_cast<std::size_t>(index)]);
+  const double share = index == 0 ? 1.0 : feet_share;  // 0 is the body's own surface
+  point.m_combinedFriction = scalar(share * (*child_friction)[static_cast<std::size_t>(index)]);
   return true;
 }
 
 class BulletEngine : public Engine {
  public:
-  explicit BulletEngine(const Json& job) : dt_(job["experiment"]["dt"]) {
+  explicit BulletEngine(const Json& job)
+      : dt_(job["experiment"]["dt"]), law_(job["world"]["body"]) {
     const Json& world = job["world"];
     const Json& options = job["options"];
     world_.setGravity(bullet(vector_of(world["gravity"])));
@@ -52,7 +57,10 @@ class BulletEngine : public Engine {
     add_tool(world, options);
   }
 
-  void step() override { world_.stepSimulation(scalar(dt_), 0); }
+  void step() override {
+    feet_share = law_.share(state());
+    world_.stepSimulation(scalar(dt_), 0);
+  }
 
   void set_tool(const Vector& position, const Vector& velocity) override {
     tool_->setWorldTransform(btTransform(btQuaternion::getIdentity(), bullet(position)));
@@ -167,6 +175,7 @@ class BulletEngine : public Engine {
   }
 
   double dt_;
+  FrictionLaw law_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;

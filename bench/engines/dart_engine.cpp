@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // DART (Debian libdart-dev, libdart-collision-ode-dev): dart_engine JOBS
-// options: along: the friction pyramid's first axis is along the slip of the point.
+// options: along: the friction pyramid's first axis is along the slip of the point. A body with a
+// law has friction by slip speed.
 #include <cmath>
 #include <memory>
 #include <sstream>
@@ -58,7 +59,9 @@ std::shared_ptr<dynamics::MeshShape> mesh_of(const Json& body) {
 class DartEngine : public Engine {
  public:
   explicit DartEngine(const Json& job)
-      : is_along_(job["options"].value("along", false)), world_(dart::simulation::World::create()) {
+      : is_along_(job["options"].value("along", false)),
+        law_(job["world"]["body"]),
+        world_(dart::simulation::World::create()) {
     const Json& world = job["world"];
     world_->setGravity(eigen(vector_of(world["gravity"])));
     world_->setTimeStep(job["experiment"]["dt"]);
@@ -76,8 +79,10 @@ class DartEngine : public Engine {
   }
 
   void step() override {
-    if (is_along_) {
-      for (dynamics::ShapeNode* foot : feet_) set_axis(foot);
+    const double share = law_.share(state());
+    for (const Foot& foot : feet_) {
+      foot.shape->getDynamicsAspect()->setFrictionCoeff(share * foot.friction);
+      if (is_along_) set_axis(foot.shape);
     }
     world_->step();
   }
@@ -116,6 +121,11 @@ class DartEngine : public Engine {
   }
 
  private:
+  struct Foot {
+    dynamics::ShapeNode* shape;
+    double friction;  ///< as exported
+  };
+
   static dynamics::FreeJoint* joint_of(dynamics::BodyNode* body) {
     return static_cast<dynamics::FreeJoint*>(body->getParentJoint());
   }
@@ -160,10 +170,9 @@ class DartEngine : public Engine {
         dynamics::Inertia(body["mass"], eigen(vector_of(body["centre_of_mass"])), inertia));
     add_shape(body_, mesh_of(body), body["friction"]);
     for (const Json& foot : body["feet"]) {
-      feet_.push_back(
-          add_shape(body_, std::make_shared<dynamics::SphereShape>(foot["radius"].get<double>()),
-                    foot["friction"]));
-      feet_.back()->setRelativeTranslation(eigen(vector_of(foot["centre"])));
+      const auto sphere = std::make_shared<dynamics::SphereShape>(foot["radius"].get<double>());
+      feet_.push_back({add_shape(body_, sphere, foot["friction"]), foot["friction"]});
+      feet_.back().shape->setRelativeTranslation(eigen(vector_of(foot["centre"])));
     }
     joint_of(body_)->setTransform(pose_of(body));
   }
@@ -184,10 +193,11 @@ class DartEngine : public Engine {
   }
 
   bool is_along_;
+  FrictionLaw law_;
   dart::simulation::WorldPtr world_;
   dynamics::BodyNode* body_ = nullptr;
   dynamics::BodyNode* tool_ = nullptr;
-  std::vector<dynamics::ShapeNode*> feet_;
+  std::vector<Foot> feet_;
   Eigen::Vector3d wanted_ = Eigen::Vector3d::Zero();
 };
 

@@ -64,11 +64,12 @@ class Engines(Bench):
         if script.exists():
             return ["node", script, self.tools]
         binary = self.arguments.work / f"{name}_engine"
-        flags = subprocess.run(["pkg-config", "--cflags", "--libs", name], check=True, capture_output=True,
-                               text=True).stdout.split()
-        subprocess.run(["c++", "-std=c++20", "-O2", HERE / f"{name}_engine.cpp", "-o", binary, *flags,
-                        *FLAGS.get(name, [])],
-                       check=True)
+        sources = [HERE / f"{name}_engine.cpp", HERE / "experiment.hpp"]
+        if not binary.exists() or binary.stat().st_mtime < max(each.stat().st_mtime for each in sources):
+            flags = subprocess.run(["pkg-config", "--cflags", "--libs", name], check=True, capture_output=True,
+                                   text=True).stdout.split()
+            subprocess.run(["c++", "-std=c++20", "-O2", sources[0], "-o", binary, *flags, *FLAGS.get(name, [])],
+                           check=True)
         return [binary]
 
     def worlds(self, test, parameters, work):

@@ -47,6 +47,30 @@ class Engine {
   virtual void apply_wrench(const Vector& force, const Vector& torque) = 0;
 };
 
+/// The identified friction of a body by its slip speed, as in friction_law.mjs.
+class FrictionLaw {
+ public:
+  explicit FrictionLaw(const Json& body) : law_(body.value("law", Json())) {}
+
+  /// The body's coefficient over the exported one: 1 without a law.
+  [[nodiscard]] double share(const BodyState& body) const {
+    if (law_.is_null()) return 1.0;
+    const auto number = [&](const char* key) { return law_[key].get<double>(); };
+    const double turning = std::hypot(body.spin[0], body.spin[1], body.spin[2]);
+    const double slip =
+        std::hypot(body.velocity[0], body.velocity[1], turning * number("friction_radius"));
+    const double ratio = slip / number("stribeck_speed");
+    const double rise =
+        number("stribeck_speed") > 0.0 ? std::exp(-ratio * ratio) : (slip < 1e-3 ? 1.0 : 0.0);
+    const double coulomb = number("coulomb_friction");
+    const double viscous = number("viscous") * slip / (9.80665 * number("mass"));
+    return (coulomb + viscous + (number("static_friction") - coulomb) * rise) / number("friction");
+  }
+
+ private:
+  Json law_;
+};
+
 /// Rows [t, ...], read in the order of time.
 class Table {
  public:

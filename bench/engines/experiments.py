@@ -86,15 +86,23 @@ def turning_error(rows, world, manifest):
     return torque / wanted - 1.0
 
 
+def sliding_friction(known, speed):
+    """[N] The identified law: Coulomb and viscous friction, and what a slow speed adds."""
+    weight, slow = known["mass"] * GRAVITY, known["stribeck_speed"]
+    rise = math.exp(-(speed / slow) ** 2) if slow > 0.0 else 0.0
+    return (known["coulomb_friction"] * weight + known["viscous"] * speed
+            + (known["static_friction"] - known["coulomb_friction"]) * weight * rise)
+
+
 def slide_error(rows, _, manifest):
-    """Distance slid from a speed, against m dv/dt = -(F_C + B v)."""
+    """Distance slid from a speed to rest, against the identified law's [midpoint rule over the speed]."""
     known = manifest["bodies"][0]
-    mass, b = known["mass"], known["viscous"]
-    coulomb = known["coulomb_friction"] * mass * GRAVITY
-    speed = start_speed(manifest)
-    wanted = (mass * speed ** 2 / (2.0 * coulomb) if b * speed < 1e-6 * coulomb else
-              mass / b * (speed - coulomb / b * math.log1p(b * speed / coulomb)))
-    return math.hypot(rows[-1][X] - rows[0][X], rows[-1][Y] - rows[0][Y]) / wanted - 1.0
+    count = 1000
+    step = start_speed(manifest) / count
+    speeds = [(i + 0.5) * step for i in range(count)]
+    wanted = sum(known["mass"] * v * step / sliding_friction(known, v) for v in speeds)
+    first = STEP * speed_of(rows[0])  # the rows begin after a step
+    return (first + math.hypot(rows[-1][X] - rows[0][X], rows[-1][Y] - rows[0][Y])) / wanted - 1.0
 
 
 def breakaway_error(rows, _, manifest):

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // The settings with which an exported MJCF world is compared: edits of its text, and friction by slip speed.
+import { frictionShare, slipSpeed } from "./friction_law.mjs";
 
 const plain = (text, friction) =>
   text
@@ -29,12 +30,9 @@ export function frictionBySpeed(mujoco, model, data, body) {
     const geom = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM.value, `${body.name}/foot_${i}`);
     feet.push({ geom, base: model.geom_friction[3 * geom] });
   }
-  const weight = body.mass * 9.80665;
   return () => {
-    const spin = Math.hypot(...[3, 4, 5].map((k) => data.qvel[dof + k]));
-    const v = Math.hypot(data.qvel[dof], data.qvel[dof + 1], spin * body.friction_radius);
-    const stribeck = body.stribeck_speed > 0 ? Math.exp(-((v / body.stribeck_speed) ** 2)) : v < 1e-3 ? 1 : 0;
-    const mu = body.coulomb_friction + (body.viscous * v) / weight + (body.static_friction - body.coulomb_friction) * stribeck;
-    for (const foot of feet) model.geom_friction[3 * foot.geom] = (foot.base * mu) / body.friction;
+    const v = data.qvel.slice(dof, dof + 6);
+    const share = frictionShare(body, slipSpeed(body, v.slice(0, 3), v.slice(3)));
+    for (const foot of feet) model.geom_friction[3 * foot.geom] = foot.base * share;
   };
 }

@@ -3,6 +3,7 @@
 // ODE (Debian libode-dev): ode_engine JOBS
 // options: quick (dWorldQuickStep) with iterations, else dWorldStep; compliant: contacts have the
 // stiffness and damping of the export; along: the friction pyramid's first axis is along the slip.
+// A body with a law has friction by slip speed.
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -19,6 +20,7 @@ struct Surface {
   double friction = 0.0;
   double stiffness = 0.0;  ///< [N/m]; 0: ODE's own
   double damping = 0.0;    ///< [N s/m]
+  bool is_foot = false;
 };
 
 Vector numbers(const dReal* v) { return {v[0], v[1], v[2]}; }
@@ -30,7 +32,10 @@ void set_quaternion(const Json& q, dQuaternion result) {
 class OdeEngine : public Engine {
  public:
   explicit OdeEngine(const Json& job)
-      : dt_(job["experiment"]["dt"]), options_(job["options"]), world_(dWorldCreate()) {
+      : dt_(job["experiment"]["dt"]),
+        options_(job["options"]),
+        law_(job["world"]["body"]),
+        world_(dWorldCreate()) {
     const Json& world = job["world"];
     const Vector g = vector_of(world["gravity"]);
     dWorldSetGravity(world_, g[0], g[1], g[2]);
@@ -57,6 +62,7 @@ class OdeEngine : public Engine {
   OdeEngine& operator=(const OdeEngine&) = delete;
 
   void step() override {
+    feet_share_ = law_.share(state());
     dSpaceCollide(space_, this, [](void* self, dGeomID a, dGeomID b) {
       static_cast<OdeEngine*>(self)->add_contacts(a, b);
     });
@@ -166,7 +172,7 @@ class OdeEngine : public Engine {
           {0, 0, 0});
     for (const Json& foot : body["feet"]) {
       place(add_geom(dCreateSphere(space_, foot["radius"]),
-                     {foot["friction"], foot["stiffness"], foot["damping"]}),
+                     {foot["friction"], foot["stiffness"], foot["damping"], true}),
             vector_of(foot["centre"]));
     }
   }
@@ -206,6 +212,7 @@ class OdeEngine : public Engine {
       dContact& contact = found[static_cast<std::size_t>(i)];
       // ODE has no default coefficient: Gazebo's is 1, with ODE's pyramid.
       contact.surface.mu = is_default_ ? 1.0 : std::min(sa.friction, sb.friction);
+      if (sa.is_foot || sb.is_foot) contact.surface.mu *= feet_share_;
       contact.surface.mode = dContactApprox1;
       if (options_.value("compliant", false) && own.stiffness > 0.0) {
         const double hk = dt_ * own.stiffness;
@@ -240,6 +247,8 @@ class OdeEngine : public Engine {
 
   double dt_;
   Json options_;
+  FrictionLaw law_;
+  double feet_share_ = 1.0;
   dWorldID world_;
   dSpaceID space_ = dHashSpaceCreate(nullptr);
   dJointGroupID contacts_ = dJointGroupCreate(0);

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // PhysX 5 (npm physx-js-webidl): node physx_engine.mjs TOOLS JOBS
-// options: solver "tgs" or "pgs", positionIterations, compliant (contact of the tip by its stiffness).
+// options: solver "tgs" or "pgs", positionIterations, velocityIterations. A body with a law has friction by slip speed.
 import { createRequire } from "node:module";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { runJobs, TOOL_MASS } from "./experiment.mjs";
+import { frictionShare, slipSpeed } from "./friction_law.mjs";
 
 const [tools, jobs] = process.argv.slice(2);
 const require = createRequire(resolve(tools, "package.json"));
@@ -49,14 +50,10 @@ function convexMesh(points) {
 }
 
 /** A material whose coefficients hold for a pair with one that has larger ones. */
-function material({ friction, staticFriction, stiffness }) {
+function material({ friction, staticFriction }) {
   if (friction == null) return physics.createMaterial(0.5, 0.5, 0); // as PhysX's samples and Isaac have it
   const made = physics.createMaterial(staticFriction ?? friction, friction, 0);
   made.setFrictionCombineMode(P.PxCombineModeEnum.eMIN);
-  if (stiffness) {
-    made.setRestitution(-stiffness);
-    made.setRestitutionCombineMode(P.PxCombineModeEnum.eMIN);
-  }
   return made;
 }
 
@@ -72,12 +69,12 @@ function addShape(actor, geometry, surface, localPose) {
 function addBody(scene, world, options) {
   const { body } = world;
   const actor = physics.createRigidDynamic(pose(body.position, body.quaternion));
-  const tip = options.compliant ? { stiffness: body.stiffness } : {};
-  addShape(actor, new P.PxConvexMeshGeometry(convexMesh(body.points)), material({ friction: body.friction, ...tip }));
-  for (const foot of body.feet) {
+  addShape(actor, new P.PxConvexMeshGeometry(convexMesh(body.points)), material({ friction: body.friction }));
+  const feet = body.feet.map((foot) => {
     const surface = material({ friction: foot.friction, staticFriction: foot.friction * body.static_ratio });
     addShape(actor, new P.PxSphereGeometry(foot.radius), surface, pose(foot.centre));
-  }
+    return { surface, friction: foot.friction };
+  });
   actor.setMass(body.mass);
   actor.setCMassLocalPose(pose(body.centre_of_mass, body.inertia_quaternion));
   actor.setMassSpaceInertiaTensor(vector(body.inertia));
@@ -86,7 +83,15 @@ function addBody(scene, world, options) {
   actor.setStabilizationThreshold(0);
   actor.setSolverIterationCounts(options.positionIterations ?? 4, options.velocityIterations ?? 1);
   scene.addActor(actor);
-  return actor;
+  return { actor, feet };
+}
+
+/** Of feet that slip at a speed: one coefficient, as PhysX's static one is at least the sliding one. */
+function setFriction(feet, share) {
+  for (const { surface, friction } of feet) {
+    surface.setStaticFriction(friction * share);
+    surface.setDynamicFriction(friction * share);
+  }
 }
 
 function makeEngine({ world, experiment, options }) {
@@ -101,7 +106,8 @@ function makeEngine({ world, experiment, options }) {
     addShape(actor, new P.PxBoxGeometry(...support.size.map((s) => s / 2)), material({ friction: world.partner_friction }));
     scene.addActor(actor);
   }
-  const body = addBody(scene, world, options);
+  const { actor: body, feet } = addBody(scene, world, options);
+  const { law } = world.body;
   const tool = physics.createRigidDynamic(pose([0, 0, 50]));
   addShape(tool, new P.PxSphereGeometry(world.tool_radius), material({ friction: world.tip_friction }));
   tool.setMass(TOOL_MASS);
@@ -116,6 +122,10 @@ function makeEngine({ world, experiment, options }) {
   const assign = (to, from) => (([to.x, to.y, to.z] = from), to);
   return {
     step() {
+      if (law) {
+        const slip = slipSpeed(law, numbers(body.getLinearVelocity()), numbers(body.getAngularVelocity()));
+        setFriction(feet, frictionShare(law, slip));
+      }
       scene.simulate(dt);
       scene.fetchResults(true);
     },

@@ -6,6 +6,8 @@ import math
 import xml.etree.ElementTree as ElementTree
 
 DEFAULTS, MU_ALONE, EXPORT, BEST = "engine's defaults", "mu alone", "export", "best known"
+# Of a body of export.json: its friction by slip speed, and the coefficient that was exported.
+LAW = ("mass", "friction", "static_friction", "coulomb_friction", "viscous", "stribeck_speed", "friction_radius")
 PARTNER = 10.0  # coefficient that drops out where an engine takes the smaller one
 
 
@@ -129,6 +131,8 @@ def read_world(folder):
 def with_setting(world, manifest, setting):
     """A copy with the coefficients of a setting; the others' bodies stand on their own surfaces."""
     changed = json.loads(json.dumps(world))
+    if setting == BEST:
+        changed["body"]["law"] = {key: manifest["bodies"][0][key] for key in LAW}
     if setting in (EXPORT, BEST):
         return changed
     is_default = setting == DEFAULTS

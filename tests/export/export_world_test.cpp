@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include "pcavr/base/core/gravity.hpp"
+#include "pcavr/base/model/cad_model.hpp"
 #include "pcavr/results/export/write_export.hpp"
 
 #include "export/exported_box.hpp"
+#include "support/meshes.hpp"
 
 namespace pcavr {
 namespace {
@@ -144,6 +148,35 @@ TEST(ExportedWorld, TurnsByUniformPressureWhereNoTurningWasIdentified) {
   EXPECT_NEAR(turning, body.friction * mean, 0.01 * body.friction * mean);
 }
 
+TEST(ExportedWorld, RefusesABodyWhoseSurfaceIsOpen) {
+  Scene scene = a_box_on_a_table();
+  scene.objects.front().model.mesh_object.triangles.pop_back();
+  const ExportedBox box(scene);
+  const auto refused = box.world({{"box", identified_box()}});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("edges are open"), std::string::npos)
+      << refused.error().to_string();
+}
+
+TEST(ExportedWorld, ReducesTwoHundredThousandTrianglesToWhatEnginesCollideWith) {
+  const double radius = 0.04;
+  Scene scene = a_box_on_a_table();
+  scene.objects.front().model.mesh_object = test::sphere_mesh(static_cast<float>(radius), 225);
+  ASSERT_GT(scene.objects.front().model.mesh_object.triangles.size(), 200'000U);
+  const ExportedBox ball(scene);
+  const auto world = ball.world({{"box", identified_box()}});
+  ASSERT_TRUE(world) << world.error().to_string();
+  const ExportedBody& body = world->bodies.front();
+  EXPECT_LE(body.mesh_object.triangles.size(), ExportOptions().max_body_triangles);
+  for (const Eigen::Vector3f& v : body.mesh_object.vertices) {
+    EXPECT_NEAR(v.norm(), radius, 5e-4);
+  }
+  const double expected = 0.4 * kBoxMass * radius * radius;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(body.inertia.inertia_object(i, i), expected, 0.01 * expected);
+  }
+}
+
 /// Number of times that a text occurs in another.
 int occurrences(const std::string& text, const std::string& part) {
   int count = 0;
@@ -179,6 +212,85 @@ TEST(ExportedWorld, RefusesANameThatTheFormatReserves) {
     EXPECT_NE(written.error().message.find("'world'"), std::string::npos);
   }
   EXPECT_TRUE(write_urdf(*world, box.target()));
+}
+
+TEST(ExportedWorld, RefusesTheScopesOfSdfAlone) {
+  for (const std::string name : {"left::box", "__box__"}) {
+    const ExportedBox box(name);
+    auto world = box.world({{name, identified_box()}});
+    ASSERT_TRUE(world) << world.error().to_string();
+    const auto written = write_sdf(*world, box.target());
+    ASSERT_FALSE(written);
+    EXPECT_NE(written.error().message.find(name), std::string::npos);
+    EXPECT_TRUE(std::filesystem::is_empty(box.target()));
+    EXPECT_TRUE(write_mjcf(*world, box.target()));
+    EXPECT_TRUE(write_usd(*world, box.target()));
+  }
+}
+
+// They are within the scan's noise: both together flicker.
+TEST(ExportedWorld, DrawsSupportsWhereNoScanShowsThem) {
+  const ExportedBox box;
+  auto world = box.world({{"box", identified_box()}});
+  ASSERT_TRUE(world);
+  struct Drawn {
+    Expected<void> (*write)(ExportedWorld& world, const std::filesystem::path& folder);
+    const char* file;
+    const char* text;  ///< of a support that is drawn, or hidden
+    bool is_hidden;
+  };
+  const Drawn formats[] = {{&write_urdf, kUrdfFile, "<visual><geometry><box", false},
+                           {&write_sdf, kSdfFile, "<visual name=\"body\"><geometry><box", false},
+                           {&write_mjcf, kMjcfFile, "rgba=\"0.6 0.6 0.6 1\" group=\"3\"", true},
+                           {&write_usd, kUsdFile,
+                            "Cube \"box\" (prepend apiSchemas = "
+                            "[\"PhysicsCollisionAPI\", "
+                            "\"MaterialBindingAPI\"]) {\n      uniform token "
+                            "purpose = \"guide\"",
+                            true}};
+  for (const auto& [write, file, text, is_hidden] : formats) {
+    for (const bool has_scan : {true, false}) {
+      ExportedWorld drawn = *world;
+      if (!has_scan) drawn.scan_base = {};
+      ASSERT_TRUE(write(drawn, box.target()));
+      EXPECT_EQ(occurrences(*read_file(box.target() / file), text), has_scan == is_hidden ? 1 : 0)
+          << file << has_scan;
+    }
+  }
+}
+
+TEST(ExportedWorld, HasTheColoursOfTheScan) {
+  const ExportedBox box;
+  auto world = box.world({{"box", identified_box()}});
+  ASSERT_TRUE(world);
+  const TriangleMesh& scan = world->scan_base;
+  ASSERT_EQ(scan.colors.size(), scan.vertices.size());
+  ASSERT_TRUE(write_usd(*world, box.target()));
+  EXPECT_EQ(occurrences(*read_file(box.target() / kUsdFile), "primvars:displayColor"), 1);
+  ASSERT_TRUE(write_urdf(*world, box.target()));
+  const auto read = read_mesh(box.target() / "meshes/scan.obj");
+  ASSERT_TRUE(read) << read.error().to_string();
+  ASSERT_EQ(read->colors.size(), scan.colors.size());
+  for (std::size_t i = 0; i < scan.colors.size(); ++i) {
+    EXPECT_EQ(read->colors[i].r, scan.colors[i].r);
+    EXPECT_EQ(read->colors[i].b, scan.colors[i].b);
+  }
+}
+
+TEST(ExportedUsd, StatesAStaticFrictionThatPhysxDoesNotTake) {
+  const ExportedBox box;
+  // Sliding at 0.2 m/s has 0.3 * 14.7 N + 1 N of viscous friction, more than the 5 N at rest.
+  for (const auto& [speed, is_stated] : {std::pair(0.2, true), std::pair(0.01, false)}) {
+    auto world = box.world({{"box", identified_box()}}, {.speed = speed});
+    ASSERT_TRUE(world);
+    ASSERT_TRUE(write_usd(*world, box.target()));
+    EXPECT_EQ(std::any_of(world->residuals.begin(), world->residuals.end(),
+                          [](const ExportResidual& residual) {
+                            return residual.what == "limiting static friction" &&
+                                   residual.written > residual.wanted;
+                          }),
+              is_stated);
+  }
 }
 
 TEST(ExportedWorld, StatesWhatUrdfAndSdfCannotHave) {

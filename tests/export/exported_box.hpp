@@ -34,10 +34,10 @@ inline ObjectParameters identified_box(double exponent = 1.0) {
 /// The scene of a_box_on_a_table() on the disk, and what export makes of it.
 class ExportedBox {
  public:
-  explicit ExportedBox(const std::string& name = "box") {
-    Scene scene = a_box_on_a_table();
-    scene.objects.front().model.name = name;
-    for (SupportPlane& plane : scene.support_planes) plane.objects = {name};
+  explicit ExportedBox(const std::string& name = "box")
+      : ExportedBox(named_box(a_box_on_a_table(), name)) {}
+
+  explicit ExportedBox(const Scene& scene) {
     folder_ = temporary_.path() / "scene";
     std::filesystem::create_directories(folder_);
     const Expected<void> written = write_scene(scene, folder_, {1});
@@ -54,6 +54,13 @@ class ExportedBox {
     return temporary_.path() / "world";
   }
   [[nodiscard]] const SceneManifest& manifest() const { return manifest_; }
+
+  /// The scene with another name of its box.
+  static Scene named_box(Scene scene, const std::string& name) {
+    scene.objects.front().model.name = name;
+    for (SupportPlane& plane : scene.support_planes) plane.objects = {name};
+    return scene;
+  }
 
  private:
   TemporaryFolder temporary_;

@@ -26,13 +26,20 @@ void append_bytes(std::string& bytes, const T& value) {
 
 }  // namespace
 
-std::string obj_text(const TriangleMesh& mesh) {
+std::string obj_text(const TriangleMesh& mesh, std::size_t first) {
   std::string text;
-  for (const Eigen::Vector3f& v : mesh.vertices) {
-    text += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Eigen::Vector3f& v = mesh.vertices[i];
+    text += fmt::format("v {} {} {}", v.x(), v.y(), v.z());
+    if (!mesh.colors.empty()) {
+      const Rgb8& colour = mesh.colors[i];
+      text += fmt::format(" {:.4g} {:.4g} {:.4g}", colour.r / 255.0, colour.g / 255.0,
+                          colour.b / 255.0);
+    }
+    text += '\n';
   }
   for (const auto& t : mesh.triangles) {
-    text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    text += fmt::format("f {} {} {}\n", first + t[0], first + t[1], first + t[2]);
   }
   return text;
 }
@@ -89,7 +96,7 @@ Expected<void> write_meshes(const ExportedWorld& world, const std::filesystem::p
       return written;
     }
   }
-  if (world.scan_base.triangles.empty()) return {};
+  if (!world.is_scanned()) return {};
   return write_file(folder / "meshes" / "scan.obj", obj_text(world.scan_base));
 }
 

@@ -24,8 +24,9 @@ namespace pcavr::detail {
 /// The attributes ixx to izz of URDF.
 [[nodiscard]] std::string inertia_attributes(const Eigen::Matrix3d& inertia);
 
-/// The OBJ text: vertices [m] and triangles.
-[[nodiscard]] std::string obj_text(const TriangleMesh& mesh);
+/// The OBJ text: vertices [m], with their colours in [0, 1] where the mesh has some, as MeshLab,
+/// Blender and Open3D read them, and triangles. `first` is the number of the first vertex.
+[[nodiscard]] std::string obj_text(const TriangleMesh& mesh, std::size_t first = 1);
 /// The bytes of a binary STL file.
 [[nodiscard]] std::string stl_bytes(const TriangleMesh& mesh);
 /// Writes meshes/object_N.obj of all bodies, and meshes/scan.obj where there is a scan.

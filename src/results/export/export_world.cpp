@@ -68,6 +68,20 @@ std::optional<double> identified_speed(const ParameterTable& parameters) {
   return sum / weights;
 }
 
+/// The speed at which the exported coefficients hold, stated among the world's numbers.
+void set_reference_speed(const ParameterTable& parameters, const ExportOptions& options,
+                         ExportedWorld& world) {
+  const std::optional<double> identified = identified_speed(parameters);
+  world.reference_speed = options.speed.value_or(identified.value_or(kDefaultSpeed));
+  world.numbers.push_back({.object = "world",
+                           .key = "reference_speed",
+                           .value = world.reference_speed,
+                           .unit = "m/s",
+                           .origin = options.speed ? "given"
+                                     : identified  ? "measured"
+                                                   : "assumed"});
+}
+
 /// [m] Largest depth of vertices under the planes of a closed mesh's faces: 0 where it is convex,
 /// as then no vertex is in front of any.
 double max_concavity_of(const TriangleMesh& mesh) {
@@ -252,6 +266,27 @@ void warn_of_assumed(const std::vector<ExportedNumber>& numbers, ExportedWorld& 
   world.warnings.push_back(numbers.front().object + ": assumed, not identified: " + keys);
 }
 
+/// The numbers of a body, and what engines make of its shape.
+void state_body(const ExportedBody& body, const std::vector<ExportedNumber>& numbers,
+                ExportedWorld& world) {
+  warn_of_assumed(numbers, world);
+  world.numbers.insert(world.numbers.end(), numbers.begin(), numbers.end());
+  if (body.is_convex) return;
+  world.warnings.push_back(
+      fmt::format("{}: is not convex; engines fill its concavities", body.name));
+}
+
+Expected<void> add_scan(const SceneManifest& scene, const ExportOptions& options,
+                        ExportedWorld& world) {
+  if (!scene.is_scanned()) return {};
+  Expected<TriangleMesh> scan = reduced_scan(scene, options);
+  if (!scan) return scan.error();
+  world.scan_name = unused_name(world.bodies, world.scan_name);
+  world.scan_base = *std::move(scan);
+  world.occupancy_file = scene.folder / kOccupancyFile;
+  return {};
+}
+
 }  // namespace
 
 Expected<ExportedWorld> make_exported_world(const SceneManifest& scene,
@@ -260,15 +295,7 @@ Expected<ExportedWorld> make_exported_world(const SceneManifest& scene,
   ExportedWorld world;
   world.source = scene.recording;
   world.up_base = scene.up_base;
-  const std::optional<double> identified = identified_speed(parameters);
-  world.reference_speed = options.speed.value_or(identified.value_or(kDefaultSpeed));
-  world.numbers.push_back({.object = "world",
-                           .key = "reference_speed",
-                           .value = world.reference_speed,
-                           .unit = "m/s",
-                           .origin = options.speed ? "given"
-                                     : identified  ? "measured"
-                                                   : "assumed"});
+  set_reference_speed(parameters, options, world);
   std::vector<CompletedBody> bodies;
   for (const SceneObjectEntry& object : scene.objects) {
     const auto known = parameters.find(object.name);
@@ -276,26 +303,14 @@ Expected<ExportedWorld> make_exported_world(const SceneManifest& scene,
     const ObjectParameters& values = known == parameters.end() ? nothing : known->second;
     Expected<CompletedBody> body = make_body(scene, object, values, world.reference_speed, options);
     if (!body) return body.error();
-    const auto numbers = detail::numbers_of(object.name, values, body->physics);
     if (!options.geometry_only) {
-      warn_of_assumed(numbers, world);
-      world.numbers.insert(world.numbers.end(), numbers.begin(), numbers.end());
-    }
-    if (!body->body.is_convex && !options.geometry_only) {
-      world.warnings.push_back(
-          fmt::format("{}: is not convex; engines fill its concavities", object.name));
+      state_body(body->body, detail::numbers_of(object.name, values, body->physics), world);
     }
     bodies.push_back(std::move(*body));
   }
   add_supports(scene, bodies, world);
   world.base_name = unused_name(world.bodies, world.base_name);
-  if (scene.is_scanned()) {
-    Expected<TriangleMesh> scan = reduced_scan(scene, options);
-    if (!scan) return scan.error();
-    world.scan_name = unused_name(world.bodies, world.scan_name);
-    world.scan_base = *std::move(scan);
-    world.occupancy_file = scene.folder / kOccupancyFile;
-  }
+  if (auto added = add_scan(scene, options, world); !added) return added.error();
   add_tool(options, world);
   if (options.geometry_only) world.residuals.clear();
   return world;

@@ -126,7 +126,7 @@ std::string assets_text(const ExportedWorld& world) {
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     text += fmt::format("    <mesh name=\"object_{0}\" file=\"meshes/object_{0}.obj\"/>\n", i);
   }
-  if (!world.scan_base.triangles.empty()) {
+  if (world.is_scanned()) {
     text += "    <mesh name=\"scan\" file=\"meshes/scan.obj\" inertia=\"shell\"/>\n";
   }
   return text + "  </asset>\n";
@@ -137,10 +137,11 @@ std::string static_text(const ExportedWorld& world) {
   for (const ExportedSupport& support : world.supports) {
     text += fmt::format(
         "    <geom class=\"solid\" name=\"{}\" type=\"box\" size=\"{}\" {} "
-        "rgba=\"0.6 0.6 0.6 1\"/>\n",
-        xml_text(support.name), vector_text(support.size / 2.0), mjcf_pose(support.T_base_box));
+        "rgba=\"0.6 0.6 0.6 1\"{}/>\n",
+        xml_text(support.name), vector_text(support.size / 2.0), mjcf_pose(support.T_base_box),
+        world.is_scanned() ? " group=\"3\"" : "");  // viewers draw groups 0 to 2
   }
-  if (!world.scan_base.triangles.empty()) {
+  if (world.is_scanned()) {
     text += fmt::format("    <geom class=\"visual\" name=\"{}\" type=\"mesh\" mesh=\"scan\"/>\n",
                         xml_text(world.scan_name));
   }

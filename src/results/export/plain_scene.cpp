@@ -62,21 +62,11 @@ TriangleMesh merged(const std::vector<NamedMesh>& meshes) {
   return all;
 }
 
-/// Vertices with colours in [0, 1], as MeshLab, Blender and Open3D read them.
 std::string coloured_obj(const std::vector<NamedMesh>& meshes) {
   std::string text = "# SI units, frame base\n";
   std::size_t first = 1;
   for (const auto& [name, mesh] : meshes) {
-    text += fmt::format("o {}\n", name);
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      const Eigen::Vector3f& v = mesh.vertices[i];
-      const Rgb8& colour = mesh.colors[i];
-      text += fmt::format("v {} {} {} {:.4g} {:.4g} {:.4g}\n", v.x(), v.y(), v.z(),
-                          colour.r / 255.0, colour.g / 255.0, colour.b / 255.0);
-    }
-    for (const auto& t : mesh.triangles) {
-      text += fmt::format("f {} {} {}\n", first + t[0], first + t[1], first + t[2]);
-    }
+    text += fmt::format("o {}\n", name) + detail::obj_text(mesh, first);
     first += mesh.vertices.size();
   }
   return text;

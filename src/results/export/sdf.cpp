@@ -64,6 +64,10 @@ std::string mesh_text(const std::string& file) {
   return fmt::format("<mesh><uri>meshes/{}.obj</uri></mesh>", file);
 }
 
+std::string visual_text(const std::string& geometry) {
+  return fmt::format("      <visual name=\"body\"><geometry>{}</geometry></visual>\n", geometry);
+}
+
 std::string sdf_inertial(const MassProperties& body) {
   const Eigen::Matrix3d& i = body.inertia_object;
   return fmt::format(
@@ -80,7 +84,7 @@ std::string model_text(const ExportedBody& body, std::size_t index, const Contac
       "    <model name=\"{}\">\n      {}\n      <static>{}</static>\n      <link name=\"body\">\n",
       xml_text(body.name), sdf_pose(body.T_base_object), !body.is_movable);
   if (body.is_movable) text += sdf_inertial(body.inertia);
-  text += fmt::format("      <visual name=\"body\"><geometry>{}</geometry></visual>\n", mesh);
+  text += visual_text(mesh);
   text += collision_text("body", body.surface_offset_object, mesh,
                          surface_text(body.tool_friction, contact.stiffness, contact.damping));
   for (std::size_t i = 0; i < body.feet.size(); ++i) {
@@ -101,26 +105,48 @@ std::string fixed_model(const std::string& name, const Pose& pose, const std::st
       xml_text(name), sdf_pose(pose), content);
 }
 
+std::string support_model(const ExportedSupport& support, bool is_drawn) {
+  const std::string box = fmt::format("<box><size>{}</size></box>", vector_text(support.size));
+  return fixed_model(
+      support.name, support.T_base_box,
+      (is_drawn ? visual_text(box) : "") +
+          collision_text("body", Eigen::Vector3d::Zero(), box, partner_surface_text()));
+}
+
+std::string tool_model(const ExportedTool& tool) {
+  const std::string tip = fmt::format("<sphere><radius>{}</radius></sphere>", tool.radius);
+  return fmt::format(
+      "    <model name=\"{}\">\n      {}\n      <link name=\"body\"><kinematic>true</kinematic>\n{}"
+      "      </link>\n    </model>\n",
+      xml_text(tool.name), sdf_pose(tool.T_base_tool),
+      collision_text("tip", Eigen::Vector3d::Zero(), tip, partner_surface_text()));
+}
+
+/// SDF's own scopes and names.
+Expected<void> check_names(const ExportedWorld& world) {
+  for (const ExportedBody& body : world.bodies) {
+    const std::string& name = body.name;
+    if (name.find("::") != std::string::npos || (name.starts_with("__") && name.ends_with("__"))) {
+      return detail::check_reserved_name(world, name, "SDF");
+    }
+  }
+  return detail::check_reserved_name(world, "world", "SDF");
+}
+
 }  // namespace
 
 Expected<void> write_sdf(ExportedWorld& world, const std::filesystem::path& folder) {
-  if (auto checked = detail::check_reserved_name(world, "world", "SDF"); !checked) return checked;
+  if (auto checked = check_names(world); !checked) return checked;
   if (auto written = detail::write_meshes(world, folder); !written) return written;
   std::string text = fmt::format(
       "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\" xmlns:drake=\"https://drake.mit.edu\">\n"
       "  <world name=\"pcavr\">\n    <gravity>{}</gravity>\n",
       vector_text(Eigen::Vector3d::Zero() - kStandardGravity * world.up_base));
   for (const ExportedSupport& support : world.supports) {
-    const std::string box = fmt::format("<box><size>{}</size></box>", vector_text(support.size));
-    text +=
-        fixed_model(support.name, support.T_base_box,
-                    collision_text("body", Eigen::Vector3d::Zero(), box, partner_surface_text()));
+    text += support_model(support, !world.is_scanned());
   }
-  if (!world.scan_base.triangles.empty()) {
-    text +=
-        fixed_model(world.scan_name, Pose(),
-                    fmt::format("      <visual name=\"body\"><geometry>{}</geometry></visual>\n",
-                                mesh_text("scan")));
+  if (world.is_scanned()) {
+    text += fixed_model(world.scan_name, Pose(), visual_text(mesh_text("scan")));
   }
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const ExportedBody& body = world.bodies[i];
@@ -131,13 +157,7 @@ Expected<void> write_sdf(ExportedWorld& world, const std::filesystem::path& fold
     detail::add_static_friction_residual(
         body, "SDF has one coefficient: sliding at the reference speed", world);
   }
-  const std::string tip = fmt::format("<sphere><radius>{}</radius></sphere>", world.tool.radius);
-  text += fmt::format(
-      "    <model name=\"{}\">\n      {}\n      <link name=\"body\"><kinematic>true</kinematic>\n{}"
-      "      </link>\n    </model>\n",
-      xml_text(world.tool.name), sdf_pose(world.tool.T_base_tool),
-      collision_text("tip", Eigen::Vector3d::Zero(), tip, partner_surface_text()));
-  return write_file(folder / kSdfFile, text + "  </world>\n</sdf>\n");
+  return write_file(folder / kSdfFile, text + tool_model(world.tool) + "  </world>\n</sdf>\n");
 }
 
 }  // namespace pcavr

@@ -81,10 +81,12 @@ std::string support_link(const ExportedWorld& world, const ExportedSupport& supp
   const std::string name = xml_text(support.name);
   const std::string box =
       fmt::format("<geometry><box size=\"{}\"/></geometry>", vector_text(support.size));
+  const std::string visual =
+      world.is_scanned() ? std::string() : fmt::format("<visual>{}</visual>", box);
   return fmt::format(
-             "  <link name=\"{0}\"><visual>{1}</visual><collision name=\"{0}\">{1}</collision>"
-             "<contact>{2}</contact></link>\n",
-             name, box, link_friction(1.0)) +
+             "  <link name=\"{0}\">{1}<collision name=\"{0}\">{2}</collision>"
+             "<contact>{3}</contact></link>\n",
+             name, visual, box, link_friction(1.0)) +
          joint_text(world, name, "fixed", support.T_base_box);
 }
 
@@ -124,7 +126,7 @@ Expected<void> write_urdf(ExportedWorld& world, const std::filesystem::path& fol
   std::string text = fmt::format(
       "<?xml version=\"1.0\"?>\n<robot name=\"pcavr\">\n  <link name=\"{}\"/>\n", world.base_name);
   for (const ExportedSupport& support : world.supports) text += support_link(world, support);
-  if (!world.scan_base.triangles.empty()) {
+  if (world.is_scanned()) {
     const std::string name = xml_text(world.scan_name);
     text += fmt::format("  <link name=\"{}\"><visual>{}</visual></link>\n", name,
                         mesh_geometry("scan")) +

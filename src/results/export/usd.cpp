@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdint>
 #include <string>
 
 #include <fmt/format.h>
@@ -11,12 +13,15 @@
 #include "pcavr/results/export/write_export.hpp"
 
 #include "results/export/export_text.hpp"
+#include "results/export/format_residuals.hpp"
 
 namespace pcavr {
 namespace {
 
 /// Coefficient of support and tip, which no body exceeds.
 constexpr double kPartner = ranges::kFrictionCoefficient.max;
+/// Of colliders: shown on demand.
+constexpr char kNotDrawn[] = "      uniform token purpose = \"guide\"\n";
 constexpr char kCollider[] = "\"PhysicsCollisionAPI\", \"MaterialBindingAPI\"";
 
 std::string tuple(const Eigen::Vector3d& v) {
@@ -56,6 +61,22 @@ std::string points_text(const TriangleMesh& mesh) {
       "      point3f[] points = [{}]\n      int[] faceVertexCounts = [{}]\n      int[] "
       "faceVertexIndices = [{}]\n      uniform token subdivisionScheme = \"none\"\n",
       points, counts, indices);
+}
+
+/// The colours of a mesh's vertices, where it has some: linear, as USD has them.
+std::string colours_text(const TriangleMesh& mesh) {
+  if (mesh.colors.empty()) return {};
+  std::string colours;
+  const auto linear = [](std::uint8_t value) {
+    const double s = value / 255.0;  // IEC 61966-2-1
+    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  };
+  for (const Rgb8& c : mesh.colors) {
+    colours += fmt::format("{}({:.4g}, {:.4g}, {:.4g})", colours.empty() ? "" : ", ", linear(c.r),
+                           linear(c.g), linear(c.b));
+  }
+  return fmt::format("      color3f[] primvars:displayColor = [{}] (interpolation = \"vertex\")\n",
+                     colours);
 }
 
 /// The smaller coefficient of a pair holds, where the engine is PhysX: its default is their mean.
@@ -99,10 +120,10 @@ std::string numbers_text(const ExportedWorld& world, const std::string& object) 
 
 std::string foot_prim(const SupportFoot& foot, std::size_t index, const std::string& material) {
   return fmt::format(
-      "    def Sphere \"foot_{}\" (prepend apiSchemas = [{}]) {{\n      double radius = {}\n"
+      "    def Sphere \"foot_{}\" (prepend apiSchemas = [{}]) {{\n{}      double radius = {}\n"
       "      double3 xformOp:translate = {}\n      uniform token[] xformOpOrder = "
       "[\"xformOp:translate\"]\n{}    }}\n",
-      index, kCollider, foot.radius, tuple(foot.centre_object), binding(material));
+      index, kCollider, kNotDrawn, foot.radius, tuple(foot.centre_object), binding(material));
 }
 
 std::string body_prim(const ExportedWorld& world, std::size_t index) {
@@ -135,13 +156,20 @@ std::string body_prim(const ExportedWorld& world, std::size_t index) {
   return text + "  }\n";
 }
 
-std::string support_prim(const ExportedSupport& support, std::size_t index) {
+std::string support_prim(const ExportedSupport& support, std::size_t index, bool is_hidden) {
   return fmt::format(
-      "  def Xform \"support_{}\" {{\n{}    def Cube \"box\" (prepend apiSchemas = [{}]) {{\n"
+      "  def Xform \"support_{}\" {{\n{}    def Cube \"box\" (prepend apiSchemas = [{}]) {{\n{}"
       "      double size = 1\n      double3 xformOp:scale = {}\n      uniform token[] xformOpOrder "
       "= [\"xformOp:scale\"]\n{}    }}\n  }}\n",
-      index, transform_text(support.T_base_box), kCollider, tuple(support.size),
-      binding("partner_material"));
+      index, transform_text(support.T_base_box), kCollider, is_hidden ? kNotDrawn : "",
+      tuple(support.size), binding("partner_material"));
+}
+
+/// PhysX takes the larger one of its two coefficients for the static one.
+void add_static_residual(const ExportedBody& body, ExportedWorld& world) {
+  if (!(body.static_friction < body.friction)) return;
+  detail::add_static_friction_residual(
+      body, "PhysX has none below sliding friction: a slower --speed has less", world);
 }
 
 }  // namespace
@@ -154,12 +182,16 @@ Expected<void> write_usd(ExportedWorld& world, const std::filesystem::path& fold
       tuple(-world.up_base), kStandardGravity);
   text += material_text("partner_material", kPartner, kPartner);
   for (std::size_t i = 0; i < world.supports.size(); ++i) {
-    text += support_prim(world.supports[i], i);
+    text += support_prim(world.supports[i], i, world.is_scanned());
   }
-  if (!world.scan_base.triangles.empty()) {
-    text += "  def Mesh \"scan\" {\n" + points_text(world.scan_base) + "  }\n";
+  if (world.is_scanned()) {
+    text += "  def Mesh \"scan\" {\n" + points_text(world.scan_base) +
+            colours_text(world.scan_base) + "  }\n";
   }
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) text += body_prim(world, i);
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    text += body_prim(world, i);
+    add_static_residual(world.bodies[i], world);
+  }
   text += fmt::format(
       "  def Xform \"tool\" (prepend apiSchemas = [\"PhysicsRigidBodyAPI\"]) {{\n{}    bool "
       "physics:kinematicEnabled = true\n    def Sphere \"tip\" (prepend apiSchemas = "

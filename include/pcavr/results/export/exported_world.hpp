@@ -109,6 +109,10 @@ struct ExportedWorld {
   std::vector<ExportedNumber> numbers;
   std::vector<ExportResidual> residuals;
   std::vector<std::string> warnings;
+
+  /// Whether a scan shows what is fixed. Supports are then not drawn: they are within its noise,
+  /// and both together would flicker.
+  [[nodiscard]] bool is_scanned() const { return !scan_base.triangles.empty(); }
 };
 
 }  // namespace pcavr
