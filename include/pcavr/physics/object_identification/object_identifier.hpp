@@ -84,7 +84,7 @@ class ObjectIdentifier {
   double tool_radius_;  ///< [m]
   IdentificationGoal goal_;
   IdentificationOptions options_;
-  std::shared_ptr<ContactFits> contact_fits_;                         ///< of `options_`
+  std::shared_ptr<ContactFits> contact_fits_;                     ///< of `options_`
   double suspected_turn_ = 0.0;                                   ///< [rad]
   std::vector<std::shared_ptr<const ObservedContact>> contacts_;  ///< by their begin
 };
