@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Eight copies of a simulated room in a row, with exact poses: built at once and by tiles.
 
-    bench/rooms.py --pcavr build/bench/apps/pcavr/pcavr [--voxel 0.005] [--tiles 4] [--work out/rooms]
+    bench/rooms.py --pcavr build/bench/apps/pcavr/pcavr [--voxel 0.005] [--tiles 4] [--rate 1] [--work out/rooms]
 
 Prints the largest distance between the two meshes' vertices, times and peak memory; exit code 1 where it exceeds
 0.1 mm, the tiles' memory a quarter of the whole's, or their time 1.3 times. Needs python3 and numpy.
@@ -87,6 +87,7 @@ def main():
     parser.add_argument("--pcavr", required=True)
     parser.add_argument("--voxel", default="0.005")
     parser.add_argument("--tiles", default="4")
+    parser.add_argument("--occupancy", default="0.05", help="cell [m]: one map has the free space of all tiles")
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--rate", type=float, default=5.0)
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/rooms"))
@@ -98,7 +99,8 @@ def main():
     figures = {}
     for name, options in (("whole", []), ("tiled", ["--tiles", arguments.tiles])):
         figures[name] = hall.build(arguments.pcavr, recording, arguments.work / name,
-                                   ["--voxel", arguments.voxel, "--trust-poses", *options])
+                                   ["--voxel", arguments.voxel, "--occupancy-resolution", arguments.occupancy,
+                                    "--trust-poses", *options])
         status, error, seconds, processor, memory = figures[name]
         if status != 0:
             sys.exit(f"{name}: {error}")

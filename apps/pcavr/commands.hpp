@@ -15,6 +15,8 @@ namespace pcavr::app {
 /// Each adds one subcommand with its options, which sets `action` when it is invoked. The
 /// configuration has to outlive the action.
 void add_build(CLI::App& app, Configuration& configuration, Action& action);
+void add_survey(CLI::App& app, Configuration& configuration, Action& action);
+void add_fuse(CLI::App& app, Configuration& configuration, Action& action);
 void add_replay(CLI::App& app, Configuration& configuration, Action& action);
 void add_evaluate(CLI::App& app, Configuration& configuration, Action& action);
 void add_simulate(CLI::App& app, Action& action);

@@ -167,6 +167,8 @@ int run_command_line(int argc, char** argv) {
   add_run(app, action);
   add_status(app, action);
   add_gather(app, action);
+  add_survey(app, configuration, action);
+  add_fuse(app, configuration, action);
   try {
     app.parse(reversed_words(given));
   } catch (const CLI::RequiredError& error) {

@@ -11,18 +11,24 @@
 
 #include "commands.hpp"
 #include "list_recordings.hpp"
+#include "number_option.hpp"
 #include "plan_file.hpp"
+#include "scene_options.hpp"
 
 namespace pcavr::app {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMaxParts = 1000;  ///< more than nodes that one disk serves
+
 struct PlanArguments {
   std::vector<std::string> inputs;
   std::string chain = "build,identify,replay,evaluate";
   std::vector<std::string> settings;
   std::string support;
+  double tile_size = 0.0;  ///< [m]; 0: none
+  std::size_t parts = 4;
   std::string results;
   std::string output;
   bool replace = false;
@@ -101,7 +107,9 @@ Expected<CommandResult> make_plan(const PlanArguments& arguments, const std::str
                                                      .results = *results,
                                                      .configuration = configuration,
                                                      .settings = *settings,
-                                                     .support = arguments.support},
+                                                     .support = arguments.support,
+                                                     .tile_size = arguments.tile_size,
+                                                     .parts = arguments.parts},
                                                     observer);
   if (!graph) return graph.error();
   Expected<void> done = file->write(format_task_graph(*graph));
@@ -136,6 +144,13 @@ void add_plan(CLI::App& app, Action& action) {
   command->add_option("--support", arguments->support,
                       "What the objects stand on, in the friction atlas; by default the name of "
                       "the folder that each recording lies in");
+  CLI::Option* tiles = add_number(
+      *command, "--tiles", arguments->tile_size, kTileRange,
+      "Build by tiles of this edge [m], as pcavr build --tiles, with the fusion as several tasks");
+  add_whole<std::size_t>(*command, "--parts", arguments->parts, 1, kMaxParts,
+                         "Tasks of each recording's fusion, with --tiles")
+      ->capture_default_str()
+      ->needs(tiles);
   command->add_option("--results", arguments->results,
                       "Folder for what the tasks write; by default the plan's name without its "
                       "extension");

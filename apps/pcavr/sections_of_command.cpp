@@ -40,11 +40,15 @@ Names joined(std::initializer_list<Names> parts) {
   return all;
 }
 
+const Names kBuild =
+    joined({{"recording", "reconstruction", "scene", "texture", "build"}, kPerception});
+
 /// Commands that are not listed use no section.
 const std::vector<std::pair<std::string_view, Names>>& used_sections() {
   static const std::vector<std::pair<std::string_view, Names>> kUsed = {
-      {"pcavr build",
-       joined({{"recording", "reconstruction", "scene", "texture", "build"}, kPerception})},
+      {"pcavr build", kBuild},
+      {"pcavr survey", kBuild},
+      {"pcavr fuse", kBuild},
       {"pcavr identify robot", {"robot_identification"}},
       {"pcavr identify",
        joined({{"recording", "inputs", "identification", "friction"}, kPerception})},

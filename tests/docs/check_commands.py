@@ -30,6 +30,7 @@ RUN_BY = {
     "docs/ros2.md": "parsed here; tests/ros2 runs the like",
     "docs/vr.md": "parsed here; tests/browser runs the like",
     "docs/engines.md": ".ci/nightly",
+    "docs/scale.md": "parsed here; tests/e2e/tiles_test.cpp runs the like",
     "docs/judged.md": "parsed here; .ci/nightly and tests/e2e/calibrate_test.cpp run the like on shared recordings",
     "CONTRIBUTING.md": ".ci/run, .ci/nightly",
 }

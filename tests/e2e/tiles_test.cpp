@@ -3,9 +3,12 @@
 // pcavr build by tiles, and within a memory, with the real command on a simulated room.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -76,6 +79,67 @@ TEST_F(Tiles, GiveTheMeshOfTheWholeAndAWholeScene) {
             "--threads", "1"});
   EXPECT_EQ(file("again/mesh.ply"), file("tiled/mesh.ply"));
   EXPECT_EQ(file("again/scene.glb"), file("tiled/scene.glb"));
+}
+
+// Each step as a process of its own, one run killed in the midst: the bytes of one command.
+TEST_F(Tiles, AreFusedByTasksOfAPlan) {
+  std::ofstream(path("coarse.yaml")) << "reconstruction.fusion:\n  voxel_size: 0.02\n";
+  const std::vector<std::string> config{"--config", path("coarse.yaml")};
+  run_json({"plan", path("room"), "--chain", "build", "--tiles", "1", "--parts", "2", "--support",
+            "hall", "-o", path("plan.json"), config[0], config[1]});
+  const std::string results = path("plan/hall/room/");
+  {
+    RunningCommand first({"run", path("plan.json"), "--jobs", "2"}, path("."), "first");
+    for (int i = 0; i < 3000 && !std::filesystem::exists(results + "fuse-1.lock"); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }  // killed
+  EXPECT_EQ(run_json({"status", path("plan.json")})["failed"], 0);
+  const auto second = run_json({"run", path("plan.json"), "--jobs", "2"});
+  EXPECT_EQ(second["were_done"], 1) << "the survey is not repeated: " << second;
+  EXPECT_EQ(second["ran"], 3);
+  run_json({"build", path("room"), "-o", path("alone"), "--tiles", "1", config[0], config[1]});
+  EXPECT_EQ(contents(results + "scene"), contents(path("alone")));
+}
+
+TEST_F(Tiles, RefuseFilesOfOtherSteps) {
+  const auto refused = [](std::vector<std::string> words, const std::string& why) {
+    const CommandOutcome outcome = run_pcavr(words);
+    EXPECT_EQ(outcome.exit_code, 1);
+    // One line; others are progress.
+    const std::string& errors = outcome.standard_error;
+    const std::size_t line = errors.find("pcavr: ");
+    EXPECT_EQ(errors.find("pcavr: ", line + 1), std::string::npos) << errors;
+    EXPECT_NE(errors.find(why), std::string::npos) << errors;
+  };
+  const std::string room = path("room");
+  const std::string frames = path("room.frames");
+  const std::vector<std::string> fuse{"fuse", room, "--voxel", "0.04", "--frames", frames};
+  const auto fuse_with = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), fuse.begin(), fuse.end());
+    return words;
+  };
+  run_json({"survey", room, "--voxel", "0.04", "--tiles", "4", "-o", frames});
+  run_json(fuse_with({"--part", "1/2", "-o", path("1.tiles")}));
+  refused(
+      {"fuse", room, "--voxel", "0.05", "--frames", frames, "--part", "1/1", "-o", path("none")},
+      "is of other options");
+  refused(fuse_with({"--part", "3/2", "-o", path("none")}), "is no part");
+  refused(fuse_with({"--part", "2/2", "-o", path("room/recording.yaml"), "--force"}), "room");
+  const auto build = [&](const std::string& voxel, std::vector<std::string> files) {
+    std::vector<std::string> words{"build", room,      "-o", path("none"), "--voxel",
+                                   voxel,   "--tiles", "4",  "--fused"};
+    words.insert(words.end(), files.begin(), files.end());
+    return words;
+  };
+  refused(build("0.04", {path("1.tiles")}), "is one of 2 parts");
+  refused(build("0.04", {path("1.tiles"), path("1.tiles")}), "is part 1 again");
+  refused(build("0.05", {path("1.tiles"), path("1.tiles")}), "was fused from other frames");
+  refused(build("0.04", {frames}), "is no file of this step");
+  std::string damaged = file("1.tiles");
+  damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] + 1);
+  std::ofstream(path("damaged.tiles"), std::ios::binary) << damaged;
+  refused(build("0.04", {path("damaged.tiles"), path("1.tiles")}), "is damaged");
+  EXPECT_FALSE(std::filesystem::exists(path("none")));
 }
 
 TEST_F(Tiles, AreNamedWhereTheMemoryIsTooSmall) {

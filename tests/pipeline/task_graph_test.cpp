@@ -127,5 +127,39 @@ TEST(SlurmScripts, AreAnArrayForEachStageWithItsDependency) {
       << scripts[2].text;
 }
 
+// A scene needs all parts of its tiles, and each of them the one survey: not element by element.
+TEST(SlurmScripts, WaitForAllPartsOfAScenesTiles) {
+  TaskGraph graph;
+  graph.settings.resize(1);
+  const auto add = [&](TaskStage stage, std::vector<std::size_t> after) {
+    graph.tasks.push_back({.name = std::string(name_of(stage)), .stage = stage, .after = after});
+  };
+  add(TaskStage::survey, {});
+  add(TaskStage::fuse, {0});
+  add(TaskStage::fuse, {0});
+  add(TaskStage::build, {1, 2});
+  add(TaskStage::identify, {3});
+  const auto scripts = slurm_scripts(graph, "/lab/hall.json", "/usr/bin/pcavr");
+  ASSERT_EQ(scripts.size(), 5U);
+  EXPECT_NE(scripts[1].text.find("#SBATCH --array=0-1\n"), std::string::npos);
+  const std::string& submit = scripts[4].text;
+  EXPECT_NE(submit.find("--dependency=\"afterok:${job_0%%;*}\" "), std::string::npos) << submit;
+  EXPECT_NE(submit.find("--dependency=\"afterok:${job_1%%;*}\" "), std::string::npos) << submit;
+  EXPECT_NE(submit.find("--dependency=\"aftercorr:${job_2%%;*}\" "), std::string::npos) << submit;
+}
+
+TEST(TaskGraphOfRecordings, HasNoTilesWithoutImages) {
+  const TaskCase lab;
+  const auto graph = make_task_graph({.recordings = {lab.record("lab/a", "0")},
+                                      .chain = {TaskStage::build},
+                                      .results = lab.path("results"),
+                                      .tile_size = 4.0,
+                                      .parts = 2});
+  ASSERT_TRUE(graph) << graph.error().to_string();
+  ASSERT_EQ(graph->tasks.size(), 1U);
+  EXPECT_TRUE(graph->tasks[0].after.empty());
+  EXPECT_FALSE(parse_chain("survey,build"));
+}
+
 }  // namespace
 }  // namespace pcavr

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "pcavr/base/core/expected.hpp"
 #include "pcavr/base/core/observer.hpp"
@@ -20,6 +22,8 @@ struct BuildLimits {
   /// The surface is fused by squares of this edge, seen from above, one after the other [m]: the
   /// same mesh in less memory. Empty: at once.
   std::optional<double> tile_size = {};
+  /// Files of fuse_tiles() (tile_steps.hpp), all parts of the tiles, in the place of fusing them.
+  std::vector<std::filesystem::path> fused = {};
   double max_memory = 0.0;  ///< an estimate above it is an Error [bytes]; 0: no limit
 };
 

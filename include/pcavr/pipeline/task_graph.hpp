@@ -14,9 +14,9 @@
 
 namespace pcavr {
 
-/// The commands that a plan consists of, in the order of the chain; `pool` is added by
-/// gather_results.
-enum class TaskStage { build, identify, replay, evaluate, pool };
+/// The commands that a plan consists of, in the order of the chain; `survey` and `fuse` are added
+/// where scenes are built by tiles, `pool` by gather_results.
+enum class TaskStage { survey, fuse, build, identify, replay, evaluate, pool };
 [[nodiscard]] std::string_view name_of(TaskStage stage);
 
 /// A file or folder of an input, as it was when the plan was made.
@@ -79,6 +79,8 @@ struct TaskGraphRequest {
   /// Name and options file of each setting; empty: one, with `configuration`.
   std::vector<std::pair<std::string, std::string>> settings = {};
   std::string support = {};  ///< of all recordings; empty: the folder that each lies in
+  double tile_size = 0.0;    ///< scenes of recordings with images are built by tiles [m]; 0: not
+  std::size_t parts = 1;     ///< tasks of each scene's tiles
 };
 
 /// Reads all recordings, hashes their files and makes the graph; the stages follow each other, each

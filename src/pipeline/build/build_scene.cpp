@@ -15,12 +15,12 @@
 #include "pcavr/pipeline/known_parameters.hpp"
 
 #include "follow_objects.hpp"
-#include "memory_need.hpp"
 #include "pipeline/checks/assess_consistency.hpp"
 #include "pipeline/checks/clock_checks.hpp"
 #include "pipeline/checks/scene_upright.hpp"
 #include "pipeline/replay/async_if_parallel.hpp"
 #include "pipeline/robot/recorded_arm.hpp"
+#include "registration.hpp"
 #include "scene_from_color.hpp"
 #include "scene_from_manifest.hpp"
 #include "scene_quality.hpp"
@@ -43,7 +43,7 @@ class SecondPass {
  public:
   SecondPass(const BuildLimits& limits, const Recording& recording, std::size_t bodies,
              const BuildOptions& options)
-      : surface(limits.tile_size ? make_tiled_surface(*limits.tile_size, recording, options)
+      : surface(limits.tile_size ? make_tiled_surface(limits, recording, options)
                                  : make_whole_surface(options)),
         occupancy(occupancy_options(options)),
         tracks(bodies),
@@ -109,15 +109,6 @@ CameraSteps steps_of(const Trajectory& camera) {
   return {camera.size(), median(std::move(translations)), median(std::move(rotations))};
 }
 
-std::vector<std::optional<Pose>> found_poses(const Survey& survey) {
-  std::vector<std::optional<Pose>> poses;
-  for (const FramePlacement& frame : survey.camera.frames) {
-    poses.resize(std::max(poses.size(), frame.frame + 1));
-    if (frame.status == PlacementStatus::placed) poses[frame.frame] = frame.T_base_camera;
-  }
-  return poses;
-}
-
 Error empty_scene_error(const Recording& recording, const Survey& survey, const Trajectory& camera,
                         const BuildOptions& options) {
   const EmptySceneCause cause =
@@ -144,11 +135,6 @@ std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const 
                         .hint = kRejectedTagsHint});
   }
   return findings;
-}
-
-std::size_t count_known(const std::vector<std::optional<Pose>>& poses) {
-  return static_cast<std::size_t>(
-      std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }));
 }
 
 }  // namespace
@@ -180,42 +166,18 @@ Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& r
     return scene;
   }
   StageClock clock;
-  const SurveyOptions survey_options{.perception = options.perception,
-                                     .trust_poses = options.trust_poses,
-                                     .skip_bad = options.skip_bad,
-                                     .parallelism = options.parallelism};
-
   // Registration: tag detection and the camera's poses in base.
   clock.begin("tags and camera");
-  const Expected<std::vector<DeclaredBody>> bodies =
-      load_movable_bodies(recording, options.perception.cad);
-  if (!bodies) return bodies.error();
-  const Expected<std::vector<DeclaredBody>> immovable =
-      load_immovable_bodies(recording, options.perception.cad);
-  if (!immovable) return immovable.error();
-  for (const auto* loaded : {&*bodies, &*immovable}) {
-    for (const DeclaredBody& body : *loaded) report_simplified(body.model, observer);
-  }
-  // Before the long work where poses are stated, else before the fusion.
-  const bool has_poses = !recording.groundtruth.empty();
-  if (has_poses) {
-    if (const auto fits = check_memory(limits, recording, stated_poses(recording), options); !fits)
-      return fits.error();
-  }
-  const Expected<Survey> survey = survey_recording(recording, *bodies, survey_options, observer);
-  if (!survey) return survey.error();
-  const std::vector<std::optional<Pose>> found = found_poses(*survey);
-  if (!has_poses || count_known(found) > count_known(stated_poses(recording))) {
-    if (const auto fits = check_memory(limits, recording, found, options); !fits)
-      return fits.error();
-  }
+  const Expected<Registration> registration = register_frames(limits, recording, options, observer);
+  if (!registration) return registration.error();
+  const auto& [bodies, immovable, survey] = *registration;
 
   // Reconstruction: movable objects are tracked and masked, the rest is fused and meshed (TSDF,
   // marching cubes).
   clock.begin("objects and fusion");
-  SecondPass pass(limits, recording, bodies->size(), options);
+  SecondPass pass(limits, recording, bodies.size(), options);
   const Expected<void> followed = follow_objects(
-      recording, *bodies, *survey, survey_options, observer,
+      recording, bodies, survey, survey_options(options), observer,
       [&](const FollowedFrame& frame) { pass.add(frame); }, *arm ? &**arm : nullptr);
   if (!followed) return followed.error();
   clock.begin("mesh");
@@ -223,7 +185,7 @@ Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& r
   Expected<TriangleMesh> mesh = pass.surface->mesh(evidence, observer);
   if (!mesh) return mesh.error();
   if (mesh->triangles.empty()) {
-    return empty_scene_error(recording, *survey, pass.camera_trajectory, options);
+    return empty_scene_error(recording, survey, pass.camera_trajectory, options);
   }
   pass.occupancy.clear_unsupported(*mesh);
 
@@ -245,16 +207,15 @@ Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& r
       options.parallelism, [&] { return pass.surface->cloud(scene.mesh_base, evidence); });
   scene.levels_of_detail_base = pass.surface->levels_of_detail(scene.mesh_base);
   scene.cloud_base = cloud.get();
-  for (std::size_t i = 0; i < bodies->size(); ++i) {
-    scene.objects.push_back(scene_object_of_track((*bodies)[i], pass.tracks[i]));
-    report_not_found(recording, *survey, (*bodies)[i], options.perception.body_pose, observer,
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    scene.objects.push_back(scene_object_of_track(bodies[i], pass.tracks[i]));
+    report_not_found(recording, survey, bodies[i], options.perception.body_pose, observer,
                      scene.objects.back());
-    widen_by_doubts(recording.manifest, *survey, i, scene.camera_trajectory, scene.objects.back());
-    scene.objects.back().hertz_stiffness =
-        hertz_stiffness_of(recording.manifest, (*bodies)[i].entry);
+    widen_by_doubts(recording.manifest, survey, i, scene.camera_trajectory, scene.objects.back());
+    scene.objects.back().hertz_stiffness = hertz_stiffness_of(recording.manifest, bodies[i].entry);
   }
   if (*arm) scene.robot = scene_robot_of(**arm);
-  for (const DeclaredBody& body : *immovable) {
+  for (const DeclaredBody& body : immovable) {
     scene.objects.push_back(scene_object_at_stated_pose(body));
     scene.objects.back().hertz_stiffness = hertz_stiffness_of(recording.manifest, body.entry);
   }
@@ -265,13 +226,13 @@ Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& r
   if (inclined && inclined->severity == FindingSeverity::contradiction) {
     return contradiction_error(recording, {*inclined});
   }
-  scene.quality = assess_quality(recording, *survey, scene, options.max_surface_distance);
+  scene.quality = assess_quality(recording, survey, scene, options.max_surface_distance);
   if (inclined) {
     observer.on_warning(inclined->to_string());
     scene.quality.input_warnings.push_back(to_warning(*inclined));
   }
   for (const ConsistencyFinding& finding :
-       rejected_tags(recording, *survey, scene.objects, options.perception.body_pose)) {
+       rejected_tags(recording, survey, scene.objects, options.perception.body_pose)) {
     observer.on_warning(finding.to_string());
     scene.quality.input_warnings.push_back(to_warning(finding));
   }

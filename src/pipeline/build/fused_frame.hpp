@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "pcavr/base/geometry/camera.hpp"
@@ -32,7 +33,14 @@ class PackedMask {
  public:
   PackedMask() = default;
   explicit PackedMask(const MaskImage& mask);
+  /// Of runs() that another one had; they add up to all pixels.
+  PackedMask(int width, int height, std::vector<std::uint32_t> runs)
+      : width_(width), height_(height), runs_(std::move(runs)) {}
   [[nodiscard]] MaskImage unpacked() const;
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& runs() const { return runs_; }
 
  private:
   int width_ = 0;

@@ -38,9 +38,9 @@ class SurfaceBuilder {
 
 /// Keeps references to its arguments.
 [[nodiscard]] std::unique_ptr<SurfaceBuilder> make_whole_surface(const BuildOptions& options);
-/// The same surface with the memory of one square of `tile_size` [m] after the other, from the
-/// frames that see it, which are decoded again.
-[[nodiscard]] std::unique_ptr<SurfaceBuilder> make_tiled_surface(double tile_size,
+/// The same surface with the memory of one square of `limits.tile_size` after the other, from the
+/// frames that see it, which are decoded again; or of the files in `limits.fused`.
+[[nodiscard]] std::unique_ptr<SurfaceBuilder> make_tiled_surface(const BuildLimits& limits,
                                                                  const Recording& recording,
                                                                  const BuildOptions& options);
 

@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "child_process.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +22,8 @@ namespace {
 constexpr int kLogMode = 0666;
 constexpr int kNotStarted = 127;  // as shells have it
 constexpr double kKilobyte = 1024.0;
+/// Between two looks at a child: short against a task, long against a look.
+constexpr std::chrono::milliseconds kPollInterval{2};
 
 Error cannot_start(const std::filesystem::path& program, int failure) {
   return {.message = std::string("can't be started: ") + std::strerror(failure),
@@ -65,6 +70,20 @@ Expected<ChildProcess> ChildProcess::start(const std::filesystem::path& program,
   ::close(output);
   if (process < 0) return cannot_start(program, failure);
   return ChildProcess(process);
+}
+
+void ChildProcess::wait_for_end(const std::vector<ChildProcess>& children,
+                                std::chrono::milliseconds timeout) {
+  std::vector<pollfd> ends;
+  for (const ChildProcess& child : children) {
+    const auto end = static_cast<int>(::syscall(SYS_pidfd_open, child.process_, 0U));
+    if (end >= 0) ends.push_back({.fd = end, .events = POLLIN, .revents = 0});
+  }
+  // Where the kernel has none of these (before 5.3), they are looked at in short intervals.
+  const bool has_all = ends.size() == children.size();
+  ::poll(ends.data(), ends.size(),
+         static_cast<int>((has_all ? timeout : std::min(timeout, kPollInterval)).count()));
+  for (const pollfd& end : ends) ::close(end.fd);
 }
 
 std::optional<ProcessEnd> ChildProcess::poll() const {

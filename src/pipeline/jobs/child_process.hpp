@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -31,6 +32,9 @@ class ChildProcess {
                                                     const std::filesystem::path& log, int kept);
   /// Empty while it runs. Call no more once it has ended.
   [[nodiscard]] std::optional<ProcessEnd> poll() const;
+  /// Sleeps until one of them has ended, and no longer than `timeout`; poll() says which.
+  static void wait_for_end(const std::vector<ChildProcess>& children,
+                           std::chrono::milliseconds timeout);
 
  private:
   explicit ChildProcess(pid_t process) : process_(process) {}

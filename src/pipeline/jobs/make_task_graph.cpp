@@ -21,7 +21,9 @@ struct StageName {
   TaskStage stage;
   std::string_view name;
 };
-constexpr std::array<StageName, 5> kStages{{{TaskStage::build, "build"},
+constexpr std::array<StageName, 7> kStages{{{TaskStage::survey, "survey"},
+                                            {TaskStage::fuse, "fuse"},
+                                            {TaskStage::build, "build"},
                                             {TaskStage::identify, "identify"},
                                             {TaskStage::replay, "replay"},
                                             {TaskStage::evaluate, "evaluate"},
@@ -29,6 +31,8 @@ constexpr std::array<StageName, 5> kStages{{{TaskStage::build, "build"},
 
 /// The indices of the tasks of one recording, as they are made.
 struct Made {
+  std::optional<std::size_t> frames = {};  ///< of a build by tiles
+  std::vector<std::size_t> tiles = {};     ///< by part
   std::optional<std::size_t> scene = {};
   std::optional<std::size_t> parameters = {};
   std::vector<std::size_t> runs = {};  ///< by setting
@@ -36,7 +40,8 @@ struct Made {
 
 class GraphBuilder {
  public:
-  explicit GraphBuilder(TaskGraph& graph) : graph_(graph), made_(graph.recordings.size()) {}
+  GraphBuilder(TaskGraph& graph, const TaskGraphRequest& request)
+      : graph_(graph), request_(request), made_(graph.recordings.size()) {}
 
   void add_stage(TaskStage stage) {
     const bool by_setting = stage == TaskStage::replay || stage == TaskStage::evaluate;
@@ -49,6 +54,10 @@ class GraphBuilder {
  private:
   void add(TaskStage stage, std::size_t recording, std::size_t setting) {
     switch (stage) {
+      case TaskStage::survey:
+        return add_survey(recording);
+      case TaskStage::fuse:
+        return add_fuse(recording);
       case TaskStage::build:
         return add_build(recording);
       case TaskStage::identify:
@@ -95,9 +104,38 @@ class GraphBuilder {
     task.after.push_back(*of);
   }
 
+  [[nodiscard]] std::string tile_size() const { return fmt::format("{}", request_.tile_size); }
+
+  void add_survey(std::size_t i) {
+    if (at(i).frames == 0) return;  // built from its manifest alone
+    Task made = task(TaskStage::survey, i, "survey", {"frames.tiles"});
+    made.command = {"survey", source(i), "-o", made.outputs[0].string(), "--tiles", tile_size()};
+    made_[i].frames = append(std::move(made), graph_.configuration);
+  }
+
+  void add_fuse(std::size_t i) {
+    if (!made_[i].frames) return;
+    for (std::size_t part = 1; part <= request_.parts; ++part) {
+      const std::string name = fmt::format("fuse-{}", part);
+      Task made = task(TaskStage::fuse, i, name, {name + ".tiles"});
+      made.estimate.seconds /= static_cast<double>(request_.parts);
+      made.command = {"fuse",   source(i),
+                      "-o",     made.outputs[0].string(),
+                      "--part", fmt::format("{}/{}", part, request_.parts)};
+      read_output("--frames", made_[i].frames, made);
+      made_[i].tiles.push_back(append(std::move(made), graph_.configuration));
+    }
+  }
+
   void add_build(std::size_t i) {
     Task made = task(TaskStage::build, i, "build", {"scene"});
     made.command = {"build", source(i), "-o", made.outputs[0].string()};
+    if (made_[i].frames) {
+      made.after = made_[i].tiles;
+      made.command.insert(made.command.end(), {"--tiles", tile_size(), "--fused"});
+      for (const std::size_t part : made_[i].tiles)
+        made.command.push_back(graph_.tasks[part].outputs.front().string());
+    }
     made_[i].scene = append(std::move(made), graph_.configuration);
   }
 
@@ -138,8 +176,14 @@ class GraphBuilder {
   }
 
   TaskGraph& graph_;
+  const TaskGraphRequest& request_;
   std::vector<Made> made_;
 };
+
+/// Stages that a chain names; the others are added to it.
+bool is_of_chain(TaskStage stage) {
+  return stage != TaskStage::survey && stage != TaskStage::fuse && stage != TaskStage::pool;
+}
 
 Error chain_error(const std::string& text, const std::string& why) {
   return {.message = why,
@@ -185,7 +229,7 @@ Expected<std::vector<TaskStage>> parse_chain(const std::string& text) {
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');) {
     const auto* const found = std::ranges::find(kStages, word, &StageName::name);
-    if (found == kStages.end() || found->stage == TaskStage::pool)
+    if (found == kStages.end() || !is_of_chain(found->stage))
       return chain_error(text, "has no stage '" + word + "'");
     if (!chain.empty() && chain.back() >= found->stage)
       return chain_error(text, "has '" + word + "' twice, or after a later stage");
@@ -217,8 +261,14 @@ Expected<TaskGraph> make_task_graph(const TaskGraphRequest& request, const Obser
       planned_recordings(request.recordings, request.support, observer);
   if (!recordings) return recordings.error();
   graph.recordings = *std::move(recordings);
-  GraphBuilder builder(graph);
-  for (const TaskStage stage : request.chain) builder.add_stage(stage);
+  GraphBuilder builder(graph, request);
+  for (const TaskStage stage : request.chain) {
+    if (stage == TaskStage::build && request.tile_size > 0.0) {
+      builder.add_stage(TaskStage::survey);
+      builder.add_stage(TaskStage::fuse);
+    }
+    builder.add_stage(stage);
+  }
   return graph;
 }
 

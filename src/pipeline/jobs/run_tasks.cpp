@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstring>
 #include <sstream>
-#include <thread>
 #include <utility>
 
 #include <fmt/core.h>
@@ -25,8 +24,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Between two looks at the children: short against a task, long against a look.
-constexpr std::chrono::milliseconds kPollInterval{2};
 /// Between two tries of a task that another process has: each is work of a shared disk.
 constexpr std::chrono::milliseconds kBusyInterval{200};
 
@@ -76,12 +73,19 @@ class TaskRunner {
     while (std::ranges::count(is_pending_, true) > 0 || !running_.empty()) {
       const bool has_started = start_ready();
       const bool has_collected = collect_ended();
-      if (!has_started && !has_collected) std::this_thread::sleep_for(kPollInterval);
+      if (!has_started && !has_collected) wait_for_change();
     }
     return TasksRun{std::move(states_), ran_, were_done_};
   }
 
  private:
+  /// Until a child has ended, or a task that another process has may be tried again.
+  void wait_for_change() const {
+    std::vector<ChildProcess> children;
+    for (const RunningTask& one : running_) children.push_back(one.child);
+    ChildProcess::wait_for_end(children, kBusyInterval);
+  }
+
   /// The states of the tasks before it, by their records.
   Expected<void> prepare_only(std::size_t index) {
     states_ = states_before(graph_, index);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -34,7 +35,9 @@ struct TaskArray {
   std::size_t first = 0;
   std::size_t count = 0;
   TaskEstimate maximum = {};
-  std::vector<std::size_t> after = {};  ///< indices of arrays
+  std::set<std::size_t> after = {};  ///< indices of arrays
+  /// Whether each task needs the one at its place in these arrays, and no other of them.
+  bool is_one_by_one = true;
 };
 
 bool is_same_array(const Task& a, const Task& b) {
@@ -54,13 +57,20 @@ std::vector<TaskArray> arrays_of(const TaskGraph& graph) {
     const Task& task = graph.tasks[i];
     if (i == 0 || !is_same_array(graph.tasks[i - 1], task)) {
       arrays.push_back({.name = array_name(graph, task), .first = i});
-      for (const std::size_t before : task.after) arrays.back().after.push_back(array_of[before]);
     }
     TaskArray& array = arrays.back();
+    for (const std::size_t before : task.after) {
+      array.after.insert(array_of[before]);
+      array.is_one_by_one &= before - arrays[array_of[before]].first == array.count;
+    }
     ++array.count;
     array.maximum.seconds = std::max(array.maximum.seconds, task.estimate.seconds);
     array.maximum.memory = std::max(array.maximum.memory, task.estimate.memory);
     array_of.push_back(arrays.size() - 1);
+  }
+  for (TaskArray& array : arrays) {
+    for (const std::size_t before : array.after)
+      array.is_one_by_one &= arrays[before].count == array.count;
   }
   return arrays;
 }
@@ -99,8 +109,9 @@ std::string submit_script(const std::vector<TaskArray>& arrays) {
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     std::string dependency;
     for (const std::size_t before : arrays[i].after) {
-      dependency += fmt::format("{}aftercorr:${{{}%%;*}}", dependency.empty() ? "" : ",",
-                                variable_of(before));
+      dependency +=
+          fmt::format("{}{}:${{{}%%;*}}", dependency.empty() ? "" : ",",
+                      arrays[i].is_one_by_one ? "aftercorr" : "afterok", variable_of(before));
     }
     const std::string option =
         dependency.empty()

@@ -25,6 +25,8 @@ struct StageCost {
 /// recordings and the machine. Those of images are upper estimates, not measured.
 StageCost cost_of(TaskStage stage) {
   switch (stage) {
+    case TaskStage::survey:
+    case TaskStage::fuse:
     case TaskStage::build:
       return {{0.75, 0.2, 0.0}, {128e6, 2e6, 100.0}};
     case TaskStage::identify:

@@ -72,8 +72,8 @@ PlannedRecording recording_of(const Json& json) {
 }
 
 TaskStage stage_of(const std::string& name) {
-  for (const TaskStage stage :
-       {TaskStage::build, TaskStage::identify, TaskStage::replay, TaskStage::evaluate}) {
+  for (const TaskStage stage : {TaskStage::survey, TaskStage::fuse, TaskStage::build,
+                                TaskStage::identify, TaskStage::replay, TaskStage::evaluate}) {
     if (name == name_of(stage)) return stage;
   }
   throw std::out_of_range("has no stage " + name);
