@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,7 @@
 
 #include "pcavr/base/core/json_text.hpp"
 #include "pcavr/base/report/number_text.hpp"
+#include "pcavr/pipeline/calibrate_arm.hpp"
 
 #include "calibrate_commands.hpp"
 #include "calibrate_pictures.hpp"
@@ -24,6 +26,9 @@
 namespace pcavr::app {
 namespace {
 
+constexpr double kJointDegrees = 180.0 / std::numbers::pi;
+constexpr InputRange kOffsetStd{"std of the joints' offsets", 1e-3, 10.0, "deg",
+                                "from an encoder's step to an arm that was never set"};
 constexpr int kMaxSplits = 1000;  ///< more change the third digit only
 
 struct CalibrateArguments {
@@ -35,6 +40,8 @@ struct CalibrateArguments {
   std::vector<std::string> inverted, w_first;
   std::string left_handed, unit;
   bool skip_bad = false;
+  std::string urdf, tip;  ///< of the arm whose joint positions are ROBOT
+  double offset_std = kJointDegrees * JointOffsetOptions{}.std;  ///< [deg]
   HandEyeOptions hand_eye;
 };
 
@@ -105,6 +112,56 @@ std::optional<Error> unused_for_pictures(const CalibrateArguments& arguments) {
       .hint = "leave it out, or leave out --board"};
 }
 
+/// Of poses of the board: the views, and what they show.
+struct FoundRig {
+  PairedPoses paired = {};
+  HandEyeResult hand_eye = {};
+  std::optional<ArmHandEyeResult> arm = {};  ///< where joint positions were given
+};
+
+Expected<FoundRig> find_arm_rig(const CalibrateArguments& arguments, const PoseInput& camera) {
+  Expected<PairedArm> input =
+      read_arm_views({arguments.first, arguments.urdf, arguments.tip, arguments.skip_bad}, camera);
+  if (!input) return input.error();
+  Expected<ArmHandEyeResult> found =
+      calibrate_hand_eye_and_arm(input->paired.views, input->arm, input->joints, arguments.hand_eye,
+                                 {.std = arguments.offset_std / kJointDegrees});
+  if (!found) return with_file(found.error(), arguments);
+  return FoundRig{std::move(input->paired), found->hand_eye, *std::move(found)};
+}
+
+Expected<FoundRig> find_rig(const CalibrateArguments& arguments, const PoseInput& robot,
+                            const PoseInput& camera) {
+  if (!arguments.urdf.empty()) return find_arm_rig(arguments, camera);
+  Expected<PairedPoses> paired = read_paired_poses(robot, camera);
+  if (!paired) return paired.error();
+  Expected<HandEyeResult> found = calibrate_hand_eye(paired->views, arguments.hand_eye);
+  if (!found) return with_file(found.error(), arguments);
+  return FoundRig{*std::move(paired), *std::move(found), {}};
+}
+
+nlohmann::ordered_json offsets_json(const ArmHandEyeResult& found) {
+  nlohmann::ordered_json offsets = nlohmann::ordered_json::array();
+  for (const JointOffset& offset : found.offsets) {
+    nlohmann::ordered_json one{{"joint", offset.joint}, {"offset", offset.value}};
+    if (!offset.is_held) one["std"] = offset.std;
+    one["is_held"] = offset.is_held;
+    offsets.push_back(std::move(one));
+  }
+  return offsets;
+}
+
+std::string offset_lines(const ArmHandEyeResult& found) {
+  std::string text = "to add to the joints' positions:";
+  for (const JointOffset& offset : found.offsets) {
+    const UncertainText degrees =
+        uncertain(kJointDegrees * offset.value, kJointDegrees * offset.std);
+    text += "\n  " + offset.joint + ' ' +
+            (offset.is_held ? "0, held: not shown" : degrees.value + " +- " + degrees.std + " deg");
+  }
+  return text + '\n' + describe_offsets(found) + '\n';
+}
+
 Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observer& observer) {
   arguments.hand_eye.mount = arguments.camera_on == "base" ? CameraMount::base : CameraMount::arm;
   if (!arguments.board.empty()) {
@@ -119,34 +176,42 @@ Expected<CommandResult> run_hand_eye(CalibrateArguments arguments, const Observe
                             .hand_eye = arguments.hand_eye},
                            observer);
   }
-  Expected<CalibrationOutputs> outputs =
-      CalibrationOutputs::create(arguments.output, {arguments.first, arguments.second});
+  Expected<CalibrationOutputs> outputs = CalibrationOutputs::create(
+      arguments.output, {arguments.first, arguments.second, arguments.urdf});
   if (!outputs) return outputs.error();
   const PoseInput robot = input_of(arguments, true, "robot");
   const PoseInput camera = input_of(arguments, false, "camera");
-  const Expected<PairedPoses> paired = read_paired_poses(robot, camera);
-  if (!paired) return paired.error();
-  for (const std::string& note : paired->notes) observer.on_note(note);
-  const Expected<HandEyeResult> found = calibrate_hand_eye(paired->views, arguments.hand_eye);
-  if (!found) return with_file(found.error(), arguments);
-  for (const std::string& note : found->notes) observer.on_warning(note);
+  const Expected<FoundRig> rig = find_rig(arguments, robot, camera);
+  if (!rig) return rig.error();
+  const PairedPoses& paired = rig->paired;
+  const HandEyeResult& found = rig->hand_eye;
+  for (const std::string& note : paired.notes) observer.on_note(note);
+  for (const std::string& note : found.notes) observer.on_warning(note);
   CommandResult result;
-  result.json = {{"calibration", arguments.output.file}, {"views", paired->views.size()}};
-  result.json["formats"] = paired->formats;
-  result.summary = fmt::format("robot: {}\ncamera: {}\n{} views are paired\n", paired->formats[0],
-                               paired->formats[1], paired->views.size());
-  if (paired->clock) {
-    result.summary += "camera's clock: " + clock_line(*paired->clock);
-    result.json["clock"] = clock_json(*paired->clock);
+  result.json = {{"calibration", arguments.output.file}, {"views", paired.views.size()}};
+  result.json["formats"] = paired.formats;
+  result.summary = fmt::format("robot: {}\ncamera: {}\n{} views are paired\n", paired.formats[0],
+                               paired.formats[1], paired.views.size());
+  if (paired.clock) {
+    result.summary += "camera's clock: " + clock_line(*paired.clock);
+    result.json["clock"] = clock_json(*paired.clock);
   }
-  result.json.update(hand_eye_json(*found));
-  result.json["notes"] = found->notes;
-  result.summary += hand_eye_summary(*found) + arguments.output.written_lines();
-  result.summary += describe_cause(*found) + '\n';
-  const Expected<void> done = outputs->commit(
-      format_hand_eye(*found, robot, camera), [&](const std::filesystem::path& folder) {
-        return write_hand_eye_report(*found, *paired, json_text(result.json, 2), folder);
-      });
+  result.json.update(hand_eye_json(found));
+  result.json["notes"] = found.notes;
+  result.summary += hand_eye_summary(found);
+  std::string file = format_hand_eye(found, robot, camera);
+  if (rig->arm) {
+    file += format_joint_offsets(*rig->arm);
+    result.json["joint_offsets"] = offsets_json(*rig->arm);
+    if (const auto& rms = rig->arm->without.held_out_rms) {
+      result.json["held_out_rms_without_offsets"] = *rms;
+    }
+    result.summary += offset_lines(*rig->arm);
+  }
+  result.summary += arguments.output.written_lines() + describe_cause(found) + '\n';
+  const Expected<void> done = outputs->commit(file, [&](const std::filesystem::path& folder) {
+    return write_hand_eye_report(found, paired, json_text(result.json, 2), folder);
+  });
   if (!done) return done.error();
   return result;
 }
@@ -241,6 +306,18 @@ void add_hand_eye(CLI::App& app, Action& action) {
           "--camera-on", arguments->camera_on,
           "arm: the camera is on the flange; base: it stands, and the board is on the flange")
       ->check(CLI::IsMember({"arm", "base"}))
+      ->capture_default_str();
+  CLI::Option* urdf =
+      command
+          ->add_option("--urdf", arguments->urdf,
+                       "The arm's description: ROBOT has joint positions (index, q_NAME), and the "
+                       "joints' offsets are estimated, too")
+          ->excludes(board);
+  command->add_option("--tip", arguments->tip, "Link that is the flange; default: the chain's last")
+      ->needs(urdf);
+  add_number(*command, "--offset-std", arguments->offset_std, kOffsetStd,
+             "Std of the joints' offsets before the views were seen [deg]")
+      ->needs(urdf)
       ->capture_default_str();
   add_whole<int>(*command, "--splits", arguments->hand_eye.splits, 0, kMaxSplits,
                  "Random splits for the error on unseen views")

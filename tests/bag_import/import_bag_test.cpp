@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pcavr/base/core/output.hpp"
 #include "pcavr/recordings/recording/frame_reader.hpp"
 #include "pcavr/recordings/recording/recording.hpp"
 
@@ -118,6 +119,63 @@ TEST_P(ImportBagTwin, HasTheOriginalImages) {
 
 INSTANTIATE_TEST_SUITE_P(Formats, ImportBagTwin,
                          testing::Values(RosEncoder::Format::ros1, RosEncoder::Format::cdr));
+
+/// A rig's recording.yaml that names calibrations: what they found is in the recording.
+class ImportOfACalibratedRig : public ImportBag {
+ protected:
+  Expected<Recording> imported(const std::string& depth_scale, BagImportOptions options) {
+    const auto write = [&](const char* name, const std::string& text) {
+      EXPECT_TRUE(write_file(folder_.path() / name, text));
+    };
+    std::string rows;
+    for (int row = 0; row < 6; ++row) {
+      rows += "      - [";
+      for (int column = 0; column < 6; ++column) {
+        rows += std::string(column > 0 ? ", " : "") + (row == column ? "4e-6" : "1e-7");
+      }
+      rows += "]\n";
+    }
+    write("tags.yaml",
+          "format: pcavr-calibration/1\nkind: tags\nmarkers:\n"
+          "  - {family: tag36h11, id: 0, size: 0.15, role: base,\n"
+          "     pose: {t: [0.5, 0.3, 0], q: [0, 0, 0, 1]}}\n"
+          "accuracy:\n  - tag: tag36h11:0\n    covariance:\n" +
+              rows);
+    write("force.yaml",
+          "format: pcavr-calibration/1\nkind: force\nrotation_std: [0.001, 0.003, 0.002]\n");
+    write("depth.yaml", "format: pcavr-calibration/1\nkind: depth\ndepth_scale: " + depth_scale +
+                            "\ndepth_offset: 0.0125\n");
+    write("rig.yaml",
+          "format: pcavr-recording/1\ncamera: {width: 8, height: 6, fx: 9, fy: 9, cx: 4, cy: 3, "
+          "depth_scale: 1000}\ncalibration: [tags.yaml, force.yaml, depth.yaml]\n");
+    options.manifest = folder_.path() / "rig.yaml";
+    const auto report = import(bag_file(RosEncoder::Format::ros1), options);
+    if (!report) return report.error();
+    return recording();
+  }
+};
+
+TEST_F(ImportOfACalibratedRig, KeepsCovariancesStdsAndTheDepthsCorrection) {
+  const auto read = imported("980", by_frame());
+  ASSERT_TRUE(read) << read.error().to_string();
+  ASSERT_EQ(read->manifest.markers.size(), 1U);
+  EXPECT_EQ(read->manifest.markers[0].covariance(2, 2), 4e-6);
+  EXPECT_EQ(read->manifest.markers[0].covariance(0, 5), 1e-7);
+  EXPECT_EQ(read->manifest.force_direction_std, 0.003);
+  EXPECT_EQ(read->manifest.depth_scale, 980.0);
+  EXPECT_EQ(read->manifest.depth_offset, 0.0125);
+}
+
+TEST_F(ImportOfACalibratedRig, LeavesOutTheDepthsCorrectionOfOtherUnits) {
+  for (const bool is_stated : {false, true}) {
+    BagImportOptions options = by_frame();
+    if (is_stated) options.raw_depth_scale = 1000.0;
+    const auto read = imported(is_stated ? "980" : "4900", options);
+    ASSERT_TRUE(read) << read.error().to_string();
+    EXPECT_EQ(read->manifest.depth_scale, 1000.0);
+    EXPECT_EQ(read->manifest.depth_offset, 0.0);
+  }
+}
 
 TEST_F(ImportBag, WithoutTfForcesAreTakenAsTheyAreWithAWarning) {
   std::vector<BagTwin::Message> messages = BagTwin::messages(RosEncoder::Format::ros1);

@@ -164,6 +164,35 @@ TEST(CalibrateForceSensor, SaysWhatThePosesDoNotShow) {
       << constant.error().to_string();
 }
 
+// A bias is the same in all poses, as a weight in the base's axes is.
+TEST(CalibrateForceSensor, TakesNoBiasOfASensorWithoutALoadForAWeight) {
+  for (const Eigen::Vector3d& bias :
+       {Eigen::Vector3d(2.0, -1.5, -9.0), Eigen::Vector3d(0, 0, -9.0)}) {
+    ForceRig rig(8, {});
+    Random random(8);
+    for (ForceReading& reading : rig.readings) {
+      reading.force = bias + normal_vector(random, 0.2);
+      reading.torque = Eigen::Vector3d(0.1, -0.2, 0.05) + normal_vector(random, 0.02);
+    }
+    const auto found = calibrate_force_sensor(rig.readings);
+    ASSERT_FALSE(found) << bias.transpose();
+    EXPECT_NE(found.error().message.find("do not change"), std::string::npos)
+        << found.error().to_string();
+  }
+  ForceRig rig(8, {});  // a load of 1 kg, its reading turned to the base without a bias
+  Random random(8);
+  for (ForceReading& reading : rig.readings) {
+    const Eigen::Vector3d weight(0, 0, -kStandardGravity);
+    reading.force = weight + normal_vector(random, 0.2);
+    reading.torque = (reading.R_base_flange * Eigen::Vector3d(0.0, 0.01, 0.06)).cross(weight) +
+                     normal_vector(random, 0.02);
+  }
+  const auto found = calibrate_force_sensor(rig.readings);
+  ASSERT_TRUE(found) << found.error().to_string();
+  EXPECT_EQ(found->axes, ForceAxes::base);
+  EXPECT_NEAR(found->mass, 1.0, 5.0 * found->mass_std);
+}
+
 TEST(CalibrateForceSensor, KnowsPosesThatAreInverted) {
   ForceRig rig(7, {});
   for (ForceReading& reading : rig.readings) {

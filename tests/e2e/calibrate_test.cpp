@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // calibrate through the real command, on twins and on shared rigs.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,7 @@
 #include "calibration/shared_motion.hpp"
 #include "support/json_command.hpp"
 #include "support/shared_data.hpp"
+#include "support/source_folder.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {
@@ -82,6 +85,85 @@ TEST_F(Calibrate, WritesACalibrationAndAReport) {
   EXPECT_TRUE(std::filesystem::exists(file("report") + "/report.json"));
   EXPECT_EQ(run_pcavr(command()).exit_code, 1);  // it exists
   EXPECT_EQ(run_pcavr(command({"--force"})).exit_code, 0);
+}
+
+/// Joint positions of the arm of the repository, whose encoders are off by 0.3 degrees.
+class CalibrateArm : public Calibrate {
+ protected:
+  static constexpr int kJoints = 7;
+
+  /// The tool of calib/robots/pa10: turns about z, each frame turned about the x of the one before.
+  static Pose T_base_tool(const std::array<double, kJoints>& q) {
+    constexpr std::array<double, kJoints> kRolls{0.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0};
+    constexpr std::array<double, kJoints> kAlongY{0.0, 0.0, -0.45, 0.0, -0.5, 0.0, -0.08};
+    Pose T_base_link = Pose::from_translation({0.0, 0.0, 0.315});
+    for (std::size_t i = 0; i < kJoints; ++i) {
+      const Eigen::Quaterniond turn =
+          Eigen::AngleAxisd(0.5 * std::numbers::pi * kRolls[i], Eigen::Vector3d::UnitX()) *
+          Eigen::AngleAxisd(q[i], Eigen::Vector3d::UnitZ());
+      T_base_link = T_base_link * Pose(turn, {0.0, kAlongY[i], 0.0});
+    }
+    return T_base_link;
+  }
+  void write_arm() const {
+    constexpr std::array<double, kJoints> kRest{0.0, 0.5, 0.0, 1.2, 0.0, 0.8, 0.0};
+    Random random(21);
+    std::string robot = "index";
+    for (int i = 1; i <= kJoints; ++i) robot += fmt::format(",q_joint{}_deg", i);
+    robot += '\n';
+    std::string camera = "index,x,y,z,qx,qy,qz,qw\n";
+    for (int view = 0; view < 30; ++view) {
+      std::array<double, kJoints> q = kRest;
+      robot += fmt::format("{}", view);
+      for (std::size_t i = 0; i < kJoints; ++i) {
+        q[i] += random.uniform(-0.6, 0.6);
+        robot += fmt::format(",{}", 180.0 / std::numbers::pi * q[i] - kOffset[i]);
+      }
+      robot += '\n';
+      Vector6d noise;
+      noise << normal_vector(random, 2e-4), normal_vector(random, 5e-4);
+      const Pose T_camera_board = (T_base_tool(q) * T_flange_camera_).inverse() * T_base_board_;
+      camera += fmt::format("{},{}\n", view, row_of(T_camera_board * Pose::exp(noise)));
+    }
+    ASSERT_TRUE(write_file(file("robot.csv"), robot));
+    ASSERT_TRUE(write_file(file("camera.csv"), camera));
+  }
+
+  static constexpr std::array<double, kJoints> kOffset{0.0, 0.3, -0.3, 0.3, 0.3, -0.3, 0.0};  // deg
+  const std::string urdf_ = (source_folder() / "calib/robots/pa10/pa10.urdf").string();
+  const Pose T_flange_camera_{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY())),
+                              {0.05, 0.02, 0.06}};
+  const Pose T_base_board_ = Pose::from_translation({0.5, 0.1, 0.1});
+};
+
+TEST_F(CalibrateArm, FindsTheOffsetsOfItsJoints) {
+  write_arm();
+  const nlohmann::json found = run_json(command({"--urdf", urdf_, "--report", file("report")}));
+  const nlohmann::json& offsets = found["joint_offsets"];
+  ASSERT_EQ(offsets.size(), std::size_t{kJoints});
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    EXPECT_EQ(offsets[i]["joint"], fmt::format("joint{}", i + 1));
+    EXPECT_EQ(offsets[i]["is_held"].get<bool>(), i == 0 || i + 1 == kJoints) << i;
+    if (offsets[i]["is_held"].get<bool>()) continue;
+    const double degrees = 180.0 / std::numbers::pi * offsets[i]["offset"].get<double>();
+    const double std = 180.0 / std::numbers::pi * offsets[i]["std"].get<double>();
+    EXPECT_NEAR(degrees, kOffset[i], 4.0 * std) << i;
+    EXPECT_LT(std, 0.1) << i;
+  }
+  EXPECT_LT(found["held_out_rms"].get<double>(),
+            0.8 * found["held_out_rms_without_offsets"].get<double>());
+  EXPECT_NE(read_file(file("rig.yaml")).value().find("joint_offsets:"), std::string::npos);
+}
+
+TEST_F(CalibrateArm, NamesWhatIsWrongWithItsTable) {
+  write_arm();
+  EXPECT_NE(failure(command({"--urdf", urdf_, "--tip", "hand"})).find("no link 'hand'"),
+            std::string::npos);
+  ASSERT_TRUE(write_file(file("robot.csv"), "index,q_joint1\n0,0.1\n"));
+  EXPECT_NE(failure(command({"--urdf", urdf_})).find("has no column of joint 'joint2'"),
+            std::string::npos);
+  ASSERT_TRUE(write_file(file("robot.csv"), "t,q_joint1\n0,0.1\n"));
+  EXPECT_NE(failure(command({"--urdf", urdf_})).find("has no column index"), std::string::npos);
 }
 
 TEST_F(Calibrate, StatesWhatOneAxisDoesNotShow) {

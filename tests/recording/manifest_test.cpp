@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/recordings/recording/manifest.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/base/core/decimal.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/recordings/recording/manifest_parser.hpp"
 
@@ -178,6 +180,50 @@ TEST_F(CalibratedManifest, TakesWhatEachCalibrationFound) {
   EXPECT_EQ(tag.size, 0.15);
   EXPECT_TRUE(tag.covariance.isApprox(4e-6 * Matrix6d::Identity()));
   EXPECT_TRUE(manifest->markers.front().covariance.isZero());
+}
+
+TEST_F(CalibratedManifest, RoundTripKeepsWhatCalibrationsFound) {
+  Matrix6d by = Matrix6d::Identity();  // of a covariance without zeros
+  for (Eigen::Index i = 0; i < 36; ++i) by(i / 6, i % 6) += 0.1 * std::sin(static_cast<double>(i));
+  const Matrix6d covariance = 1e-6 * by * by.transpose();
+  std::string tags = kTags;
+  for (Eigen::Index row = 0; row < 6; ++row) {
+    tags += "      - [";
+    for (Eigen::Index column = 0; column < 6; ++column) {
+      tags += (column > 0 ? ", " : "") + shortest_decimal(covariance(row, column));
+    }
+    tags += "]\n";
+  }
+  ASSERT_TRUE(write_file(file("tags.yaml"), tags));
+  ASSERT_TRUE(write_file(file("force.yaml"),
+                         "format: pcavr-calibration/1\nkind: force\n"
+                         "rotation_std: [0.002, 0.0071, 0.004]\n"));
+  ASSERT_TRUE(write_file(file("depth.yaml"),
+                         "format: pcavr-calibration/1\nkind: depth\ndepth_scale: 4900\n"
+                         "depth_offset: 0.004\n"));
+  const auto manifest = with("[tags.yaml, force.yaml, depth.yaml]\n");
+  ASSERT_TRUE(manifest) << manifest.error().to_string();
+  const std::string text = format_manifest(*manifest);
+  const auto again = parse_manifest(text, "m.yaml");
+  ASSERT_TRUE(again) << again.error().to_string() << text;
+  EXPECT_EQ(again->force_direction_std, 0.0071);
+  EXPECT_EQ(again->depth_scale, 4900.0);
+  EXPECT_EQ(again->depth_offset, 0.004);
+  ASSERT_EQ(again->markers.size(), 2U);
+  EXPECT_FALSE(again->markers.back().covariance.isZero());
+  EXPECT_EQ(again->markers.back().covariance, manifest->markers.back().covariance);
+  EXPECT_TRUE(again->markers.front().covariance.isZero());
+  EXPECT_EQ(format_manifest(*again), text);
+}
+
+TEST(Manifest, RefusesCovariancesThatAreNone) {
+  const auto with = [](const std::string& rows) {
+    return parse_manifest(full_with("role: base", "role: base, covariance: " + rows), "m.yaml");
+  };
+  EXPECT_NE(with("[[1, 0, 0, 0, 0, 0]]").error().to_string().find("six rows"), std::string::npos);
+  EXPECT_FALSE(
+      parse_manifest("format: pcavr-recording/1\nwrench: {direction_std: -1}\n", "m.yaml"));
+  EXPECT_FALSE(parse_manifest("format: pcavr-recording/1\nwrench: {}\n", "m.yaml"));
 }
 
 TEST_F(CalibratedManifest, NamesWhatIsWrongWithACalibration) {

@@ -7,6 +7,8 @@
 
 #include "pcavr/pipeline/calibrate.hpp"
 
+#include "pose_input.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -19,17 +21,6 @@ Pose with_axis_reversed(const Pose& pose, int axis) {
   Eigen::Vector3d v = -pose.rotation().vec();
   v[axis] = -v[axis];
   return Pose(Eigen::Quaterniond(pose.rotation().w(), v.x(), v.y(), v.z()), p);
-}
-
-Expected<PoseList> read_input(const PoseInput& input) {
-  Expected<PoseList> list = read_pose_list(input.path, input.reading);
-  if (!list) return list;
-  for (ListedPose& listed : list->poses) {
-    if (input.mirrored_axis) listed.pose = with_axis_reversed(listed.pose, *input.mirrored_axis);
-    if (input.is_inverted) listed.pose = listed.pose.inverse();
-  }
-  for (std::string& note : list->notes) note = input.path + ": " + note;
-  return list;
 }
 
 PoseStream stream_of(const PoseList& list) {
@@ -113,8 +104,19 @@ Expected<PairedPoses> pair_by_stamps(const PoseList& robot, const PoseList& came
 
 }  // namespace
 
+Expected<PoseList> read_pose_input(const PoseInput& input) {
+  Expected<PoseList> list = read_pose_list(input.path, input.reading);
+  if (!list) return list;
+  for (ListedPose& listed : list->poses) {
+    if (input.mirrored_axis) listed.pose = with_axis_reversed(listed.pose, *input.mirrored_axis);
+    if (input.is_inverted) listed.pose = listed.pose.inverse();
+  }
+  for (std::string& note : list->notes) note = input.path + ": " + note;
+  return list;
+}
+
 Expected<PairedPoses> read_paired_poses(const PoseInput& robot, const PoseInput& camera) {
-  const Expected<PoseList> arm = read_input(robot), board = read_input(camera);
+  const Expected<PoseList> arm = read_pose_input(robot), board = read_pose_input(camera);
   if (!arm) return arm.error();
   if (!board) return board.error();
   if (arm->has_stamps() && board->has_stamps()) return pair_by_stamps(*arm, *board);
@@ -127,7 +129,7 @@ Expected<PairedPoses> read_paired_poses(const PoseInput& robot, const PoseInput&
 
 Expected<ComparedClocks> compare_pose_clocks(const PoseInput& a, const PoseInput& b,
                                              const ClockOffsetOptions& options) {
-  const Expected<PoseList> first = read_input(a), second = read_input(b);
+  const Expected<PoseList> first = read_pose_input(a), second = read_pose_input(b);
   if (!first) return first.error();
   if (!second) return second.error();
   return compare(*first, *second, options);

@@ -16,6 +16,7 @@
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/recordings/cloud/cloud_alignment.hpp"
 #include "pcavr/recordings/cloud/cloud_list.hpp"
+#include "pcavr/recordings/recording/depth_units.hpp"
 #include "pcavr/recordings/recording/image_codec.hpp"
 #include "pcavr/recordings/recording/manifest_template.hpp"
 #include "pcavr/recordings/recording/recording_writer.hpp"
@@ -111,7 +112,11 @@ class CloudImport {
     camera_ = *std::move(camera);
     report_camera();
     manifest_.camera = camera_.pinhole.camera;
-    manifest_.depth_scale = options_.depth_scale;
+    if (state_depth_units(options_.depth_scale, manifest_)) {
+      observer_.on_warning(options_.manifest.string() +
+                           ": the depth's offset is left out: its depth_scale is not that of the "
+                           "images that are written; give --depth-scale");
+    }
     writer_.emplace(target_, manifest_);
     return prepare_placing();
   }

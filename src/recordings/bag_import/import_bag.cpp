@@ -11,6 +11,7 @@
 #include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/recordings/bag_import/camera_images.hpp"
+#include "pcavr/recordings/recording/depth_units.hpp"
 #include "pcavr/recordings/recording/manifest_template.hpp"
 #include "pcavr/recordings/recording/recording_writer.hpp"
 
@@ -181,9 +182,13 @@ class BagImport {
     }
     const bool is_metric =
         selection_.depth != nullptr && is_metric_depth(selection_.depth->image_format);
-    manifest_.depth_offset = 0.0;  // of a calibration, as the scale that is replaced
-    manifest_.depth_scale = is_metric ? options_.depth_scale.value_or(kMetricScale)
-                                      : options_.raw_depth_scale.value_or(kMillimetreScale);
+    depth_units_ = is_metric ? options_.depth_scale.value_or(kMetricScale)
+                             : options_.raw_depth_scale.value_or(kMillimetreScale);
+    if (!is_metric && options_.raw_depth_scale) manifest_.depth_scale = 0.0;  // the option's counts
+    if (state_depth_units(depth_units_, manifest_)) {
+      warn("the depth's offset in " + options_.manifest.string() +
+           " is left out: its depth_scale is not that of these images");
+    }
     for (const std::string& doubt : color_doubts(selection_, streams_)) warn(doubt);
     return {};
   }
@@ -390,7 +395,7 @@ class BagImport {
                    .hint = "choose other topics, or a smaller --first"};
     }
     const auto counts = import_frames(bag_, selection_, stamps, plan, *manifest_.camera,
-                                      manifest_.depth_scale, writer, observer_);
+                                      depth_units_, writer, observer_);
     if (!counts) return counts.error();
     if (counts->frames == 0) {
       return Error{.message = "no frame can be imported: " + counts->left_out_reason,
@@ -448,6 +453,7 @@ class BagImport {
   BagSelection selection_;  ///< points into survey_
   BagStreams streams_;
   Manifest manifest_;
+  double depth_units_ = 0.0;  ///< [units/m] of the images that are written, before a calibration
   ImportedSeries<Trajectory> tool_ = {};
   ImportedSeries<std::vector<WrenchSample>> wrench_ = {};
   std::vector<ImportedSeries<Trajectory>> objects_;  ///< as selection_.objects

@@ -124,7 +124,8 @@ void read_calibrations(const YamlValue& value, const std::filesystem::path& fold
 }
 
 Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folder) {
-  root.expect_keys({"format", "camera", "markers", "calibration", "objects", "tool", "robot"});
+  root.expect_keys(
+      {"format", "camera", "markers", "wrench", "calibration", "objects", "tool", "robot"});
   const YamlValue format = root.at("format");
   if (format.text() != kFormat) {
     format.fail("is '" + format.text() + "'", std::string("this version reads ") + kFormat);
@@ -136,6 +137,10 @@ Manifest read_manifest(const YamlValue& root, const std::filesystem::path& folde
   }
   if (const std::optional<YamlValue> markers = root.find("markers")) {
     for (const YamlValue& marker : markers->items()) add_marker(marker, manifest);
+  }
+  if (const std::optional<YamlValue> wrench = root.find("wrench")) {
+    wrench->expect_keys({"direction_std"});
+    manifest.force_direction_std = wrench->at("direction_std").number_in(ranges::kRotationStd);
   }
   if (const std::optional<YamlValue> calibration = root.find("calibration")) {
     read_calibrations(*calibration, folder, manifest);
@@ -192,7 +197,7 @@ double mesh_unit_of(const YamlValue& value) {
 }
 
 MarkerEntry marker_of(const YamlValue& value) {
-  value.expect_keys({"family", "id", "size", "role", "object", "pose"});
+  value.expect_keys({"family", "id", "size", "role", "object", "pose", "covariance"});
   MarkerEntry marker;
   marker.id.family = value.at("family").text();
   marker.id.id = value.at("id").integer(0, 1'000'000);
@@ -205,6 +210,9 @@ MarkerEntry marker_of(const YamlValue& value) {
     object->fail("a base marker has no object", "remove the key, or write role: object");
   }
   marker.T_parent_marker = pose_of(value.at("pose"));
+  if (const std::optional<YamlValue> covariance = value.find("covariance")) {
+    marker.covariance = covariance_of(*covariance);
+  }
   return marker;
 }
 

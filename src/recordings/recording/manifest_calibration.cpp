@@ -20,25 +20,6 @@ constexpr InputRange kCovarianceEntry{"covariance", -1e6, 1e6, "m^2, rad^2",
 /// Rounding makes a variance of a singular covariance negative by this much [m^2, rad^2].
 constexpr double kRounding = 1e-12;
 
-Matrix6d covariance_of(const YamlValue& value) {
-  const std::vector<YamlValue> rows = value.items();
-  if (rows.size() != 6) value.fail("has no six rows", "write a row of six numbers for each");
-  Matrix6d covariance;
-  for (std::size_t row = 0; row < 6; ++row) {
-    const std::vector<double> numbers = rows[row].numbers_in(6, kCovarianceEntry);
-    for (std::size_t column = 0; column < 6; ++column) {
-      covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) =
-          numbers[column];
-    }
-  }
-  const Matrix6d symmetric = 0.5 * (covariance + covariance.transpose());
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(symmetric);
-  if (solver.eigenvalues().minCoeff() < -kRounding) {
-    value.fail("is no covariance: a variance is negative", "take the file as calibrate wrote it");
-  }
-  return symmetric;
-}
-
 void take_tags(const YamlValue& root, Manifest& manifest) {
   Manifest found{.objects = manifest.objects};
   for (const YamlValue& entry : root.at("markers").items()) add_marker(entry, found);
@@ -88,6 +69,25 @@ void take_objects(const YamlValue& root, Manifest& manifest) {
 }
 
 }  // namespace
+
+Matrix6d covariance_of(const YamlValue& value) {
+  const std::vector<YamlValue> rows = value.items();
+  if (rows.size() != 6) value.fail("has no six rows", "write a row of six numbers for each");
+  Matrix6d covariance;
+  for (std::size_t row = 0; row < 6; ++row) {
+    const std::vector<double> numbers = rows[row].numbers_in(6, kCovarianceEntry);
+    for (std::size_t column = 0; column < 6; ++column) {
+      covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) =
+          numbers[column];
+    }
+  }
+  const Matrix6d symmetric = 0.5 * (covariance + covariance.transpose());
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(symmetric);
+  if (solver.eigenvalues().minCoeff() < -kRounding) {
+    value.fail("is no covariance: a variance is negative", "take the file as calibrate wrote it");
+  }
+  return symmetric;
+}
 
 void take_calibration(const std::filesystem::path& file, const YamlValue& key, Manifest& manifest) {
   const Expected<std::string> text = read_file(file);

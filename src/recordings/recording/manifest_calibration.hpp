@@ -12,6 +12,10 @@ namespace pcavr {
 /// The `format` of what `pcavr calibrate` writes.
 inline constexpr char kCalibrationFormat[] = "pcavr-calibration/1";
 
+/// Six rows of six numbers: the covariance of a twist [v (m); w (rad)]; fails where a variance is
+/// negative.
+[[nodiscard]] Matrix6d covariance_of(const YamlValue& value);
+
 /// Takes what a calibration file found in the place of what the manifest states: of `calibrate
 /// tags` the tags with their covariances, of `depth` scale and offset, of `objects` where tracked
 /// bodies' meshes are, and their scales, of `force` how well its direction is known. Fails at `key`

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pcavr/recordings/recording/manifest_template.hpp"
 
+#include <cmath>
 #include <set>
 #include <string>
 #include <system_error>
 
 #include "pcavr/base/core/output.hpp"
+#include "pcavr/recordings/recording/depth_units.hpp"
 #include "pcavr/recordings/recording/manifest_parser.hpp"
 
 namespace pcavr {
@@ -20,6 +22,16 @@ Expected<Manifest> read_manifest_template(const std::filesystem::path& file) {
   Expected<Manifest> manifest = parse_manifest(*text, file.string(), folder);
   if (manifest) manifest->camera.reset();
   return manifest;
+}
+
+bool state_depth_units(double units_per_metre, Manifest& manifest) {
+  // The scale of no depth camera is off by a fifth; usual units differ by two and more.
+  constexpr double kCorrected = 0.2;
+  if (std::abs(manifest.depth_scale / units_per_metre - 1.0) < kCorrected) return false;
+  const bool had_offset = manifest.depth_offset != 0.0;
+  manifest.depth_scale = units_per_metre;
+  manifest.depth_offset = 0.0;
+  return had_offset;
 }
 
 Expected<void> copy_manifest_files(const Manifest& manifest, const std::filesystem::path& from,

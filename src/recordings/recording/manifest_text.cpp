@@ -57,6 +57,13 @@ void emit_camera(YAML::Emitter& out, const CameraModel& camera, double depth_sca
   out << YAML::EndMap;
 }
 
+/// Six rows of six numbers, each in a line of its own.
+void emit_covariance(YAML::Emitter& out, const Matrix6d& covariance) {
+  out << YAML::Key << "covariance" << YAML::Value << YAML::Block << YAML::BeginSeq;
+  for (Eigen::Index row = 0; row < covariance.rows(); ++row) emit_list(out, covariance.row(row));
+  out << YAML::EndSeq;
+}
+
 void emit_marker(YAML::Emitter& out, const MarkerEntry& marker) {
   out << YAML::BeginMap;
   emit(out, "family", marker.id.family);
@@ -65,6 +72,7 @@ void emit_marker(YAML::Emitter& out, const MarkerEntry& marker) {
   emit(out, "role", marker.role == MarkerRole::base ? "base" : "object");
   if (marker.role == MarkerRole::object) emit(out, "object", marker.object);
   emit_pose(out, marker.T_parent_marker);
+  if (!marker.covariance.isZero(0.0)) emit_covariance(out, marker.covariance);
   out << YAML::EndMap;
 }
 
@@ -118,6 +126,11 @@ std::string format_manifest(const Manifest& manifest) {
   }
   emit_sequence(out, "markers", manifest.markers, emit_marker);
   emit_sequence(out, "objects", manifest.objects, emit_object);
+  if (manifest.force_direction_std) {
+    out << YAML::Key << "wrench" << YAML::Value << YAML::BeginMap;
+    emit(out, "direction_std", *manifest.force_direction_std);
+    out << YAML::EndMap;
+  }
   if (manifest.tool_radius) {
     out << YAML::Key << "tool" << YAML::Value << YAML::BeginMap;
     emit(out, "radius", *manifest.tool_radius);

@@ -111,6 +111,13 @@ struct RigidFit {
   [[nodiscard]] Eigen::Vector3d weight(const ForceSample& sample) const {
     return sign * mass * (R_sensor_flange * sample.gravity_flange);
   }
+  /// Its derivatives by mass and rotation.
+  [[nodiscard]] Eigen::Matrix<double, 3, 4> weight_slope(const ForceSample& sample) const {
+    Eigen::Matrix<double, 3, 4> slope;
+    slope.col(0) = sign * (R_sensor_flange * sample.gravity_flange);
+    slope.rightCols<3>() = -sign * mass * R_sensor_flange * skew(sample.gravity_flange);
+    return slope;
+  }
   [[nodiscard]] Eigen::Vector3d residual(const ForceSample& sample) const {
     return sample.force - bias - weight(sample);
   }
@@ -139,8 +146,7 @@ RigidFit rigid_fit(const ForceSamples& samples, RigidFit fit) {
       if (!sample.is_used) continue;
       Eigen::Matrix<double, 3, 7> J;
       J.leftCols<3>() = Eigen::Matrix3d::Identity();
-      J.col(3) = fit.sign * (fit.R_sensor_flange * sample.gravity_flange);
-      J.rightCols<3>() = -fit.sign * fit.mass * fit.R_sensor_flange * skew(sample.gravity_flange);
+      J.rightCols<4>() = fit.weight_slope(sample);
       matrix += J.transpose() * J;
       gradient += J.transpose() * fit.residual(sample);
     }
@@ -193,14 +199,14 @@ ForceCandidate candidate_of(const std::vector<ForceReading>& readings, const Hyp
   return candidate;
 }
 
-/// [N] per axis: the scatter of the readings about their mean.
-double scatter_of(const std::vector<ForceReading>& readings) {
+/// rms per axis of vectors about their mean.
+double scatter_of(const std::vector<Eigen::Vector3d>& vectors) {
+  const double count = static_cast<double>(vectors.size());
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const ForceReading& one : readings) mean += one.force;
-  mean /= static_cast<double>(readings.size());
+  for (const Eigen::Vector3d& one : vectors) mean += one / count;
   double squares = 0.0;
-  for (const ForceReading& one : readings) squares += (one.force - mean).squaredNorm();
-  return std::sqrt(squares / (3.0 * static_cast<double>(readings.size())));
+  for (const Eigen::Vector3d& one : vectors) squares += (one - mean).squaredNorm();
+  return std::sqrt(squares / (3.0 * count));
 }
 
 bool has_weight(const ForceCandidate& candidate) {
@@ -232,7 +238,8 @@ void set_axes(const Eigen::Matrix3d& signed_rotation, ForceSensorResult& result)
   }
 }
 
-/// Least squares of torque = bias + centre x weight.
+/// Least squares of torque = bias + centre x weight. The weight is that of the fitted mass and
+/// rotation: what is not known of these is not known of the centre either.
 void set_centre(const ForceCandidate& found, ForceSensorResult& result) {
   Matrix6d matrix = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
@@ -253,12 +260,19 @@ void set_centre(const ForceCandidate& found, ForceSensorResult& result) {
   const Vector6d solution = matrix.ldlt().solve(gradient);
   const Matrix6d inverse = matrix.ldlt().solve(Matrix6d::Identity());
   double squares = 0.0;
+  Eigen::Matrix<double, 6, 4> by_weight = Eigen::Matrix<double, 6, 4>::Zero();
   for (const ForceSample& sample : found.samples) {
     if (!sample.is_used || !sample.torque) continue;
-    squares += (*sample.torque - jacobian(sample) * solution).squaredNorm();
+    const Eigen::Matrix<double, 3, 6> J = jacobian(sample);
+    squares += (*sample.torque - J * solution).squaredNorm();
+    by_weight += J.transpose() * skew(solution.tail<3>()) * found.fit.weight_slope(sample);
   }
   const double freedoms = 3.0 * static_cast<double>(count) - 6.0;
-  const Vector6d stds = (squares / freedoms * inverse.diagonal()).cwiseSqrt();
+  const Eigen::Matrix<double, 6, 4> slope = inverse * by_weight;
+  const Matrix6d of_weight = found.fit.squares / found.fit.freedoms() * slope *
+                             found.fit.inverse.bottomRightCorner<4, 4>() * slope.transpose();
+  const Vector6d stds =
+      (squares / freedoms * inverse.diagonal() + of_weight.diagonal()).cwiseSqrt();
   result.torque_bias = solution.head<3>();
   result.torque_bias_std = stds.head<3>();
   result.centre = solution.tail<3>();
@@ -358,6 +372,26 @@ ForceSensorResult force_result(const std::vector<ForceReading>& readings,
   return result;
 }
 
+Error no_weight(const std::vector<ForceReading>& readings) {
+  std::vector<Eigen::Vector3d> forces;
+  for (const ForceReading& one : readings) forces.push_back(one.force);
+  return {.message = fmt::format("the readings do not change with the pose, but for {:.2g} N: the "
+                                 "load's weight is not in them",
+                                 scatter_of(forces)),
+          .hint = "give readings that are not compensated, or fix a load of some hundred grams"};
+}
+
+/// Whether the torque that was read is the same in all poses, as well as it is that of a weight in
+/// front of the sensor, which turns in the base's axes.
+bool is_torque_constant(const std::vector<ForceReading>& readings,
+                        const ForceSensorResult& result) {
+  std::vector<Eigen::Vector3d> torques;
+  for (const ForceReading& one : readings) {
+    if (one.torque) torques.push_back(*one.torque);
+  }
+  return result.centre && scatter_of(torques) < kUnclearRatio * result.torque_rms;
+}
+
 }  // namespace
 
 Expected<ForceSensorResult> calibrate_force_sensor(const std::vector<ForceReading>& readings,
@@ -378,18 +412,12 @@ Expected<ForceSensorResult> calibrate_force_sensor(const std::vector<ForceReadin
   for (const ForceCandidate& candidate : candidates) {
     if (candidate.rms < best->rms / kUnclearRatio) best = &candidate;
   }
-  bool is_constant = false;
-  if (!has_weight(*best)) {
-    // Turned to the base's axes without a bias, the weight is the same in every pose.
+  const bool is_constant = !has_weight(*best);
+  if (is_constant) {
+    // Turned to the base's axes without a bias, the weight is the same in every pose. So is the
+    // bias of a sensor without a load: but only a vertical one fits as a weight as well.
     const ForceCandidate& base = candidates[1];
-    if (!has_weight(base)) {
-      return Error{
-          .message = fmt::format("the readings do not change with the pose, but for {:.2g} N: the "
-                                 "load's weight is not in them",
-                                 scatter_of(readings)),
-          .hint = "give readings that are not compensated, or fix a load of some hundred grams"};
-    }
-    is_constant = true;
+    if (!has_weight(base) || base.rms > kUnclearRatio * best->rms) return no_weight(readings);
     best = &base;
   }
   double other = 0.0;
@@ -402,10 +430,10 @@ Expected<ForceSensorResult> calibrate_force_sensor(const std::vector<ForceReadin
   }
   ForceSensorResult result = force_result(readings, *best, other);
   if (is_constant) {
+    if (is_torque_constant(readings, result)) return no_weight(readings);
     result.notes.push_back(
         "the readings are the same in all poses: a weight in the base's axes, or else a "
-        "compensated "
-        "sensor with a vertical bias");
+        "compensated sensor with a vertical bias");
   }
   return result;
 }

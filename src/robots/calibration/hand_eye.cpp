@@ -14,6 +14,7 @@
 #include "pcavr/base/core/random.hpp"
 #include "pcavr/base/core/solvers.hpp"
 
+#include "robots/calibration/calibrated_pose.hpp"
 #include "robots/calibration/input_checks.hpp"
 #include "robots/calibration/next_pose.hpp"
 #include "robots/calibration/rig_fit.hpp"
@@ -55,11 +56,6 @@ struct ChosenFit {
 
 constexpr int kPointRounds = 3;  ///< of fit and best point, which settles
 
-void move_board(const Eigen::Vector3d& shift, std::vector<RigView>& views) {
-  const Pose T_board_point = Pose::from_translation(shift);
-  for (RigView& view : views) view.T_camera_board = view.T_camera_board * T_board_point;
-}
-
 ChosenFit choose_fit(const std::vector<RigView>& given, const Rig& start, CameraMount mount) {
   ChosenFit chosen{.options = {.mount = mount}, .views = given};
   std::vector<RigView>& views = chosen.views;
@@ -85,20 +81,6 @@ ChosenFit choose_fit(const std::vector<RigView>& given, const Rig& start, Camera
   return chosen;
 }
 
-CalibratedPose calibrated(const Pose& T_a_b, const Matrix6d& covariance,
-                          const std::optional<Eigen::Vector3d>& unobservable) {
-  CalibratedPose pose{.T_a_b = T_a_b, .covariance = covariance};
-  const Eigen::Matrix3d R = T_a_b.rotation_matrix();
-  const Eigen::Matrix3d position = R * covariance.topLeftCorner<3, 3>() * R.transpose();
-  const Eigen::Matrix3d rotation = R * covariance.bottomRightCorner<3, 3>() * R.transpose();
-  for (int axis = 0; axis < 3; ++axis) {
-    pose.rotation_std[axis] = std::sqrt(std::max(rotation(axis, axis), 0.0));
-    if (unobservable && std::abs((*unobservable)[axis]) > kMaxShare) continue;
-    pose.position_std[axis] = std::sqrt(std::max(position(axis, axis), 0.0));
-  }
-  return pose;
-}
-
 /// rms of the board's position in each used view, by a fit of the others: the residual without the
 /// view's own influence, which is exact for linear equations.
 double leave_one_out_rms(const std::vector<LinearView>& linear, const RigFit& fit) {
@@ -114,23 +96,15 @@ double leave_one_out_rms(const std::vector<LinearView>& linear, const RigFit& fi
 
 std::optional<double> held_out_rms(const std::vector<RigView>& views, const ChosenFit& chosen,
                                    const HandEyeOptions& options) {
-  const std::size_t count = chosen.fit.used.size();
-  if (count < kMinHeldOut || options.splits < 1) return std::nullopt;
-  const Random seed(options.seed);
   double sum = 0.0, judged = 0.0;
-  for (int split = 0; split < options.splits; ++split) {
-    Random random = seed.fork(static_cast<std::uint64_t>(split));
-    std::vector<std::size_t> order = chosen.fit.used;
-    for (std::size_t i = count - 1; i > 0; --i) std::swap(order[i], order[random.below(i + 1)]);
-    const auto middle = order.begin() + static_cast<std::ptrdiff_t>(2 * count / 3);
-    std::vector<std::size_t> train(order.begin(), middle);
-    std::sort(train.begin(), train.end());
-    const RigFit fit = refit_rig(views, train, chosen.fit, chosen.options);
-    for (auto index = middle; index != order.end(); ++index, judged += 1.0) {
-      sum += residual_of(views[*index], fit.rig).head<3>().squaredNorm();
+  for (const ViewSplit& split : view_splits(chosen.fit.used, options)) {
+    const RigFit fit = refit_rig(views, split.fitted, chosen.fit, chosen.options);
+    for (const std::size_t index : split.judged) {
+      sum += residual_of(views[index], fit.rig).head<3>().squaredNorm();
+      judged += 1.0;
     }
   }
-  return std::sqrt(sum / judged);
+  return judged > 0.0 ? std::optional(std::sqrt(sum / judged)) : std::nullopt;
 }
 
 /// The view whose board fits this arm pose, but its own.
@@ -233,18 +207,6 @@ void add_notes(const ChosenFit& chosen, HandEyeResult& result) {
   }
 }
 
-/// The board's pose and covariance at the frame of the given poses, from those at its best point.
-CalibratedPose board_at_origin(const ChosenFit& chosen,
-                               const std::optional<Eigen::Vector3d>& unobservable_world) {
-  Matrix6d adjoint = Matrix6d::Identity();
-  adjoint.topRightCorner<3, 3>() = skew(chosen.best_point);
-  const Matrix6d at_point = chosen.fit.covariance.block<6, 6>(6, 6);
-  const Pose T_world_board =
-      chosen.fit.rig.T_world_board *
-      Pose::from_translation(-chosen.fit.rig.board_scale * chosen.best_point);
-  return calibrated(T_world_board, adjoint * at_point * adjoint.transpose(), unobservable_world);
-}
-
 HandEyeResult result_of(const std::vector<HandEyeView>& named, const ChosenFit& chosen,
                         const HandEyeOptions& options) {
   const RigFit& fit = chosen.fit;
@@ -256,7 +218,8 @@ HandEyeResult result_of(const std::vector<HandEyeView>& named, const ChosenFit& 
   }
   result.camera =
       calibrated(fit.rig.T_mount_camera, fit.covariance.topLeftCorner<6, 6>(), fit.unobservable);
-  result.board = board_at_origin(chosen, unobservable_world);
+  result.board = board_at_origin(fit.rig, fit.covariance.block<6, 6>(6, 6), chosen.best_point,
+                                 unobservable_world);
   result.best_point_board = chosen.best_point;
   result.board_scale = chosen.scale;
   result.board_scale_std = chosen.scale_std;
@@ -283,6 +246,54 @@ HandEyeResult result_of(const std::vector<HandEyeView>& named, const ChosenFit& 
 }
 
 }  // namespace
+
+void move_board(const Eigen::Vector3d& shift, std::vector<RigView>& views) {
+  const Pose T_board_point = Pose::from_translation(shift);
+  for (RigView& view : views) view.T_camera_board = view.T_camera_board * T_board_point;
+}
+
+CalibratedPose calibrated(const Pose& T_a_b, const Matrix6d& covariance,
+                          const std::optional<Eigen::Vector3d>& unobservable) {
+  CalibratedPose pose{.T_a_b = T_a_b, .covariance = covariance};
+  const Eigen::Matrix3d R = T_a_b.rotation_matrix();
+  const Eigen::Matrix3d position = R * covariance.topLeftCorner<3, 3>() * R.transpose();
+  const Eigen::Matrix3d rotation = R * covariance.bottomRightCorner<3, 3>() * R.transpose();
+  for (int axis = 0; axis < 3; ++axis) {
+    pose.rotation_std[axis] = std::sqrt(std::max(rotation(axis, axis), 0.0));
+    if (unobservable && std::abs((*unobservable)[axis]) > kMaxShare) continue;
+    pose.position_std[axis] = std::sqrt(std::max(position(axis, axis), 0.0));
+  }
+  return pose;
+}
+
+CalibratedPose board_at_origin(const Rig& at_point, const Matrix6d& covariance,
+                               const Eigen::Vector3d& best_point,
+                               const std::optional<Eigen::Vector3d>& unobservable_world) {
+  Matrix6d adjoint = Matrix6d::Identity();
+  adjoint.topRightCorner<3, 3>() = skew(best_point);
+  const Pose T_world_board =
+      at_point.T_world_board * Pose::from_translation(-at_point.board_scale * best_point);
+  return calibrated(T_world_board, adjoint * covariance * adjoint.transpose(), unobservable_world);
+}
+
+std::vector<ViewSplit> view_splits(const std::vector<std::size_t>& views,
+                                   const HandEyeOptions& options) {
+  const std::size_t count = views.size();
+  std::vector<ViewSplit> splits;
+  if (count < kMinHeldOut) return splits;
+  const Random seed(options.seed);
+  for (int split = 0; split < options.splits; ++split) {
+    Random random = seed.fork(static_cast<std::uint64_t>(split));
+    std::vector<std::size_t> order = views;
+    for (std::size_t i = count - 1; i > 0; --i) std::swap(order[i], order[random.below(i + 1)]);
+    const auto middle = order.begin() + static_cast<std::ptrdiff_t>(2 * count / 3);
+    ViewSplit& one = splits.emplace_back();
+    one.fitted.assign(order.begin(), middle);
+    one.judged.assign(middle, order.end());
+    std::sort(one.fitted.begin(), one.fitted.end());
+  }
+  return splits;
+}
 
 std::string board_scale_note(const HandEyeResult& result) {
   return fmt::format(

@@ -79,30 +79,6 @@ Variances first_variances(const std::vector<RigView>& views,
           position / (distance * distance), position / std::pow(distance, 4), rotation};
 }
 
-/// An orthonormal basis of the parameters that are estimated.
-Eigen::MatrixXd basis_of(const RigFit& fit, const std::vector<RigView>& views,
-                         const RigFitOptions& options) {
-  std::vector<RigVector> fixed;
-  if (!options.with_scale) fixed.push_back(RigVector::Unit(kRigParameters, 12));
-  if (fit.unobservable) {
-    // Where all rotations are about one axis, camera and board may move along it together.
-    const Eigen::Vector3d& axis = *fit.unobservable;
-    const Eigen::Vector3d axis_world = views[fit.used.front()].T_world_mount.rotation() * axis;
-    RigVector both = RigVector::Zero(kRigParameters);
-    both.segment<3>(0) = fit.rig.T_mount_camera.rotation().conjugate() * axis;
-    both.segment<3>(6) = fit.rig.T_world_board.rotation().conjugate() * axis_world;
-    fixed.push_back(both.normalized());
-  }
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Identity(kRigParameters, kRigParameters);
-  if (fixed.empty()) return columns;
-  Eigen::MatrixXd spanned(kRigParameters, static_cast<Eigen::Index>(fixed.size()));
-  for (std::size_t i = 0; i < fixed.size(); ++i)
-    spanned.col(static_cast<Eigen::Index>(i)) = fixed[i];
-  const Eigen::HouseholderQR<Eigen::MatrixXd> decomposition(spanned);
-  const Eigen::MatrixXd Q = decomposition.householderQ() * columns;
-  return Q.rightCols(kRigParameters - spanned.cols());
-}
-
 /// A Gauss-Newton step of the rig at these variances; keeps information and covariance in `fit`.
 RigVector solve_step(const std::vector<LinearView>& linear, const Eigen::MatrixXd& basis,
                      RigFit& fit) {
@@ -136,20 +112,14 @@ bool iterate(const std::vector<RigView>& views, const RigFitOptions& options, in
              RigFit& fit) {
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const std::vector<LinearView> linear = linearised(views, fit.used, fit.rig, options.mount);
-    const RigVector step = solve_step(linear, basis_of(fit, views, options), fit);
+    const RigVector step = solve_step(linear, estimated_basis(fit, views, options), fit);
     fit.rig = moved(fit.rig, step);
     std::vector<LinearView> at = linearised(views, fit.used, fit.rig, options.mount);
     const Variances before = fit.variances;
     for (int i = 0; i < kVarianceSteps; ++i) {
       fit.variances = improved(at, fit.covariance, fit.variances);
     }
-    double change = 0.0;
-    for (std::size_t source = 0; source < kSources; ++source) {
-      const Matrix6d shape = covariance_of_source(at.front().shape, source);
-      const Matrix6d all = covariance_of(at.front().shape, before);
-      const double share = before[source] * (all.inverse() * shape).trace() / 6.0;
-      change += share * std::abs(fit.variances[source] / std::max(before[source], 1e-300) - 1.0);
-    }
+    const double change = variance_change(at.front().shape, before, fit.variances);
     if (change < kMinChange && step.norm() < 1e-9 + 1e-4 * std::sqrt(fit.covariance.trace())) {
       return true;
     }
@@ -174,6 +144,40 @@ std::vector<std::size_t> explained_views(const std::vector<RigView>& views,
 }
 
 }  // namespace
+
+Eigen::MatrixXd estimated_basis(const RigFit& fit, const std::vector<RigView>& views,
+                                const RigFitOptions& options) {
+  std::vector<RigVector> fixed;
+  if (!options.with_scale) fixed.push_back(RigVector::Unit(kRigParameters, 12));
+  if (fit.unobservable) {
+    // Where all rotations are about one axis, camera and board may move along it together.
+    const Eigen::Vector3d& axis = *fit.unobservable;
+    const Eigen::Vector3d axis_world = views[fit.used.front()].T_world_mount.rotation() * axis;
+    RigVector both = RigVector::Zero(kRigParameters);
+    both.segment<3>(0) = fit.rig.T_mount_camera.rotation().conjugate() * axis;
+    both.segment<3>(6) = fit.rig.T_world_board.rotation().conjugate() * axis_world;
+    fixed.push_back(both.normalized());
+  }
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Identity(kRigParameters, kRigParameters);
+  if (fixed.empty()) return columns;
+  Eigen::MatrixXd spanned(kRigParameters, static_cast<Eigen::Index>(fixed.size()));
+  for (std::size_t i = 0; i < fixed.size(); ++i)
+    spanned.col(static_cast<Eigen::Index>(i)) = fixed[i];
+  const Eigen::HouseholderQR<Eigen::MatrixXd> decomposition(spanned);
+  const Eigen::MatrixXd Q = decomposition.householderQ() * columns;
+  return Q.rightCols(kRigParameters - spanned.cols());
+}
+
+double variance_change(const NoiseShape& shape, const Variances& before, const Variances& after) {
+  const Matrix6d weight = covariance_of(shape, before).inverse();
+  double change = 0.0;
+  for (std::size_t source = 0; source < kSources; ++source) {
+    const double share =
+        before[source] * (weight * covariance_of_source(shape, source)).trace() / 6.0;
+    change += share * std::abs(after[source] / std::max(before[source], 1e-300) - 1.0);
+  }
+  return change;
+}
 
 RotationSpread rotation_spread(const std::vector<RigView>& views,
                                const std::vector<std::size_t>& indices) {

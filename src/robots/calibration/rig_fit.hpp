@@ -74,6 +74,14 @@ struct TypicalResidual {
                                                  const std::vector<std::size_t>& indices,
                                                  const Rig& rig, CameraMount mount);
 
+/// An orthonormal basis of the rig's parameters that are estimated.
+[[nodiscard]] Eigen::MatrixXd estimated_basis(const RigFit& fit, const std::vector<RigView>& views,
+                                              const RigFitOptions& options);
+
+/// How far the variances moved, by their shares in the residual of a view of this shape.
+[[nodiscard]] double variance_change(const NoiseShape& shape, const Variances& before,
+                                     const Variances& after);
+
 /// Squared distance of a view from the fit in its stds; 6 on average.
 [[nodiscard]] double squared_distance(const LinearView& view, const RigFit& fit, bool is_used);
 /// Above it a view is an outlier.

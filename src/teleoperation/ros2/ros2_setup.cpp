@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
+#include <utility>
 
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/recordings/recording/yaml_map.hpp"
@@ -207,11 +208,11 @@ void read_common(const YamlValue& root, DdsOptions& dds, std::string& base_frame
   if (const auto given = root.find("base_frame")) base_frame = read_frame(*given);
 }
 
-std::optional<Ros2Publication> read_publication(const YamlValue& root) {
-  Ros2Publication publication;
-  read_common(root, publication.dds, publication.base_frame);
+/// The section publish, in `common`'s network and frame.
+std::optional<Ros2Publication> publish_section(const YamlValue& root, Ros2Publication common) {
   const auto value = root.find("publish");
   if (!value) return std::nullopt;
+  Ros2Publication publication = std::move(common);
   value->expect_keys({"prefix", "rate"});
   if (const auto given = value->find("prefix")) {
     publication.prefix = given->text();
@@ -224,10 +225,16 @@ std::optional<Ros2Publication> read_publication(const YamlValue& root) {
   return publication;
 }
 
+std::optional<Ros2Publication> read_publication(const YamlValue& root) {
+  Ros2Publication common;
+  read_common(root, common.dds, common.base_frame);
+  return publish_section(root, std::move(common));
+}
+
 Ros2Setup read_setup(const YamlValue& root, const std::filesystem::path& folder) {
   Ros2Setup setup;
   read_common(root, setup.dds, setup.base_frame);
-  setup.publication = read_publication(root);
+  setup.publication = publish_section(root, {.dds = setup.dds, .base_frame = setup.base_frame});
   if (const auto given = root.find("start_timeout"))
     setup.start_timeout = given->number_in(kTimeout);
   if (const auto given = root.find("silence_timeout")) {
