@@ -73,40 +73,6 @@ std::string place_of(const std::string& name, const py::array& array, py::ssize_
   return array.ndim() == 0 ? name : name + '[' + place;
 }
 
-/// A pair as tuple or list.
-std::array<py::object, 2> pair_of(const py::handle& argument, const std::string& name,
-                                  const std::string& content) {
-  const bool is_sequence =
-      py::isinstance<py::tuple>(argument) || py::isinstance<py::list>(argument);
-  if (!is_sequence || py::len(argument) != 2) {
-    throw py::type_error(name + ": a pair " + content + " is expected");
-  }
-  const auto sequence = py::reinterpret_borrow<py::sequence>(argument);
-  return {py::object(sequence[0]), py::object(sequence[1])};
-}
-
-std::vector<Stamp> stamps_of(const py::handle& argument, const std::string& name) {
-  const Numbers t = numbers_of(argument, name, {kAnySize});
-  std::vector<Stamp> stamps;
-  stamps.reserve(static_cast<std::size_t>(t.size()));
-  for (py::ssize_t i = 0; i < t.size(); ++i) {
-    const double seconds = t.at(i);
-    const std::string place = place_of(name, t, i);
-    if (auto error = check_range(ranges::kStamp, seconds)) {
-      error->place = place;
-      raise_error(*error);
-    }
-    const Stamp stamp = Stamp::from_seconds(seconds);
-    if (!stamps.empty() && stamp <= stamps.back()) {
-      raise_error({.message = "is not after the time before it",
-                   .place = place,
-                   .hint = "sort the rows by time, and leave out those that repeat one"});
-    }
-    stamps.push_back(stamp);
-  }
-  return stamps;
-}
-
 Pose pose_of_row(const double* row, const std::string& place) {
   if (auto error = check_unit_quaternion({row + 3, 4})) {
     error->place = place;
@@ -160,6 +126,49 @@ Numbers array_of(const Eigen::Vector3d& vector) {
   Numbers array(3);
   Eigen::Map<Eigen::Vector3d>(array.mutable_data()) = vector;
   return array;
+}
+
+Numbers array_of(std::span<const Pose> poses) {
+  Numbers array({static_cast<py::ssize_t>(poses.size()), py::ssize_t{7}});
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    double* const row = array.mutable_data() + 7 * i;
+    Eigen::Map<Eigen::Vector3d>{row} = poses[i].translation();
+    Eigen::Map<Eigen::Vector4d>{row + 3} = poses[i].rotation().coeffs();
+  }
+  return array;
+}
+
+std::array<py::object, 2> pair_of(const py::handle& argument, const std::string& name,
+                                  const std::string& content) {
+  const bool is_sequence =
+      py::isinstance<py::tuple>(argument) || py::isinstance<py::list>(argument);
+  if (!is_sequence || py::len(argument) != 2) {
+    throw py::type_error(name + ": a pair " + content + " is expected");
+  }
+  const auto sequence = py::reinterpret_borrow<py::sequence>(argument);
+  return {py::object(sequence[0]), py::object(sequence[1])};
+}
+
+std::vector<Stamp> stamps_of(const py::handle& argument, const std::string& name) {
+  const Numbers t = numbers_of(argument, name, {kAnySize});
+  std::vector<Stamp> stamps;
+  stamps.reserve(static_cast<std::size_t>(t.size()));
+  for (py::ssize_t i = 0; i < t.size(); ++i) {
+    const double seconds = t.at(i);
+    const std::string place = place_of(name, t, i);
+    if (auto error = check_range(ranges::kStamp, seconds)) {
+      error->place = place;
+      raise_error(*error);
+    }
+    const Stamp stamp = Stamp::from_seconds(seconds);
+    if (!stamps.empty() && stamp <= stamps.back()) {
+      raise_error({.message = "is not after the time before it",
+                   .place = place,
+                   .hint = "sort the rows by time, and leave out those that repeat one"});
+    }
+    stamps.push_back(stamp);
+  }
+  return stamps;
 }
 
 Eigen::Vector3d TimedRows::vector(std::size_t row, std::size_t column) const {

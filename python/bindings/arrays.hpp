@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,16 @@ inline constexpr pybind11::ssize_t kAnySize = -1;
 [[nodiscard]] Pose pose_of(const pybind11::handle& argument, const std::string& name);
 [[nodiscard]] Numbers array_of(const Pose& pose);
 [[nodiscard]] Numbers array_of(const Eigen::Vector3d& vector);
+/// (N, 7)
+[[nodiscard]] Numbers array_of(std::span<const Pose> poses);
+
+/// A pair as tuple or list; `content` is what it has, in messages: "(t, rows)".
+[[nodiscard]] std::array<pybind11::object, 2> pair_of(const pybind11::handle& argument,
+                                                      const std::string& name,
+                                                      const std::string& content);
+/// (N,) s in strictly ascending order.
+[[nodiscard]] std::vector<Stamp> stamps_of(const pybind11::handle& argument,
+                                           const std::string& name);
 
 /// A series: a pair (t, rows), with t [s] in strictly ascending order.
 struct TimedRows {

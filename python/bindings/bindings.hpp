@@ -21,5 +21,7 @@ void bind_tags(pybind11::module_& module);
 void bind_robots(pybind11::module_& module);
 void bind_robot_identification(pybind11::module_& module);
 void bind_calibration(pybind11::module_& module);
+void bind_camera_calibration(pybind11::module_& module);
+void bind_tag_calibration(pybind11::module_& module);
 
 }  // namespace pcavr::python

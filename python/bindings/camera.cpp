@@ -25,15 +25,10 @@ constexpr std::array kLensNames{std::pair{LensModel::plumb_bob, "plumb_bob"},
                                 std::pair{LensModel::fisheye, "fisheye"}};
 
 LensDistortion distortion_of(const std::string& name, const py::object& coefficients) {
-  for (const auto& [model, known] : kLensNames) {
-    if (name != known) continue;
-    const auto count = static_cast<py::ssize_t>(coefficient_count(model));
-    const Numbers numbers = numbers_of(coefficients, "distortion", {count});
-    return {model, {numbers.data(), static_cast<std::size_t>(count)}};
-  }
-  raise_error({.message = "'" + name + "' is not a lens model",
-               .place = "lens",
-               .hint = "give plumb_bob, rational or fisheye"});
+  const LensModel model = lens_of(name);
+  const auto count = static_cast<py::ssize_t>(coefficient_count(model));
+  const Numbers numbers = numbers_of(coefficients, "distortion", {count});
+  return {model, {numbers.data(), static_cast<std::size_t>(count)}};
 }
 
 CameraModel make_camera(int width, int height, double fx, double fy, double cx, double cy,
@@ -57,6 +52,15 @@ CameraModel make_camera(int width, int height, double fx, double fy, double cx, 
 }
 
 }  // namespace
+
+LensModel lens_of(const std::string& name) {
+  for (const auto& [model, known] : kLensNames) {
+    if (name == known) return model;
+  }
+  raise_error({.message = "'" + name + "' is not a lens model",
+               .place = "lens",
+               .hint = "give plumb_bob, rational or fisheye"});
+}
 
 void bind_camera(py::module_& module) {
   py::class_<CameraModel>(module, "Camera", R"(A pinhole camera with a lens, as in OpenCV and ROS.

@@ -21,4 +21,6 @@ PYBIND11_MODULE(_pcavr, module) {
   bind_robots(module);
   bind_robot_identification(module);
   bind_calibration(module);
+  bind_camera_calibration(module);
+  bind_tag_calibration(module);
 }

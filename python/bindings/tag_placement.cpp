@@ -15,6 +15,17 @@ namespace py = pybind11;
 namespace {
 
 TagPlacement make_tag(const std::string& family, int id, double size, const py::object& pose) {
+  const MarkerId tag = tag_id_of(family, id);
+  if (auto error = check_range(ranges::kTagSize, size)) {
+    error->place = "size";
+    raise_error(*error);
+  }
+  return {tag, size, pose.is_none() ? Pose() : pose_of(pose, "pose")};
+}
+
+}  // namespace
+
+MarkerId tag_id_of(const std::string& family, int id) {
   const std::vector<std::string>& families = tag_families();
   if (std::find(families.begin(), families.end(), family) == families.end()) {
     raise_error({.message = "'" + family + "' is not a family of tags",
@@ -22,14 +33,8 @@ TagPlacement make_tag(const std::string& family, int id, double size, const py::
                  .hint = "pcavr.tag_families() lists them"});
   }
   if (id < 0) raise_error({.message = "is negative", .place = "id"});
-  if (auto error = check_range(ranges::kTagSize, size)) {
-    error->place = "size";
-    raise_error(*error);
-  }
-  return {{family, id}, size, pose.is_none() ? Pose() : pose_of(pose, "pose")};
+  return {family, id};
 }
-
-}  // namespace
 
 void bind_tag_placement(py::module_& module) {
   py::class_<TagPlacement>(module, "Tag", "A tag on a body: in base, or on an object.")

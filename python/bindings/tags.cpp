@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -33,6 +34,19 @@ Numbers corners_of(const TagDetection& detection) {
     Eigen::Map<Eigen::Vector2d>(corners.mutable_data() + 2 * i) = detection.corners[i];
   }
   return corners;
+}
+
+TagDetection make_detection(const std::string& family, int id, const py::object& corners,
+                            double corner_std) {
+  TagDetection detection{.id = tag_id_of(family, id), .corners = {}, .corner_std = corner_std};
+  const Numbers rows = numbers_of(corners, "corners", {4, 2});
+  for (std::size_t i = 0; i < detection.corners.size(); ++i) {
+    detection.corners[i] = Eigen::Vector2d::Map(rows.data() + 2 * i);
+  }
+  if (!std::isfinite(corner_std) || corner_std < 0.0) {
+    raise_error({.message = "is not a std", .place = "corner_std", .hint = "0: not known"});
+  }
+  return detection;
 }
 
 /// A detector that several threads of Python may share: without the GIL they wait for each other.
@@ -78,6 +92,16 @@ BodyPose body_pose(const std::vector<TagPlacement>& tags,
 
 void bind_detection(py::module_& module) {
   py::class_<TagDetection>(module, "TagDetection", "A tag in an image.")
+      .def(py::init(&make_detection), py::arg("family"), py::arg("id"), py::arg("corners"),
+           py::kw_only(), py::arg("corner_std") = 0.0,
+           R"(Of another detector than TagDetector.
+
+family      of tag_families()
+id          its number in the family
+corners     (4, 2) [px], in the order of the property
+corner_std  std of one coordinate of a corner [px]; 0: not known
+
+Raises Error for an unknown family, and corners that are not finite.)")
       .def_property_readonly(
           "family", [](const TagDetection& self) { return self.id.family; }, "Of tag_families().")
       .def_property_readonly(

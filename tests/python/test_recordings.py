@@ -94,6 +94,15 @@ def test_frames_are_views_of_the_decoded_images(tmp_path):
         pcavr.read_recording(tmp_path / "r").frame(0)
 
 
+def test_frame_of_a_folder_that_is_gone(tmp_path):
+    pcavr.write_recording(tmp_path / "r", frames=iter(make_frames()), camera=make_camera())
+    recording = pcavr.read_recording(tmp_path / "r")
+    shutil.rmtree(tmp_path / "r")
+    with pytest.raises(pcavr.Error) as raised:
+        recording.frame(0)
+    assert raised.value.file.startswith(str(tmp_path / "r")) and recording.frame_t[2] == pytest.approx(0.2)
+
+
 def write_push(push, folder, cube, **changed):
     arguments = {
         "tool": (push.tool.t, push.tool.poses),

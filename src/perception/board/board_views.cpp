@@ -3,7 +3,7 @@
 #include "pcavr/perception/board/board_views.hpp"
 
 #include <algorithm>
-#include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
@@ -16,11 +16,19 @@
 #include "perception/board/board_search.hpp"
 
 namespace pcavr {
-namespace fs = std::filesystem;
 namespace {
 
 /// Points by which a picture has a board's pose with something to spare.
 constexpr std::size_t kMinPoints = 6;
+
+/// A picture in a file or in memory.
+struct PictureSource {
+  std::string name = {};  ///< in messages
+  std::string file = {};  ///< empty: in memory
+  int number = 0;
+  /// Reads it; a file is read again by each call, so that not all are in memory at once.
+  std::function<Expected<GrayImage>()> read = {};
+};
 
 /// What became of one picture.
 struct SearchedPicture {
@@ -35,39 +43,38 @@ bool has_tags(const Board& board) {
   return board.kind == BoardKind::charuco || board.kind == BoardKind::tags;
 }
 
-void search(const NumberedPicture& file, const Board& board, SearchedPicture& searched) {
-  const Expected<ColorImage> image = read_picture(file.file);
+void search(const PictureSource& source, const Board& board, SearchedPicture& searched) {
+  const Expected<GrayImage> image = source.read();
   if (!image) {
     searched.error = image.error();
     return;
   }
   searched.width = image->width();
   searched.height = image->height();
-  const GrayImage gray = to_gray(*image);
   if (has_tags(board)) {
-    searched.tags = find_tags(gray, board);
+    searched.tags = find_tags(*image, board);
   } else {
-    searched.grid = find_grid(gray, board);
+    searched.grid = find_grid(*image, board);
     if (searched.grid) searched.points = searched.grid->points;
   }
 }
 
 /// The places on the board of all tags, by the layout that all pictures together show.
-void place_tags(const std::vector<NumberedPicture>& files, const Board& board,
+void place_tags(const std::vector<PictureSource>& sources, const Board& board,
                 Parallelism parallelism, std::vector<SearchedPicture>& pictures) {
   std::vector<FoundTags> tags;
   for (const SearchedPicture& picture : pictures) tags.push_back(picture.tags);
   const BoardLayout layout = choose_layout(tags, board);
-  parallel_for(parallelism, files.size(), 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(parallelism, sources.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (tags[i].tags.empty()) continue;
       if (board.kind == BoardKind::tags) {
         pictures[i].points = points_of_tags({}, tags[i], board, layout);
         continue;
       }
-      const Expected<ColorImage> image = read_picture(files[i].file);
+      const Expected<GrayImage> image = sources[i].read();
       if (image) {
-        pictures[i].points = points_of_tags(to_gray(*image), tags[i], board, layout);
+        pictures[i].points = points_of_tags(*image, tags[i], board, layout);
       } else {
         pictures[i].error = image.error();
       }
@@ -121,27 +128,35 @@ Error no_board(const std::string& pictures, const Board& board,
           .hint = hint};
 }
 
-Expected<BoardViews> collect(const std::string& pictures, const std::vector<NumberedPicture>& files,
+/// An Error where a picture has another size than the first one.
+Expected<void> check_sizes(const std::vector<PictureSource>& sources,
+                           const std::vector<SearchedPicture>& searched) {
+  const SearchedPicture& first = searched.front();
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    if (searched[i].width == first.width && searched[i].height == first.height) continue;
+    return Error{
+        .message = fmt::format("has {} x {} pixels, {} has {} x {}", searched[i].width,
+                               searched[i].height, sources.front().name, first.width, first.height),
+        .file = sources[i].file,
+        .place = sources[i].file.empty() ? sources[i].name : "",
+        .hint = "give pictures of one camera and one size"};
+  }
+  return {};
+}
+
+Expected<BoardViews> collect(const std::string& pictures, const std::vector<PictureSource>& sources,
                              const Board& board, std::vector<SearchedPicture> searched) {
   BoardViews found{.width = searched.front().width, .height = searched.front().height};
   std::map<std::string, std::vector<std::string>> faults;
-  for (std::size_t i = 0; i < files.size(); ++i) {
+  for (std::size_t i = 0; i < sources.size(); ++i) {
     SearchedPicture& picture = searched[i];
-    const std::string name = files[i].file.filename().string();
-    if (picture.width != found.width || picture.height != found.height) {
-      return Error{.message = fmt::format("has {} x {} pixels, {} has {} x {}", picture.width,
-                                          picture.height, files.front().file.filename().string(),
-                                          found.width, found.height),
-                   .file = files[i].file.string(),
-                   .hint = "give pictures of one camera and one size"};
-    }
     if (const auto fault = fault_of(picture, board)) {
-      faults[*fault].push_back(name);
+      faults[*fault].push_back(sources[i].name);
       continue;
     }
-    BoardView view{.name = fmt::format("view {}", files[i].number),
-                   .file = files[i].file.string(),
-                   .number = files[i].number,
+    BoardView view{.name = fmt::format("view {}", sources[i].number),
+                   .file = sources[i].file,
+                   .number = sources[i].number,
                    .ids = std::move(picture.points.ids),
                    .pixels = std::move(picture.points.pixels)};
     if (picture.grid) view.turns = picture.grid->turns;
@@ -155,15 +170,13 @@ Expected<BoardViews> collect(const std::string& pictures, const std::vector<Numb
   return found;
 }
 
-}  // namespace
-
-Expected<BoardViews> read_board_views(const std::string& pictures, const Board& board,
-                                      Parallelism parallelism) {
-  const Expected<std::vector<NumberedPicture>> files = list_pictures(pictures);
-  if (!files) return files.error();
-  std::vector<SearchedPicture> searched(files->size());
-  parallel_for(parallelism, files->size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) search((*files)[i], board, searched[i]);
+/// `pictures` is the file in errors.
+Expected<BoardViews> views_of(const std::string& pictures,
+                              const std::vector<PictureSource>& sources, const Board& board,
+                              Parallelism parallelism) {
+  std::vector<SearchedPicture> searched(sources.size());
+  parallel_for(parallelism, sources.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) search(sources[i], board, searched[i]);
   });
   const auto first_error = [&] {
     const auto found = std::ranges::find_if(
@@ -171,11 +184,44 @@ Expected<BoardViews> read_board_views(const std::string& pictures, const Board& 
     return found == searched.end() ? std::nullopt : found->error;
   };
   if (const auto error = first_error()) return *error;
+  if (const auto sized = check_sizes(sources, searched); !sized) return sized.error();
   if (has_tags(board)) {
-    place_tags(*files, board, parallelism, searched);
+    place_tags(sources, board, parallelism, searched);
     if (const auto error = first_error()) return *error;
   }
-  return collect(pictures, *files, board, std::move(searched));
+  return collect(pictures, sources, board, std::move(searched));
+}
+
+}  // namespace
+
+Expected<BoardViews> read_board_views(const std::string& pictures, const Board& board,
+                                      Parallelism parallelism) {
+  const Expected<std::vector<NumberedPicture>> files = list_pictures(pictures);
+  if (!files) return files.error();
+  std::vector<PictureSource> sources;
+  for (const NumberedPicture& picture : *files) {
+    sources.push_back({.name = picture.file.filename().string(),
+                       .file = picture.file.string(),
+                       .number = picture.number,
+                       .read = [&picture]() -> Expected<GrayImage> {
+                         const Expected<ColorImage> image = read_picture(picture.file);
+                         if (!image) return image.error();
+                         return to_gray(*image);
+                       }});
+  }
+  return views_of(pictures, sources, board, parallelism);
+}
+
+Expected<BoardViews> find_board_views(std::span<const GrayImage> pictures, const Board& board,
+                                      Parallelism parallelism) {
+  if (pictures.empty()) return Error{.message = "there are no pictures"};
+  std::vector<PictureSource> sources;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    sources.push_back({.name = fmt::format("picture {}", i),
+                       .number = static_cast<int>(i),
+                       .read = [&image = pictures[i]]() -> Expected<GrayImage> { return image; }});
+  }
+  return views_of("", sources, board, parallelism);
 }
 
 }  // namespace pcavr
