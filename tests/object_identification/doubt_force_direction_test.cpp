@@ -19,8 +19,7 @@ ObjectIdentification pushed_object() {
   found.parameters.sources.pushes["tool_friction_coefficient"] = 3;
   found.tool_friction_contacts = 3;
   found.friction.is_valid = true;
-  found.friction.sliding_force = {{.speed = 0.03, .force = 2.0, .std = 0.05}};
-  found.parameters.sliding_force = found.friction.sliding_force;
+  found.parameters.sliding_force = {{.speed = 0.03, .force = 2.0, .std = 0.05}};
   return found;
 }
 
@@ -49,10 +48,8 @@ TEST(DoubtForceDirection, CoversWhatTheTurnTakesFromFriction) {
   const double turned_back = friction.value / std::cos(kTurn);
   EXPECT_EQ(friction.value, 0.20);
   EXPECT_LE(std::abs(turned_back - friction.value), *friction.std);
-  for (const auto& forces : {found.parameters.sliding_force, found.friction.sliding_force}) {
-    ASSERT_EQ(forces.size(), 1U);
-    EXPECT_LE(forces[0].force / std::cos(kTurn) - forces[0].force, forces[0].std);
-  }
+  const SlidingForce& sliding = found.parameters.sliding_force.at(0);
+  EXPECT_LE(sliding.force / std::cos(kTurn) - sliding.force, sliding.std);
 }
 
 TEST(DoubtForceDirection, LeavesWhatWasKnownBeforeAndWhatNoTurnIsSuspectedOf) {

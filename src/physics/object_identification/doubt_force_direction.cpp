@@ -39,7 +39,7 @@ void doubt_force_direction(double suspected_turn, const ObjectParameters& known,
                        &ObjectParameters::sliding_friction_coefficient,
                        &ObjectParameters::viscous_friction, &ObjectParameters::friction_radius},
             share_of_turn(suspected_turn), known, result.parameters);
-  widen_sliding_forces(share_of_turn(suspected_turn), result);
+  widen_sliding_forces(share_of_turn(suspected_turn), result.parameters);
   result.notes.push_back("the stds of friction contain what a turn of the force by " + angle +
                          " would change");
 }

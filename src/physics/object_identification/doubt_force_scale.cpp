@@ -26,7 +26,7 @@ void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters&
                  &ObjectParameters::viscous_friction, &ObjectParameters::contact_stiffness,
                  &ObjectParameters::contact_damping, &ObjectParameters::loading_rate},
       share, known, result.parameters);
-  widen_sliding_forces(share, result);
+  widen_sliding_forces(share, result.parameters);
   if (const auto& exponent = result.parameters.contact_exponent) {
     double& depth_std = result.penetration.relative_std;  // at a force that is wrong by the factor
     if (depth_std > 0.0) depth_std = std::hypot(depth_std, share / exponent->value);

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <vector>
 
-#include "pcavr/physics/object_identification/object_identification.hpp"
+#include "pcavr/physics/object/object_parameters.hpp"
 
 namespace pcavr {
 
@@ -22,13 +21,10 @@ inline void widen_new(std::span<std::optional<ParameterValue> ObjectParameters::
   }
 }
 
-/// Adds a std of `share` of each sliding force, in the parameters and in what the report states.
-inline void widen_sliding_forces(double share, ObjectIdentification& found) {
-  for (std::vector<SlidingForce>* forces :
-       {&found.parameters.sliding_force, &found.friction.sliding_force}) {
-    for (SlidingForce& sliding : *forces) {
-      sliding.std = std::hypot(sliding.std, share * sliding.force);
-    }
+/// Adds a std of `share` of each sliding force.
+inline void widen_sliding_forces(double share, ObjectParameters& parameters) {
+  for (SlidingForce& sliding : parameters.sliding_force) {
+    sliding.std = std::hypot(sliding.std, share * sliding.force);
   }
 }
 

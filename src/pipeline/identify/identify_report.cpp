@@ -93,8 +93,10 @@ void add_object(Json& json, const Identification& found, std::size_t index) {
     json[key + "contact.penetration_force"] = object.penetration.force;
   }
   Json& forces = json[key + "sliding_force"] = Json::array();
-  for (const SlidingForce& row : object.friction.sliding_force) {
-    forces.push_back({{"speed", row.speed}, {"force", row.force}, {"std", row.std}});
+  if (!object.friction.sliding_force.empty()) {  // else the parameters have what was known before
+    for (const SlidingForce& row : object.parameters.sliding_force) {
+      forces.push_back({{"speed", row.speed}, {"force", row.force}, {"std", row.std}});
+    }
   }
   json[key + "presses"] = object.press_count;
   json[key + "pushes_broken_away"] = object.limit.pushes;
