@@ -81,7 +81,7 @@ TEST(TagClosure, OfHardlyUsualSizeIsDoubtedInPart) {
   const auto usual = closure_of(a_case({0.001, -0.001, 0.0}, 1.01));
   ASSERT_TRUE(usual.has_value());
   TagClosure closure = *usual;
-  closure.offset = 2.3 * closure.expected;
+  closure.offset = 2.4 * closure.expected;
   EXPECT_FALSE(closure.is_significant());
   EXPECT_NEAR(doubt_of(closure, {}).position, 0.5 * closure.offset, 1e-12);
 }
