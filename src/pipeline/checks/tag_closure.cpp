@@ -20,8 +20,8 @@ constexpr double kDepthShare = 0.005;
 /// A tag is glued on and measured to a millimetre [m, one std].
 constexpr double kTagCentreStd = 1e-3;
 constexpr double kSignificantStds = 3.0;
-/// Depth that is off by a per cent leaves less; from here to kSignificantStds ever more is doubted.
-constexpr double kUsualStds = 1.8;
+/// One in seven sound cameras leaves more; from here to kSignificantStds ever more is doubted.
+constexpr double kUsualStds = 1.5;
 /// Offset from which on nothing of the scene is where it is drawn: as for the stds of cameras, and
 /// as the share of the distance that a factor of 1.5 makes.
 constexpr double kMaxTagOffset = 0.25;  // [m]
