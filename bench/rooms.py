@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Eight copies of a simulated room in a row, with exact poses: built at once and by tiles.
 
-    bench/rooms.py --pcavr build/bench/apps/pcavr/pcavr [--voxel 0.005] [--tiles 4] [--rate 1] [--work out/rooms]
+    bench/rooms.py --pcavr build/bench/apps/pcavr/pcavr [--voxel 0.005] [--tiles 4] [--rate 5]
+                   [--occupancy 0.05] [--work out/rooms]
 
 Prints the largest distance between the two meshes' vertices, times and peak memory; exit code 1 where it exceeds
 0.1 mm, the tiles' memory a quarter of the whole's, or their time 1.3 times. Needs python3 and numpy.

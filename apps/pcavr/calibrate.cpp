@@ -112,6 +112,16 @@ std::optional<Error> unused_for_pictures(const CalibrateArguments& arguments) {
       .hint = "leave it out, or leave out --board"};
 }
 
+std::optional<Error> unused_for_joints(const CalibrateArguments& arguments) {
+  const char* option = names(arguments.inverted, "robot")  ? "--invert robot"
+                       : names(arguments.w_first, "robot") ? "--w-first robot"
+                                                           : nullptr;
+  if (option == nullptr) return std::nullopt;
+  return Error{.message = std::string(option) + " is about poses, and ROBOT has joint positions",
+               .file = arguments.first,
+               .hint = "leave it out, or leave out --urdf"};
+}
+
 /// Of poses of the board: the views, and what they show.
 struct FoundRig {
   PairedPoses paired = {};
@@ -120,6 +130,7 @@ struct FoundRig {
 };
 
 Expected<FoundRig> find_arm_rig(const CalibrateArguments& arguments, const PoseInput& camera) {
+  if (const auto error = unused_for_joints(arguments)) return *error;
   Expected<PairedArm> input =
       read_arm_views({arguments.first, arguments.urdf, arguments.tip, arguments.skip_bad}, camera);
   if (!input) return input.error();

@@ -18,8 +18,6 @@
 namespace pcavr::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct StepArguments {
   SceneArguments scene;
   std::string frames;  ///< of fuse

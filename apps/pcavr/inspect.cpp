@@ -269,8 +269,7 @@ void add_inspect(CLI::App& app, const Configuration& configuration, Action& acti
       ->required();
   CLI::Option* recover = command->add_flag(
       "--recover", arguments->is_recovery,
-      "Write an MCAP file whose writer was killed again: whole, with an index, up to its last "
-      "whole record");
+      "Rewrite an MCAP file whose writer was killed, with an index, up to its last whole record");
   command
       ->add_option("-o,--output", arguments->output.folder,
                    "With --recover: MCAP file to write, which may be the one that is read; "

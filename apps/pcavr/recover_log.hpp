@@ -8,7 +8,7 @@
 
 namespace pcavr::app {
 
-/// Writes the MCAP file whose writer was killed again, whole and with an index, and states what was
+/// Rewrites an MCAP file whose writer was killed, with an index, and states what was
 /// kept and lost. Output without a name: beside the file, as NAME-recovered.mcap.
 [[nodiscard]] Expected<CommandResult> recover_log(const std::string& file,
                                                   const OutputOption& output,

@@ -64,7 +64,7 @@ class Engines(Bench):
         if script.exists():
             return ["node", script, self.tools]
         binary = self.arguments.work / f"{name}_engine"
-        sources = [HERE / f"{name}_engine.cpp", HERE / "experiment.hpp"]
+        sources = [HERE / f"{name}_engine.cpp", HERE / "experiment.hpp", pathlib.Path(__file__)]
         if not binary.exists() or binary.stat().st_mtime < max(each.stat().st_mtime for each in sources):
             flags = subprocess.run(["pkg-config", "--cflags", "--libs", name], check=True, capture_output=True,
                                    text=True).stdout.split()

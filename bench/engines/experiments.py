@@ -89,13 +89,13 @@ def turning_error(rows, world, manifest):
 def sliding_friction(known, speed):
     """[N] The identified law: Coulomb and viscous friction, and what a slow speed adds."""
     weight, slow = known["mass"] * GRAVITY, known["stribeck_speed"]
-    rise = math.exp(-(speed / slow) ** 2) if slow > 0.0 else 0.0
+    rise = math.exp(-(speed / slow) ** 2) if slow > 0.0 else float(speed < SLIDING_SPEED)  # as the engines' law
     return (known["coulomb_friction"] * weight + known["viscous"] * speed
             + (known["static_friction"] - known["coulomb_friction"]) * weight * rise)
 
 
 def slide_error(rows, _, manifest):
-    """Distance slid from a speed to rest, against the identified law's [midpoint rule over the speed]."""
+    """Distance slid from a speed to rest, against the identified law's (midpoint rule over the speed)."""
     known = manifest["bodies"][0]
     count = 1000
     step = start_speed(manifest) / count

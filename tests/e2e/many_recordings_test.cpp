@@ -112,6 +112,8 @@ std::vector<double> numbers_of(const std::string& text) {
 // The C library and OpenCV take another way there; the fusion's own kernels are compared to the bit
 // by tests/reconstruction.
 TEST_F(ManyRecordings, AreTheSameFromANodeWithoutAvx2) {
+  const auto cpu = read_file("/proc/cpuinfo");
+  if (!cpu || cpu->find(" avx2") == std::string::npos) GTEST_SKIP() << "needs a CPU with AVX2";
   const std::string old_node =
       "export OPENCV_CPU_DISABLE=AVX2,FMA3 "
       "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F,-AVX512VL; ";
@@ -126,6 +128,7 @@ TEST_F(ManyRecordings, AreTheSameFromANodeWithoutAvx2) {
     const std::vector<double> there = numbers_of(file("there/lab/6/" + std::string(name)));
     ASSERT_EQ(here.size(), there.size()) << name;
     ASSERT_GT(here.size(), 10U) << name;
+    // exp and pow of the C library differ in their last digits, which a fit may grow.
     for (std::size_t i = 0; i < here.size(); ++i)
       EXPECT_NEAR(there[i], here[i], 1e-9 * std::max(1.0, std::abs(here[i]))) << name << ' ' << i;
   }

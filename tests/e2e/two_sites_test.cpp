@@ -147,8 +147,8 @@ std::string publication(const std::string& site, const pcavr::DdsOptions& dds) {
          site + ", rate: 50}\n";
 }
 
-/// Writes each message to a file: topic, stamp [s], and its three numbers or its text. Never
-/// returns.
+/// Writes each message to a file: topic, stamp [s], and its three numbers or its text. Returns
+/// where DDS can not be opened, else never.
 void record_predictions(const fs::path& file, const pcavr::DdsOptions& dds) {
   std::vector<pcavr::Ros2Topic> topics;
   const pcavr::Ros2Qos qos{.is_reliable = true, .depth = 200};
@@ -161,9 +161,13 @@ void record_predictions(const fs::path& file, const pcavr::DdsOptions& dds) {
     }
   }
   const auto transport = pcavr::open_dds(topics, {}, dds);
+  if (!transport) {
+    std::cerr << transport.error().to_string() << std::endl;
+    return;  // which is not ready
+  }
   std::ofstream received(file);
   ForkedProcess::report_ready();
-  while (transport) {
+  for (;;) {
     (*transport)->wait(milliseconds(20), [&](std::size_t i, std::span<const std::uint8_t> bytes) {
       const pcavr::BagTopic type{topics[i].name, topics[i].type, "cdr", {}, {}};
       if (type.type == "std_msgs/msg/String") {

@@ -143,8 +143,8 @@ TEST(SlurmScripts, WaitForAllPartsOfAScenesTiles) {
   ASSERT_EQ(scripts.size(), 5U);
   EXPECT_NE(scripts[1].text.find("#SBATCH --array=0-1\n"), std::string::npos);
   const std::string& submit = scripts[4].text;
-  EXPECT_NE(submit.find("--dependency=\"afterok:${job_0%%;*}\" "), std::string::npos) << submit;
-  EXPECT_NE(submit.find("--dependency=\"afterok:${job_1%%;*}\" "), std::string::npos) << submit;
+  EXPECT_NE(submit.find("--dependency=\"afterany:${job_0%%;*}\" "), std::string::npos) << submit;
+  EXPECT_NE(submit.find("--dependency=\"afterany:${job_1%%;*}\" "), std::string::npos) << submit;
   EXPECT_NE(submit.find("--dependency=\"aftercorr:${job_2%%;*}\" "), std::string::npos) << submit;
 }
 

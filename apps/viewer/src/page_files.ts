@@ -11,8 +11,8 @@ interface CarriedFile {
 let carried: Record<string, CarriedFile> | null = null;
 let isCut = false;
 
-/// Answers all requests from these files, without a server. `json`: of files by path; where the page's file is
-/// cut it is none, and each request fails. To be called before the first request.
+/// Answers all requests from these files, without a server. `json`: files by path; if it is no JSON, as the page's file
+/// is cut, each request fails. To be called before the first request.
 export function carryFiles(json: string): void {
   try {
     carried = JSON.parse(json) as Record<string, CarriedFile>;

@@ -141,9 +141,8 @@ for (const { name, size, drag } of waysOfBodies)
       const from = await drawnAt(page, world, body);
       const goal = [start[0], start[1] + 0.12, start[2]];
       await drag(page, from, await onScreen(page, goal));
-      await assertPushed(world, body, start, name);
-      const { position } = world.state.objects[body];
-      assert.ok(position[1] - start[1] > 0.5 * minPush, `moved to ${position} from ${start}`);
+      const along = () => world.state.objects[body].position[1] - start[1];
+      await until(() => along() > minPush, `${name}: the body goes along the drag`, 5000);
       await screenshot(page, `drag-body-${name}`);
     }),
   );

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <numeric>
 #include <stdexcept>
 #include <type_traits>
 
@@ -61,7 +62,7 @@ class Writer {
   std::string bytes_;
 };
 
-/// Throws std::out_of_range where the bytes end before a value.
+/// Throws std::out_of_range where the bytes end before a value, or values can not be.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : bytes_(bytes) {}
@@ -73,6 +74,7 @@ class Reader {
     std::memcpy(&value, next(sizeof(T)).data(), sizeof(T));
     return value;
   }
+  [[nodiscard]] bool take_bool() { return take<std::uint8_t>() != 0; }
   template <typename T>
   void take_all(std::vector<T>& values) {
     values.resize(count(sizeof(T)));
@@ -159,6 +161,10 @@ PlacedFrame take_frame(const TileFrames& frames, Reader& reader) {
                     .reach = {}};
   std::vector<std::uint32_t> runs;
   reader.take_all(runs);
+  const auto pixels =
+      static_cast<std::uint64_t>(frames.width) * static_cast<std::uint64_t>(frames.height);
+  if (std::accumulate(runs.begin(), runs.end(), std::uint64_t{0}) != pixels)
+    throw std::out_of_range("a mask of another size");
   frame.is_dynamic = PackedMask(frames.width, frames.height, std::move(runs));
   frame.reach.T_camera_base = frame.T_base_camera.inverse();
   reader.take_all(frame.reach.patch_depths);
@@ -205,7 +211,7 @@ void add(const FusedTile& tile, Writer& writer) {
 
 FusedTile take_fused(Reader& reader) {
   FusedTile tile{.number = reader.take<std::uint64_t>(), .surface = take_tile(reader)};
-  if (reader.take<bool>()) tile.strict = take_tile(reader);
+  if (reader.take_bool()) tile.strict = take_tile(reader);
   reader.take_all(tile.points.points);
   reader.take_all(tile.points.normals);
   reader.take_all(tile.points.colors);
@@ -222,7 +228,7 @@ struct ReadPart {
 ReadPart take_part(Reader& reader, FusedTiles& fused) {
   ReadPart read{{reader.take<std::uint64_t>(), reader.take<std::uint64_t>()},
                 std::string(reader.take_text())};
-  fused.has_agreed_surface = reader.take<bool>() || fused.has_agreed_surface;
+  fused.has_agreed_surface = reader.take_bool() || fused.has_agreed_surface;
   const auto tiles = reader.take<std::uint64_t>();
   for (std::uint64_t i = 0; i < tiles; ++i) fused.tiles.push_back(take_fused(reader));
   return read;
@@ -245,6 +251,7 @@ std::string digest_of(std::string_view content) {
 std::string format_tile_frames(const TileFrames& frames, const BuildOptions& options) {
   Writer writer(kFramesFormat);
   writer.add_text(build_of(options));
+  writer.add_text(frames.recording);
   writer.add(frames.tile_size);
   writer.add(frames.width);
   writer.add(frames.height);
@@ -253,7 +260,7 @@ std::string format_tile_frames(const TileFrames& frames, const BuildOptions& opt
   return writer.take();
 }
 
-Expected<TileFrames> read_tile_frames(const fs::path& file, const BuildOptions& options) {
+Expected<TileFrames> read_tile_frames(const fs::path& file, const BuildOptions& options) try {
   const Expected<std::string> content = read_file(file);
   if (!content) return content.error();
   const Expected<std::string_view> bytes = checked(file, kFramesFormat, *content);
@@ -262,12 +269,15 @@ Expected<TileFrames> read_tile_frames(const fs::path& file, const BuildOptions& 
   if (reader.take_text() != build_of(options))
     return refused(file, "is of other options, or of another version of pcavr",
                    "give both steps the same --config and options");
-  TileFrames frames{.tile_size = reader.take<double>(),
+  TileFrames frames{.recording = std::string(reader.take_text()),
+                    .tile_size = reader.take<double>(),
                     .width = reader.take<int>(),
                     .height = reader.take<int>()};
   const auto count = reader.take<std::uint64_t>();
   for (std::uint64_t i = 0; i < count; ++i) frames.frames.push_back(take_frame(frames, reader));
   return frames;
+} catch (const std::out_of_range& error) {
+  return refused(file, error.what(), "run the step again");
 }
 
 std::string format_fused_part(const FusedTiles& fused, const TilePart& part,
@@ -292,7 +302,12 @@ Expected<FusedTiles> read_fused_parts(const std::vector<fs::path>& files,
     const Expected<std::string_view> bytes = checked(file, kPartFormat, *content);
     if (!bytes) return bytes.error();
     Reader reader(*bytes);
-    const ReadPart read = take_part(reader, fused);
+    ReadPart read;
+    try {
+      read = take_part(reader, fused);
+    } catch (const std::out_of_range& error) {
+      return refused(file, error.what(), "run the step again");
+    }
     if (read.frames != frames)
       return refused(file, "was fused from other frames or options than this build has",
                      "run survey and fuse again, with the same --config and options");

@@ -6,10 +6,13 @@
 #include <cmath>
 #include <set>
 
+#include <fmt/core.h>
+
 #include "pcavr/base/geometry/depth_grid.hpp"
 #include "pcavr/perception/reconstruction/mesh_cleanup.hpp"
 #include "pcavr/recordings/recording/frame_reader.hpp"
 
+#include "pipeline/jobs/sha256.hpp"
 #include "prefetcher.hpp"
 #include "surface_fusion.hpp"
 
@@ -155,9 +158,21 @@ int tile_blocks(double tile_size, const BuildOptions& options) {
   return std::max(1, static_cast<int>(std::lround(tile_size / block_size(options))));
 }
 
-TileFrameCollector::TileFrameCollector(double tile_size, const CameraModel& camera,
+std::string frames_digest(const Recording& recording) {
+  Sha256 hash;
+  for (const FrameFiles& frame : recording.frames) {
+    hash.add(fmt::format("{} {} {} {}\n", frame.color_stamp.nanoseconds,
+                         frame.color_path.filename().string(), frame.depth_stamp.nanoseconds,
+                         frame.depth_path.filename().string()));
+  }
+  return hash.digest();
+}
+
+TileFrameCollector::TileFrameCollector(double tile_size, const Recording& recording,
                                        const BuildOptions& options)
-    : camera_(camera), options_(options), frames_{.tile_size = tile_size} {}
+    : camera_(*recording.manifest.camera),
+      options_(options),
+      frames_{.recording = frames_digest(recording), .tile_size = tile_size} {}
 
 void TileFrameCollector::add(const FollowedFrame& frame) {
   const DepthImage& depth = frame.frame.depth;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -30,17 +31,21 @@ struct PlacedFrame {
 
 /// The frames of a scene that is fused by tiles.
 struct TileFrames {
-  double tile_size = 0.0;  ///< edge of a square, seen from above [m]
-  int width = 0;           ///< of the depth images [px]; 0 without frames
+  std::string recording = {};  ///< SHA-256 of what tells one from another: frames_digest()
+  double tile_size = 0.0;      ///< edge of a square, seen from above [m]
+  int width = 0;               ///< of the depth images [px]; 0 without frames
   int height = 0;
   std::vector<PlacedFrame> frames = {};
 };
 
+/// The SHA-256 of a recording's frames: their files' names and stamps.
+[[nodiscard]] std::string frames_digest(const Recording& recording);
+
 /// Collects them.
 class TileFrameCollector {
  public:
-  /// `camera` is that of the colour images. Keeps references to it and to `options`.
-  TileFrameCollector(double tile_size, const CameraModel& camera, const BuildOptions& options);
+  /// `recording` has a camera, that of the colour images. Keeps references to it and to `options`.
+  TileFrameCollector(double tile_size, const Recording& recording, const BuildOptions& options);
 
   void add(const FollowedFrame& frame);
   [[nodiscard]] const TileFrames& frames() const { return frames_; }

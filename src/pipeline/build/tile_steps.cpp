@@ -23,7 +23,7 @@ Expected<std::string> survey_tiles(const BuildLimits& limits, const Recording& r
   if (!arm) return arm.error();
   const Expected<Registration> registration = register_frames(limits, recording, options, observer);
   if (!registration) return registration.error();
-  TileFrameCollector collector(*limits.tile_size, *recording.manifest.camera, options);
+  TileFrameCollector collector(*limits.tile_size, recording, options);
   const Expected<void> followed = follow_objects(
       recording, registration->bodies, registration->survey, survey_options(options), observer,
       [&](const FollowedFrame& frame) { collector.add(frame); }, *arm ? &**arm : nullptr);
@@ -37,10 +37,7 @@ Expected<std::string> fuse_tiles(const std::filesystem::path& frames_file, const
   PCAVR_REQUIRE(part.number < part.count, part.number, part.count);
   const Expected<TileFrames> frames = read_tile_frames(frames_file, options);
   if (!frames) return frames.error();
-  const bool is_of_recording =
-      recording.manifest.camera &&
-      (frames->frames.empty() || frames->frames.back().index < recording.frames.size());
-  if (!is_of_recording) {
+  if (!recording.manifest.camera || frames->recording != frames_digest(recording)) {
     return Error{.message = "is of another recording",
                  .file = frames_file.string(),
                  .place = {},

@@ -19,7 +19,7 @@ class TiledSurface final : public SurfaceBuilder {
       : recording_(recording),
         options_(options),
         files_(limits.fused),
-        collector_(*limits.tile_size, *recording.manifest.camera, options) {}
+        collector_(*limits.tile_size, recording, options) {}
 
   [[nodiscard]] bool needs_fused() const override { return false; }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -139,6 +140,7 @@ Expected<std::vector<JointRow>> read_joint_rows(const ArmInput& input, const Arm
   const Expected<std::vector<JointColumn>> columns = joint_columns(names, arm);
   if (!columns) return at(columns.error());
   std::vector<JointRow> rows;
+  std::set<int> numbers;
   while (const std::optional<std::string_view> line = lines.next()) {
     if (trimmed(*line).empty() || trimmed(*line).starts_with('#')) continue;
     Expected<JointRow> row =
@@ -146,10 +148,7 @@ Expected<std::vector<JointRow>> read_joint_rows(const ArmInput& input, const Arm
     if (!row && input.skip_bad) continue;
     if (!row) return at(row.error());
     row->line = lines.line();
-    const bool is_twice = std::any_of(rows.begin(), rows.end(), [&](const JointRow& other) {
-      return other.number == row->number;
-    });
-    if (is_twice) {
+    if (!numbers.insert(row->number).second) {
       return at({.message = fmt::format("view {} is there twice", row->number),
                  .hint = "number each view once"});
     }
@@ -201,7 +200,14 @@ Expected<PairedArm> read_arm_views(const ArmInput& robot, const PoseInput& camer
   for (const JointRow& row : *rows) by_number[row.number] = &row;
   PairedArm found;
   std::vector<Eigen::VectorXd> positions;
+  std::set<int> numbers;
   for (const ListedPose& board : boards->poses) {
+    if (!numbers.insert(board.number).second) {
+      return Error{.message = fmt::format("view {} is there twice", board.number),
+                   .file = board.file,
+                   .line = board.line,
+                   .hint = "number each view once"};
+    }
     const auto row = by_number.find(board.number);
     if (row == by_number.end()) continue;
     found.paired.views.push_back({fmt::format("view {}", board.number), Pose{}, board.pose});

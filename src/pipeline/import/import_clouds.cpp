@@ -112,6 +112,8 @@ class CloudImport {
     camera_ = *std::move(camera);
     report_camera();
     manifest_.camera = camera_.pinhole.camera;
+    const bool is_asked_for = options_.depth_scale != CloudImportOptions{}.depth_scale;
+    if (is_asked_for) manifest_.depth_scale = 0.0;  // a template's is of other images
     if (state_depth_units(options_.depth_scale, manifest_)) {
       observer_.on_warning(options_.manifest.string() +
                            ": the depth's offset is left out: its depth_scale is not that of the "

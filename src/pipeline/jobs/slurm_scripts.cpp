@@ -111,7 +111,7 @@ std::string submit_script(const std::vector<TaskArray>& arrays) {
     for (const std::size_t before : arrays[i].after) {
       dependency +=
           fmt::format("{}{}:${{{}%%;*}}", dependency.empty() ? "" : ",",
-                      arrays[i].is_one_by_one ? "aftercorr" : "afterok", variable_of(before));
+                      arrays[i].is_one_by_one ? "aftercorr" : "afterany", variable_of(before));
     }
     const std::string option =
         dependency.empty()

@@ -14,8 +14,10 @@ namespace {
 /// 5 to 20 %. At twice as much, all of it counts.
 constexpr double kUsualError = 0.2;
 
-/// Size of a term's factor over the motion, in the unit that makes its value a torque [N m].
-double size_of(FrictionTerm term, const JointSignals& signals, Eigen::Index joint) {
+/// Size of a term's factor over the motion, in the unit that makes its value a torque [N m]: 1 for
+/// signs and ripple.
+double size_of(FrictionTerm term, const JointFit& fit, const JointSignals& signals,
+               Eigen::Index joint) {
   const auto rms = [](const auto& values) {
     return std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
   };
@@ -26,6 +28,8 @@ double size_of(FrictionTerm term, const JointSignals& signals, Eigen::Index join
       return rms(speed);
     case FrictionTerm::quadratic:
       return rms(speed.cwiseAbs2());
+    case FrictionTerm::stribeck:
+      return rms((-(speed / fit.stribeck_speed).array().square()).exp().matrix());
     case FrictionTerm::motor_inertia:
       return rms(signals.acceleration.col(joint));
     case FrictionTerm::load:
@@ -45,7 +49,7 @@ void doubt_unexplained_torque(RobotIdentification& found) {
     const double torque = share * joint.train.rms;
     for (std::vector<FittedTerm>* terms : {&joint.friction, &joint.equivalent}) {
       for (FittedTerm& term : *terms) {
-        const double size = size_of(term.term, found.signals, static_cast<Eigen::Index>(j));
+        const double size = size_of(term.term, joint, found.signals, static_cast<Eigen::Index>(j));
         if (size > 0.0) term.std = std::hypot(term.std, torque / size);
       }
     }

@@ -184,7 +184,8 @@ class BagImport {
         selection_.depth != nullptr && is_metric_depth(selection_.depth->image_format);
     depth_units_ = is_metric ? options_.depth_scale.value_or(kMetricScale)
                              : options_.raw_depth_scale.value_or(kMillimetreScale);
-    if (!is_metric && options_.raw_depth_scale) manifest_.depth_scale = 0.0;  // the option's counts
+    const auto& asked_for = is_metric ? options_.depth_scale : options_.raw_depth_scale;
+    if (asked_for) manifest_.depth_scale = 0.0;  // a template's is of other images
     if (state_depth_units(depth_units_, manifest_)) {
       warn("the depth's offset in " + options_.manifest.string() +
            " is left out: its depth_scale is not that of these images");

@@ -54,6 +54,7 @@ Expected<std::optional<McapRecord>> McapReader::next_of_file() {
   if (*left < length) {
     // Killed while it wrote a chunk: its first messages may be there.
     if (opcode == mcap::kChunk) is_cut_chunk_ = true;
+    is_message_cut_ = opcode == mcap::kMessage;
     if (opcode != mcap::kChunk) end_cut();
     if (is_end_) return std::optional<McapRecord>();
   }
@@ -292,7 +293,9 @@ Expected<bool> McapReader::is_whole() {
 
 std::uint64_t McapReader::unread_bytes() const {
   const std::uint64_t size = source_.stored_size();
-  return is_record_of_chunk_ ? size - offset_ + chunk_left_ : size - record_at_;
+  if (!is_record_of_chunk_) return size - record_at_;
+  // What is left of a chunk is known unpacked: no more than the chunk has in the file.
+  return std::min(size - offset_ + chunk_left_, size - record_at_);
 }
 
 Expected<void> check_mcap_magic(ByteSource& source) {

@@ -194,6 +194,12 @@ Expected<McapRecovery> recover_mcap(const fs::path& file, const fs::path& output
                  .file = file.string(),
                  .hint = "there is nothing to recover; record it again"};
   }
+  if (!recovery->damage.empty() && is_input && !options.replace) {
+    return Error{.message = "is damaged before its end (" + recovery->damage +
+                            "): replacing it would lose what comes after",
+                 .file = file.string(),
+                 .hint = "give another name with -o, or --force"};
+  }
   if (const Expected<void> closed = reader.close(); !closed) return closed.error();
   if (const Expected<void> committed = target->commit(); !committed) return committed.error();
   return recovery;

@@ -267,8 +267,8 @@ void warn_of_assumed(const std::vector<ExportedNumber>& numbers, ExportedWorld& 
 }
 
 /// The numbers of a body, and what engines make of its shape.
-void state_body(const ExportedBody& body, const std::vector<ExportedNumber>& numbers,
-                ExportedWorld& world) {
+void add_body_numbers(const ExportedBody& body, const std::vector<ExportedNumber>& numbers,
+                      ExportedWorld& world) {
   warn_of_assumed(numbers, world);
   world.numbers.insert(world.numbers.end(), numbers.begin(), numbers.end());
   if (body.is_convex) return;
@@ -304,7 +304,7 @@ Expected<ExportedWorld> make_exported_world(const SceneManifest& scene,
     Expected<CompletedBody> body = make_body(scene, object, values, world.reference_speed, options);
     if (!body) return body.error();
     if (!options.geometry_only) {
-      state_body(body->body, detail::numbers_of(object.name, values, body->physics), world);
+      add_body_numbers(body->body, detail::numbers_of(object.name, values, body->physics), world);
     }
     bodies.push_back(std::move(*body));
   }

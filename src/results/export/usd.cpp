@@ -21,7 +21,7 @@ namespace {
 /// Coefficient of support and tip, which no body exceeds.
 constexpr double kPartner = ranges::kFrictionCoefficient.max;
 /// Of colliders: shown on demand.
-constexpr char kNotDrawn[] = "      uniform token purpose = \"guide\"\n";
+constexpr char kGuidePurpose[] = "      uniform token purpose = \"guide\"\n";
 constexpr char kCollider[] = "\"PhysicsCollisionAPI\", \"MaterialBindingAPI\"";
 
 std::string tuple(const Eigen::Vector3d& v) {
@@ -123,7 +123,7 @@ std::string foot_prim(const SupportFoot& foot, std::size_t index, const std::str
       "    def Sphere \"foot_{}\" (prepend apiSchemas = [{}]) {{\n{}      double radius = {}\n"
       "      double3 xformOp:translate = {}\n      uniform token[] xformOpOrder = "
       "[\"xformOp:translate\"]\n{}    }}\n",
-      index, kCollider, kNotDrawn, foot.radius, tuple(foot.centre_object), binding(material));
+      index, kCollider, kGuidePurpose, foot.radius, tuple(foot.centre_object), binding(material));
 }
 
 std::string body_prim(const ExportedWorld& world, std::size_t index) {
@@ -161,7 +161,7 @@ std::string support_prim(const ExportedSupport& support, std::size_t index, bool
       "  def Xform \"support_{}\" {{\n{}    def Cube \"box\" (prepend apiSchemas = [{}]) {{\n{}"
       "      double size = 1\n      double3 xformOp:scale = {}\n      uniform token[] xformOpOrder "
       "= [\"xformOp:scale\"]\n{}    }}\n  }}\n",
-      index, transform_text(support.T_base_box), kCollider, is_hidden ? kNotDrawn : "",
+      index, transform_text(support.T_base_box), kCollider, is_hidden ? kGuidePurpose : "",
       tuple(support.size), binding("partner_material"));
 }
 

@@ -231,15 +231,16 @@ std::optional<double> held_out(const ArmViews& input, const ArmFit& arm,
 }
 
 /// Poses and stds of the fit in the place of those of the corrected arm alone.
-void take_over(const ArmFit& arm, const Eigen::Vector3d& best_point, HandEyeResult& result) {
+void take_over(const ArmFit& arm, const Eigen::Vector3d& best_point, bool with_scale,
+               HandEyeResult& result) {
   const RigFit& fit = arm.fit;
   result.camera =
       calibrated(fit.rig.T_mount_camera, fit.covariance.topLeftCorner<6, 6>(), std::nullopt);
   result.board =
       board_at_origin(fit.rig, fit.covariance.block<6, 6>(6, 6), best_point, std::nullopt);
-  if (!result.is_board_scale_used) return;
-  result.board_scale = fit.rig.board_scale;
-  result.board_scale_std = std::sqrt(std::max(fit.covariance(12, 12), 0.0));
+  result.is_board_scale_used = with_scale;
+  result.board_scale = with_scale ? fit.rig.board_scale : 1.0;
+  result.board_scale_std = with_scale ? std::sqrt(std::max(fit.covariance(12, 12), 0.0)) : 0.0;
 }
 
 Error one_axis() {
@@ -299,7 +300,7 @@ Expected<ArmHandEyeResult> calibrate_hand_eye_and_arm(const std::vector<HandEyeV
     const std::optional<double> unseen = result.hand_eye.held_out_rms;
     result.hand_eye = *found;
     result.hand_eye.held_out_rms = unseen;
-    take_over(arm, best_point, result.hand_eye);
+    take_over(arm, best_point, input.options.with_scale, result.hand_eye);
   }
   for (std::size_t joint = 0; joint < joints.size(); ++joint) {
     const auto at = static_cast<Eigen::Index>(joint);

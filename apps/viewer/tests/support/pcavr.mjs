@@ -9,9 +9,8 @@ import { join } from 'node:path';
 
 const command = process.env.PCAVR_COMMAND;
 
-/// Runs the command to its end; throws with its messages if it fails.
-export const run = (...args) =>
-  execFileSync(command, args, { stdio: ['ignore', 'ignore', 'pipe'] });
+/// Runs the command to its end, and returns what it prints; throws with its messages if it fails.
+export const run = (...args) => execFileSync(command, args, { stdio: ['ignore', 'pipe', 'pipe'] });
 
 /// Two boxes on a table, a simulated recording with a push of each, and its ground truth.
 /// `change` gets the recording's folder before the scene is built. `images`: arguments of `simulate` that say

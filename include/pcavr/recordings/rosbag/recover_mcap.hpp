@@ -26,7 +26,9 @@ struct McapRecovery {
 };
 
 struct McapRecoveryOptions {
-  bool replace = false;  ///< replaces another MCAP file that exists; the input itself always
+  /// Replaces another MCAP file that exists, and the input where it is damaged before its end; an
+  /// input that is cut is replaced always.
+  bool replace = false;
 };
 
 /// Writes the channels, schemas, metadata (up to 1 MiB each) and messages of an MCAP file up to its
