@@ -31,7 +31,7 @@ struct PlacedFrame {
 
 /// The frames of a scene that is fused by tiles.
 struct TileFrames {
-  std::string recording = {};  ///< SHA-256 of what tells one from another: frames_digest()
+  std::string recording = {};  ///< frames_digest() of it
   double tile_size = 0.0;      ///< edge of a square, seen from above [m]
   int width = 0;               ///< of the depth images [px]; 0 without frames
   int height = 0;
