@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include "pcavr/base/core/median.hpp"
 #include "pcavr/base/core/solvers.hpp"
 
 #include "physics/inputs/signed_permutations.hpp"
@@ -32,6 +33,8 @@ constexpr double kSameOrientation = 3.0 * kDegree;  // of the tool in all contac
 constexpr double kFaultStds = 4.0;
 constexpr double kMinFault = 8.0 * kDegree;
 constexpr double kExplainedShare = 0.5;
+constexpr double kGoodAngle = 4.0 * kDegree;  // of most directions once they are turned back
+constexpr double kWrongRms = 45.0 * kDegree;  // as written, which no friction explains
 /// Smallest number of contacts for an error: the directions of two contacts fit some rotation
 /// whenever their angles are alike.
 constexpr std::size_t kMinTurnContacts = 3;
@@ -52,6 +55,7 @@ struct ForceTurn {
   double stds = 0.0;                               ///< that the turn is off zero
   double rms = 0.0;                                ///< [rad] of the angles that remain
   double rms_as_written = 0.0;                     ///< [rad]
+  double middle = 0.0;                             ///< [rad] median of the angles that remain
   double cost = 0.0;                               ///< robust sum of squares over variances
   std::size_t contacts = 0;
 };
@@ -214,6 +218,10 @@ ForceTurn turn_in(const std::vector<Pair>& pairs, const Eigen::Matrix3d& R_base_
   found.cost = fit.cost;
   found.rms = rms_of(pairs, fit.correction, fit.weights);
   found.rms_as_written = rms_of(pairs, Eigen::Matrix3d::Identity(), fit.weights);
+  std::vector<double> angles;
+  for (const Pair& pair : pairs)
+    angles.push_back(angle_to(fit.correction * pair.force, pair.expected));
+  found.middle = median(std::move(angles));
   return found;
 }
 
@@ -365,7 +373,11 @@ TurnFinding state_force_turn(std::span<const ContactEvidence> evidence) {
   const bool is_mirrored = found->correction.determinant() < 0.0;
   const bool is_explained = found->rms < kExplainedShare * found->rms_as_written;
   const bool is_certain = is_mirrored || (found->stds >= kFaultStds && angle >= kMinFault);
-  if (is_explained && is_certain && found->contacts >= kMinTurnContacts) {
+  // Where a body turns about the tip, as at a corner, its friction is not along the tip's motion:
+  // then no turn makes the directions agree well.
+  const bool is_good =
+      is_mirrored || found->middle < kGoodAngle || found->rms_as_written > kWrongRms;
+  if (is_explained && is_certain && is_good && found->contacts >= kMinTurnContacts) {
     finding.error = turn_error(*found, q_base_tool, is_in_tool_axes(evidence, *found, q_base_tool),
                                axes_that_fit(evidence, *found));
   } else if (!is_mirrored && found->stds >= kNoteStds && angle >= kMinNote) {
