@@ -12,7 +12,7 @@ noise, the command is run on them, and each value with a std is compared with th
 by kind and quantity: how many values, the share of them within 1, 2 and 3 stds, where the share
 within 1 lies in 95 of 100 cases if the stds are right (by rigs: the values of one rig share their
 errors), marked where it does not, and the largest |z| with its rig's seed. The exit code is 1 where more
-than one rig in twenty is refused, or a value is more than 8 of its stds off.
+than one rig in twenty is refused, or a value is more than 5 of its stds off.
 
 The drawing shares no code with pcavr. `camera` needs pictures, which would take hours: its rigs
 are drawn by the test CalibrateCamera.StatesStdsThatHold. Needs only python3.
@@ -29,7 +29,7 @@ from coverage import WITHIN_ONE, binomial_range
 
 GRAVITY = 9.80665  # [m/s^2]
 MAX_REFUSED = 0.05  # share of the rigs: a motion that repeats itself shows no offset of clocks
-MAX_STDS = 8.0  # beyond what the tails of docs/judged.md reach
+MAX_STDS = 5.0
 
 
 # Vectors are lists, rotations quaternions (x, y, z, w), poses pairs (rotation, position).
