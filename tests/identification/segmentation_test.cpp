@@ -145,7 +145,7 @@ TEST(SegmentContacts, KeepsContactsApartUnderADriftBeyondTheirThreshold) {
     const Segmentation found =
         segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
     ASSERT_EQ(found.contacts.size(), 20U) << drift;
-    for (const ContactEpisode& contact : found.contacts) {
+    for (const Contact& contact : found.contacts) {
       EXPECT_NEAR(contact.end - contact.begin, 1.2, 0.1);
       EXPECT_NEAR(contact.peak_force, 6.0, 0.25);
     }
@@ -157,7 +157,7 @@ TEST(SegmentContacts, TakesNoSlowPressForDrift) {
   const Segmentation found =
       segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
   ASSERT_EQ(found.contacts.size(), 2U);
-  for (const ContactEpisode& contact : found.contacts) EXPECT_NEAR(contact.peak_force, 3.0, 0.3);
+  for (const Contact& contact : found.contacts) EXPECT_NEAR(contact.peak_force, 3.0, 0.3);
 }
 
 TEST(SegmentContacts, TakesNoCablesPullForAContact) {
@@ -179,7 +179,7 @@ TEST(SegmentContacts, TakesNoCablesPullForAContact) {
   const Segmentation found =
       segment_contacts(all.t_force, all.force_base, all.t_tool, all.p_base_tip);
   ASSERT_EQ(found.contacts.size(), 2U);
-  for (const ContactEpisode& contact : found.contacts) {
+  for (const Contact& contact : found.contacts) {
     EXPECT_NEAR(contact.end - contact.begin, 2.0, 0.15);
     EXPECT_NEAR(contact.peak_force, 6.0, 0.2);
     EXPECT_NEAR(contact.direction_base.y(), 1.0, 1e-3);
@@ -224,7 +224,7 @@ TEST(SegmentContacts, TakesGapsInAContactForNoBias) {
   const Segmentation found = segment_contacts(t, force_base, t, p_base_tip);
   for (const Eigen::Vector3d& bias : found.bias_base) ASSERT_LT(bias.norm(), 0.2);
   ASSERT_FALSE(found.contacts.empty());
-  for (const ContactEpisode& contact : found.contacts) {
+  for (const Contact& contact : found.contacts) {
     EXPECT_LT(contact.direction_base.z(), -0.9) << contact.begin;
   }
 }

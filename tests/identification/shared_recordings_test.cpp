@@ -122,15 +122,15 @@ TEST(Palpation, HasTheKnownStiffnessWithoutBeingCutIntoWindows) {
   std::vector<LocalContact> contacts;
   std::vector<ForceMotion> presses, local;
   contacts.reserve(cut.contacts.size());
-  for (const ContactEpisode& episode : cut.contacts) {
-    if (episode.kind != ContactKind::press || episode.impact) continue;
-    const auto first = std::lower_bound(travel.t.begin(), travel.t.end(), episode.t.front());
+  for (const Contact& contact : cut.contacts) {
+    if (contact.kind != ContactKind::press || contact.impact) continue;
+    const auto first = std::lower_bound(travel.t.begin(), travel.t.end(), contact.t.front());
     const auto begin = static_cast<std::size_t>(first - travel.t.begin());
-    contacts.push_back(along_local_force(episode.t,
-                                         std::span(cut.force_base).subspan(begin, episode.t.size()),
+    contacts.push_back(along_local_force(contact.t,
+                                         std::span(cut.force_base).subspan(begin, contact.t.size()),
                                          tip, options.moving_half_width));
-    presses.push_back(episode.series());
-    local.push_back(contacts.back().series(episode.tool_noise));
+    presses.push_back(contact.series());
+    local.push_back(contacts.back().series(contact.tool_noise));
   }
   const ContactIdentification found = identify_contact(presses, options, local);
   const IdentifiedParameter& stiffness = found.best().stiffness;
@@ -235,17 +235,17 @@ TEST(PushTwoBoxes, IsIdentifiedFromOnePushEach) {
       {"fp_box", 3.0, 9.57, 8.323, 10.0, 0.619, 1.206, 1.876, 2.172, {20600.0, 82400.0, 1.5}},
       {"r_box", 3.5, 40.62, 34.514, 25.0, 4.188, 4.582, 5.182, 5.480, {247000.0, 617500.0, 1.5}}};
   for (std::size_t i = 0; i < 2; ++i) {
-    const ContactEpisode& episode = found.contacts[i];
+    const Contact& contact = found.contacts[i];
     const Truth& truth = truths[i];
-    EXPECT_EQ(episode.kind, ContactKind::slide);
-    EXPECT_NEAR(episode.begin, truth.contact, 0.06);
-    EXPECT_NEAR(episode.end, truth.leave, 0.06);
-    ASSERT_EQ(episode.slides.size(), 1U);
-    EXPECT_NEAR(episode.slides[0].begin, truth.slide, 0.06);
-    EXPECT_NEAR(episode.slides[0].end, truth.stop, 0.06);
+    EXPECT_EQ(contact.kind, ContactKind::slide);
+    EXPECT_NEAR(contact.begin, truth.contact, 0.06);
+    EXPECT_NEAR(contact.end, truth.leave, 0.06);
+    ASSERT_EQ(contact.slides.size(), 1U);
+    EXPECT_NEAR(contact.slides[0].begin, truth.slide, 0.06);
+    EXPECT_NEAR(contact.slides[0].end, truth.stop, 0.06);
     SlidingOptions options;
     options.mass = truth.mass;
-    const ForceMotion series = episode.series();
+    const ForceMotion series = contact.series();
     const SlidingIdentification sliding =
         identify_sliding(std::span(&series, 1), truth.contact_law, options);
     ASSERT_TRUE(sliding.is_valid);
@@ -253,18 +253,18 @@ TEST(PushTwoBoxes, IsIdentifiedFromOnePushEach) {
     EXPECT_NEAR(sliding.coulomb.value + sliding.viscous.value * sliding.speed, friction,
                 0.03 * friction);
     const IdentifiedParameter limit =
-        friction_at_breakaway(series, episode.breakaway, truth.contact_law, truth.mass);
+        friction_at_breakaway(series, contact.breakaway, truth.contact_law, truth.mass);
     // The first box is pushed fast, from rest just below its limit: its peak is 29 % above it.
     EXPECT_NEAR(limit.value, truth.limit, 0.15 * truth.limit);
     EXPECT_NEAR(limit.value, truth.limit, 2.0 * limit.std);
     const std::string name = truth.name;
     RecordProperty(name + "_limit", std::to_string(limit.value));
     RecordProperty(name + "_limit_std", std::to_string(limit.std));
-    RecordProperty(name + "_peak", std::to_string(episode.breakaway.force));
+    RecordProperty(name + "_peak", std::to_string(contact.breakaway.force));
     RecordProperty(name + "_friction", std::to_string(sliding.coulomb.value));
     RecordProperty(name + "_friction_truth", std::to_string(friction));
-    RecordProperty(name + "_slide_begin", std::to_string(episode.slides[0].begin));
-    RecordProperty(name + "_slide_end", std::to_string(episode.slides[0].end));
+    RecordProperty(name + "_slide_begin", std::to_string(contact.slides[0].begin));
+    RecordProperty(name + "_slide_end", std::to_string(contact.slides[0].end));
   }
 }
 

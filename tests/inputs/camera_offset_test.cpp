@@ -33,21 +33,21 @@ TimeOffset offset_of_push(double speed, const TrackingErrors& errors, unsigned s
   };
   std::vector<double> t_tool;
   std::vector<Eigen::Vector3d> p_base_tip;
-  AttributedContact push;
+  Contact push;
   push.object = 0;
   push.normal_object = -Eigen::Vector3d::UnitX();
-  push.episode.begin = std::max(kPushBegin, errors.first);
-  push.episode.end = kPushBegin + kPushDuration;
-  push.episode.direction_base = Eigen::Vector3d::UnitX();
-  push.episode.slides = {{.begin = push.episode.begin, .end = kPushBegin + kPushDuration}};
+  push.begin = std::max(kPushBegin, errors.first);
+  push.end = kPushBegin + kPushDuration;
+  push.direction_base = Eigen::Vector3d::UnitX();
+  push.slides = {{.begin = push.begin, .end = kPushBegin + kPushDuration}};
   for (int i = 0; i <= 3000; ++i) {
     const double t = 0.001 * i;
     if (t < errors.first) continue;
     t_tool.push_back(t);
     p_base_tip.push_back({pushed(t) - kBoxHalfSize - kPushingRadius, 0.0, 0.0});
-    push.episode.t.push_back(t);
-    push.episode.tool.push_back(p_base_tip.back().x());
-    push.episode.force.push_back(5.0);
+    push.t.push_back(t);
+    push.tool.push_back(p_base_tip.back().x());
+    push.force.push_back(5.0);
   }
   std::mt19937 generator(seed);
   std::normal_distribution<double> noise;

@@ -42,13 +42,13 @@ IdentificationInput repeated(const IdentificationInput& once, int times) {
 
 struct Result {
   InputFindings findings;
-  std::vector<AttributedContact> contacts;
+  std::vector<Contact> contacts;
   std::size_t early_contacts = 0;  ///< before the end of the stream
 };
 
 Result whole(const IdentificationInput& input, const InputOptions& options) {
   Result result;
-  result.findings = examine_inputs(series_view(input), options, [&](AttributedContact&& contact) {
+  result.findings = examine_inputs(series_view(input), options, [&](Contact&& contact) {
     result.contacts.push_back(std::move(contact));
   });
   return result;
@@ -59,9 +59,8 @@ Result whole(const IdentificationInput& input, const InputOptions& options) {
 Result streamed(const IdentificationInput& input, const InputOptions& options, double latency,
                 std::uint64_t seed) {
   Result result;
-  InputMonitor monitor(
-      series_view(input).bodies, input.tool_radius, options,
-      [&](AttributedContact&& contact) { result.contacts.push_back(std::move(contact)); });
+  InputMonitor monitor(series_view(input).bodies, input.tool_radius, options,
+                       [&](Contact&& contact) { result.contacts.push_back(std::move(contact)); });
   Random random(seed);
   std::size_t tool = 0, force = 0;
   std::vector<std::size_t> tracked(input.objects.size(), 0);
@@ -102,7 +101,7 @@ void expect_same(const Result& a, const Result& b) {
   EXPECT_EQ(a.findings.force_ceiling, b.findings.force_ceiling);
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
   for (std::size_t i = 0; i < a.contacts.size(); ++i) {
-    EXPECT_EQ(a.contacts[i].episode.begin, b.contacts[i].episode.begin);
+    EXPECT_EQ(a.contacts[i].begin, b.contacts[i].begin);
     EXPECT_EQ(a.contacts[i].object, b.contacts[i].object);
     EXPECT_EQ(a.contacts[i].left_out, b.contacts[i].left_out);
   }
@@ -151,7 +150,7 @@ TEST_F(StreamedInput, FindsTheSameInSmallWindowsAsInOne) {
   ASSERT_EQ(many.contacts.size(), one.contacts.size());
   for (std::size_t i = 0; i < one.contacts.size(); ++i) {
     EXPECT_EQ(many.contacts[i].object, one.contacts[i].object) << i;
-    EXPECT_NEAR(many.contacts[i].episode.begin, one.contacts[i].episode.begin, 0.01) << i;
+    EXPECT_NEAR(many.contacts[i].begin, one.contacts[i].begin, 0.01) << i;
   }
 }
 

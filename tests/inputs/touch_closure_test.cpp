@@ -39,7 +39,7 @@ class Presses {
       tip_.push_back({0.0, 0.0, kBodyHalfEdge + too_low + kToolRadius + kHeight - down});
     }
     for (const double begin : begins) {
-      ContactEpisode& contact = found_.contacts.emplace_back();
+      Contact& contact = found_.contacts.emplace_back();
       contact.kind = ContactKind::press;
       const double touched = begin + kHeight / kSpeed;
       const double left = begin + travel + 0.5 + kDepth / kSpeed;

@@ -18,30 +18,29 @@ constexpr double kForceOfSliding = 4.0;
 
 /// A push at `speed` [m/s] that is loaded through a contact and slides at 4 N, at 100 Hz; under the
 /// load the object moves by a share of the tip's path.
-IdentifiedContact push_at(double speed, double creep, std::uint64_t seed) {
+Contact push_at(double speed, double creep, std::uint64_t seed) {
   Random random(seed);
-  IdentifiedContact push;
+  Contact push;
   push.object = 0;
-  ContactEpisode& episode = push.episode;
-  episode.kind = ContactKind::slide;
-  episode.begin = 0.0;
-  episode.end = 3.0;
+  push.kind = ContactKind::slide;
+  push.begin = 0.0;
+  push.end = 3.0;
   for (double t = -0.3; t < 3.3; t += 0.01) {
     const bool is_free = t < 0.0 || t > 3.0;
     const double tool = speed * t;
     const double load = is_free ? 0.0 : kContactStiffness * std::pow((1.0 - creep) * tool, 1.5);
-    episode.t.push_back(t);
-    episode.tool.push_back(tool + 5e-6 * random.normal());
-    episode.force.push_back(std::min(load, kForceOfSliding) + 0.03 * random.normal());
+    push.t.push_back(t);
+    push.tool.push_back(tool + 5e-6 * random.normal());
+    push.force.push_back(std::min(load, kForceOfSliding) + 0.03 * random.normal());
   }
   return push;
 }
 
 /// A push at 2.5 mm/s.
-IdentifiedContact slow_push(std::uint64_t seed) { return push_at(0.0025, 0.0, seed); }
+Contact slow_push(std::uint64_t seed) { return push_at(0.0025, 0.0, seed); }
 
 ObjectIdentification assumed_after(std::size_t pushes, const ObjectParameters& known = {}) {
-  std::vector<IdentifiedContact> contacts;
+  std::vector<Contact> contacts;
   for (std::size_t i = 0; i < pushes; ++i) contacts.push_back(slow_push(i + 1));
   ObjectIdentification result;
   result.parameters = known;
@@ -68,7 +67,7 @@ TEST(IdentifyLoading, NeedsThreePushesAndNoLaw) {
 }
 
 TEST(IdentifyLoading, AssumesNothingByPushesThatMoveTheObjectWhileTheyLoadIt) {
-  std::vector<IdentifiedContact> contacts;
+  std::vector<Contact> contacts;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) contacts.push_back(push_at(0.15, 0.97, seed));
   ObjectIdentification result;
   assume_contact_by_loading(contacts, 0, result);
@@ -77,7 +76,7 @@ TEST(IdentifyLoading, AssumesNothingByPushesThatMoveTheObjectWhileTheyLoadIt) {
 }
 
 TEST(IdentifyLoading, DoesNotReplaceALawThatIsWithheld) {
-  std::vector<IdentifiedContact> contacts{slow_push(1), slow_push(2), slow_push(3)};
+  std::vector<Contact> contacts{slow_push(1), slow_push(2), slow_push(3)};
   ObjectIdentification result;
   result.is_contact_off_centre = true;
   assume_contact_by_loading(contacts, 0, result);

@@ -57,12 +57,11 @@ class Pushes {
   /// `lever`: the lever arm [m] at a time of the trial.
   template <typename Lever>
   void add(const Trial& trial, const Lever& lever) {
-    IdentifiedContact push;
+    Contact push;
     push.object = 0;
     push.normal_object = -Eigen::Vector3d::UnitX();
-    ContactEpisode& episode = push.episode;
-    episode.kind = ContactKind::slide;
-    episode.direction_base = Eigen::Vector3d::UnitX();
+    push.kind = ContactKind::slide;
+    push.direction_base = Eigen::Vector3d::UnitX();
     const double start = t_.empty() ? 0.0 : t_.back() + 0.002;
     for (std::size_t i = 0; i < trial.t.size(); ++i) {
       const double t = start + trial.t[i];
@@ -70,25 +69,25 @@ class Pushes {
       // The face is 80 mm before the centre.
       const double angle = std::asin(lever(trial.t[i]) / kHalfSide);
       push.force_base.emplace_back(trial.force[i], -trial.force[i] * std::tan(angle), 0.0);
-      episode.t.push_back(t);
-      episode.tool.push_back(travelled_ + trial.tool[i]);
+      push.t.push_back(t);
+      push.tool.push_back(travelled_ + trial.tool[i]);
       p_base_tip_.emplace_back(travelled_ + trial.tool[i] - kHalfSide - kToolRadius, 0.0, 0.05);
       if (i % 16 != 0) continue;
       const Eigen::Vector3d centre(travelled_ + trial.object[i], 0.0, 0.05);
       tracked_.push_back({t, Pose(Eigen::Quaterniond::Identity(), centre), 2e-4, 1e-3});
     }
     travelled_ += trial.object.back();
-    episode.force = trial.force;
-    episode.begin = start + 0.3;
-    episode.end = t_.back();
-    episode.peak_force = *std::max_element(episode.force.begin(), episode.force.end());
-    episode.breakaway = find_breakaway(episode.series());
+    push.force = trial.force;
+    push.begin = start + 0.3;
+    push.end = t_.back();
+    push.peak_force = *std::max_element(push.force.begin(), push.force.end());
+    push.breakaway = find_breakaway(push.series());
     contacts_.push_back(std::move(push));
   }
 
   Plant plant_;
   CadModel model_;
-  std::vector<IdentifiedContact> contacts_;
+  std::vector<Contact> contacts_;
   std::vector<double> t_;
   std::vector<Eigen::Vector3d> p_base_tip_;
   std::vector<TrackedPose> tracked_;
@@ -98,17 +97,17 @@ class Pushes {
 const Plant kBox{.mass = 1.5, .coulomb = 6.0, .breakaway = 7.0, .viscous = 5.0};
 
 TEST(YieldInstant, IsWhereTheForceReachesCoulombFrictionForGood) {
-  ContactEpisode episode;
+  Contact contact;
   for (int i = 0; i < 500; ++i) {
     const double t = 0.002 * i;
-    episode.t.push_back(t);
+    contact.t.push_back(t);
     // The force is above 3 N from 0.16 to 0.20 s, then again from 0.60 s on, up to the peak at 0.9
     // s.
-    episode.force.push_back(t < 0.2 ? 20.0 * t - 0.2 : t < 0.3 ? 1.0 : 5.0 * std::min(t, 0.9));
+    contact.force.push_back(t < 0.2 ? 20.0 * t - 0.2 : t < 0.3 ? 1.0 : 5.0 * std::min(t, 0.9));
   }
-  episode.breakaway.t = 0.9;
-  EXPECT_NEAR(yield_instant(episode, 3.0), 0.60, 0.005);
-  EXPECT_DOUBLE_EQ(yield_instant(episode, 5.0), 0.9);
+  contact.breakaway.t = 0.9;
+  EXPECT_NEAR(yield_instant(contact, 3.0), 0.60, 0.005);
+  EXPECT_DOUBLE_EQ(yield_instant(contact, 5.0), 0.9);
 }
 
 TEST(LimitWithMoment, IsTheLengthOfForceAndMomentByTheFrictionRadius) {

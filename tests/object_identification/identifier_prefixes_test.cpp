@@ -14,7 +14,7 @@
 #include "pcavr/physics/object_identification/object_identifier.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
-#include "object_identification/observed_contacts.hpp"
+#include "object_identification/contacts_with_motion.hpp"
 #include "pipeline/identified_case.hpp"
 
 namespace pcavr {
@@ -33,7 +33,7 @@ TEST_P(IdentifierPrefixes, HaveOneAnswerInAnyOrder) {
     return ObjectIdentifier(object, {}, made.input.tool_radius, IdentificationGoal::friction, {});
   };
   const Contacts contacts =
-      observed(found->contacts, 0, made.input.t_tool, made.input.p_base_tip, object.tracked);
+      with_motion(found->contacts, 0, made.input.t_tool, made.input.p_base_tip, object.tracked);
   ASSERT_GT(contacts.size(), 3U);
   ObjectIdentifier one_by_one = start();
   for (std::size_t count = 1; count <= contacts.size(); ++count) {

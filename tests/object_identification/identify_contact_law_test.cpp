@@ -21,27 +21,26 @@ constexpr double kWayToTouch = 0.005;   // [m] of the tip's way before it touche
 
 /// The contact law of a push whose force [N] is a function of the way since touch [m].
 ObjectIdentification law_of(const std::function<double(double)>& force_at, double way) {
-  IdentifiedContact contact;
+  Contact contact;
   contact.object = 0;
-  ContactEpisode& episode = contact.episode;
-  episode.direction_base = Eigen::Vector3d::UnitX();
+  contact.direction_base = Eigen::Vector3d::UnitX();
   std::vector<Eigen::Vector3d> p_base_tip;
   Random random(1);
   for (double x = -kWayToTouch; x < way; x += kTipSpeed * kRowInterval) {
-    episode.t.push_back((x + kWayToTouch) / kTipSpeed);
-    episode.tool.push_back(x);
+    contact.t.push_back((x + kWayToTouch) / kTipSpeed);
+    contact.tool.push_back(x);
     const double force = x < 0.0 ? 0.0 : force_at(x);
-    episode.force.push_back(force + 0.01 * random.normal());
-    contact.force_base.push_back(episode.force.back() * episode.direction_base);
+    contact.force.push_back(force + 0.01 * random.normal());
+    contact.force_base.push_back(contact.force.back() * contact.direction_base);
     p_base_tip.emplace_back(x, 0.0, 0.0);
   }
-  episode.begin = kWayToTouch / kTipSpeed;
-  episode.end = episode.t.back();
-  episode.peak_force = *std::max_element(episode.force.begin(), episode.force.end());
+  contact.begin = kWayToTouch / kTipSpeed;
+  contact.end = contact.t.back();
+  contact.peak_force = *std::max_element(contact.force.begin(), contact.force.end());
   contact.normal_object = Eigen::Vector3d::UnitX();
-  std::vector<IdentifiedContact> contacts{contact};
+  std::vector<Contact> contacts{contact};
   ObjectIdentification result;
-  const PathView tip(episode.t, p_base_tip);
+  const PathView tip(contact.t, p_base_tip);
   ContactFits fits;
   identify_contact_of(contacts, 0, tip, IdentificationOptions{}, fits, result);
   return result;

@@ -22,29 +22,28 @@ const Plant kLightBody{.mass = 0.98,
                        .stiffness = 1e5,
                        .damping = 3.5e5};
 
-IdentifiedContact contact_of(const Trial& trial) {
-  IdentifiedContact push;
+Contact contact_of(const Trial& trial) {
+  Contact push;
   push.object = 0;
   push.normal_object = Eigen::Vector3d::UnitX();
-  ContactEpisode& episode = push.episode;
-  episode.kind = ContactKind::slide;
-  episode.direction_base = Eigen::Vector3d::UnitX();
-  episode.t = trial.t;
-  episode.tool = trial.tool;
-  episode.force = trial.force;
-  episode.begin = 0.3;
-  episode.end = trial.t.back();
-  episode.peak_force = *std::max_element(episode.force.begin(), episode.force.end());
-  episode.breakaway = find_breakaway(trial.series());
+  push.kind = ContactKind::slide;
+  push.direction_base = Eigen::Vector3d::UnitX();
+  push.t = trial.t;
+  push.tool = trial.tool;
+  push.force = trial.force;
+  push.begin = 0.3;
+  push.end = trial.t.back();
+  push.peak_force = *std::max_element(push.force.begin(), push.force.end());
+  push.breakaway = find_breakaway(trial.series());
   for (const double force : trial.force) {
-    push.force_base.push_back(force * episode.direction_base);
+    push.force_base.push_back(force * push.direction_base);
   }
   return push;
 }
 
 /// A push at 60 mm/s of a light body, whose inertia is half of the force's peak.
 /// `rate` [Hz] of the log.
-IdentifiedContact fast_push(const Plant& plant, std::uint64_t seed, double rate = 500.0) {
+Contact fast_push(const Plant& plant, std::uint64_t seed, double rate = 500.0) {
   const Sensors sensors{.rate = rate, .force_noise = 0.05};
   return contact_of(run(plant, sensors, 1.6, seed, [](double t) { return 0.06 * (t - 0.3); }));
 }
@@ -52,7 +51,7 @@ IdentifiedContact fast_push(const Plant& plant, std::uint64_t seed, double rate 
 constexpr double kImpactMass = 1.2, kImpactFriction = 3.53;  // [kg], [N] at rest and sliding
 
 /// A push at a speed [m/s] by a damped tip: its force jumps at the touch, to that of the damper.
-IdentifiedContact push_by_impact(double speed, std::uint64_t seed) {
+Contact push_by_impact(double speed, std::uint64_t seed) {
   constexpr double kStep = 1e-4, kStiffness = 1e4, kDamping = 100.0;
   Random random(seed);
   Trial trial;
@@ -75,11 +74,11 @@ IdentifiedContact push_by_impact(double speed, std::uint64_t seed) {
   return contact_of(trial);
 }
 
-ObjectIdentification identify(std::vector<IdentifiedContact>& contacts, double mass) {
-  const ContactEpisode& episode = contacts[0].episode;
+ObjectIdentification identify(std::vector<Contact>& contacts, double mass) {
+  const Contact& contact = contacts[0];
   std::vector<Eigen::Vector3d> p_base_tip;
-  for (const double x : episode.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
-  const PathView tip(episode.t, p_base_tip);
+  for (const double x : contact.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
+  const PathView tip(contact.t, p_base_tip);
   const CadModel cad;
   ObjectIdentification found;
   found.parameters.mass = ParameterValue{mass, {}};
@@ -90,9 +89,9 @@ ObjectIdentification identify(std::vector<IdentifiedContact>& contacts, double m
 // Its peak is the limiting friction and the inertia of the object, whose contact law nothing gave.
 TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLaw) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    std::vector<IdentifiedContact> contacts{fast_push(kLightBody, seed)};
-    ASSERT_TRUE(contacts[0].episode.breakaway.is_found) << seed;
-    ASSERT_GT(contacts[0].episode.breakaway.force, 1.3 * kLightBody.breakaway) << seed;
+    std::vector<Contact> contacts{fast_push(kLightBody, seed)};
+    ASSERT_TRUE(contacts[0].breakaway.is_found) << seed;
+    ASSERT_GT(contacts[0].breakaway.force, 1.3 * kLightBody.breakaway) << seed;
     const ObjectIdentification found = identify(contacts, kLightBody.mass);
     EXPECT_FALSE(found.parameters.contact_stiffness);
     ASSERT_TRUE(found.parameters.limiting_static_friction) << seed;
@@ -108,7 +107,7 @@ TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLawOrSliding) {
   slippery.coulomb = 1.3;
   slippery.breakaway = 1.8;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    std::vector<IdentifiedContact> contacts{fast_push(slippery, seed)};
+    std::vector<Contact> contacts{fast_push(slippery, seed)};
     const ObjectIdentification found = identify(contacts, slippery.mass);
     ASSERT_FALSE(found.friction.is_valid) << seed;
     ASSERT_TRUE(found.parameters.limiting_static_friction) << seed;
@@ -120,7 +119,7 @@ TEST(IdentifyLimit, CoversThatOfAFastPushWithoutAContactLawOrSliding) {
 // Some samples make its peak, which is not the limiting friction: that is withheld, or covered.
 TEST(IdentifyLimit, TakesNoInertiaOfAFastPushLoggedSlowlyForFriction) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    std::vector<IdentifiedContact> contacts{fast_push(kLightBody, seed, 100.0)};
+    std::vector<Contact> contacts{fast_push(kLightBody, seed, 100.0)};
     const ObjectIdentification found = identify(contacts, kLightBody.mass);
     if (!found.parameters.limiting_static_friction) continue;
     const ParameterValue& limit = *found.parameters.limiting_static_friction;
@@ -132,9 +131,9 @@ TEST(IdentifyLimit, TakesNoInertiaOfAFastPushLoggedSlowlyForFriction) {
 // is withheld, or covered.
 TEST(IdentifyLimit, TakesNoImpactForFriction) {
   for (const double speed : {0.03, 0.04}) {
-    std::vector<IdentifiedContact> contacts{push_by_impact(speed, 1)};
-    ASSERT_TRUE(contacts[0].episode.breakaway.is_found) << speed;
-    ASSERT_GT(contacts[0].episode.breakaway.force, 1.4 * kImpactFriction) << speed;
+    std::vector<Contact> contacts{push_by_impact(speed, 1)};
+    ASSERT_TRUE(contacts[0].breakaway.is_found) << speed;
+    ASSERT_GT(contacts[0].breakaway.force, 1.4 * kImpactFriction) << speed;
     const ObjectIdentification found = identify(contacts, kImpactMass);
     ASSERT_TRUE(found.friction.is_valid) << speed;
     if (!found.parameters.limiting_static_friction) continue;

@@ -23,30 +23,29 @@ constexpr double kStiffness = 3e4;      // [N/m]
 constexpr double kSlidingForce = 30.0;  // [N]
 
 /// A push along x: an object at `object` [m], pushed by `force` [N] through a linear contact.
-IdentifiedContact push_of(const std::vector<double>& object, const std::vector<double>& force,
-                          double breakaway) {
-  IdentifiedContact contact;
-  ContactEpisode& episode = contact.episode;
-  episode.kind = ContactKind::slide;
-  episode.direction_base = Eigen::Vector3d::UnitX();
+Contact push_of(const std::vector<double>& object, const std::vector<double>& force,
+                double breakaway) {
+  Contact contact;
+  contact.kind = ContactKind::slide;
+  contact.direction_base = Eigen::Vector3d::UnitX();
   for (std::size_t i = 0; i < object.size(); ++i) {
-    episode.t.push_back(kStep * static_cast<double>(i));
-    episode.tool.push_back(object[i] + force[i] / kStiffness);
-    contact.force_base.push_back(force[i] * episode.direction_base);
+    contact.t.push_back(kStep * static_cast<double>(i));
+    contact.tool.push_back(object[i] + force[i] / kStiffness);
+    contact.force_base.push_back(force[i] * contact.direction_base);
   }
-  episode.force = force;
-  episode.begin = episode.t.front();
-  episode.end = episode.t.back();
-  episode.breakaway.is_found = true;
-  episode.breakaway.t = breakaway;
-  episode.breakaway.stiffness = kStiffness;
+  contact.force = force;
+  contact.begin = contact.t.front();
+  contact.end = contact.t.back();
+  contact.breakaway.is_found = true;
+  contact.breakaway.t = breakaway;
+  contact.breakaway.stiffness = kStiffness;
   return contact;
 }
 
-std::vector<FrictionSample> samples_of(IdentifiedContact& contact, double damping_std = 0.0) {
+std::vector<FrictionSample> samples_of(Contact& contact, double damping_std = 0.0) {
   std::vector<Eigen::Vector3d> p_base_tip;
-  for (const double x : contact.episode.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
-  const PathView tip(contact.episode.t, p_base_tip);
+  for (const double x : contact.tool) p_base_tip.emplace_back(x, 0.0, 0.0);
+  const PathView tip(contact.t, p_base_tip);
   const CadModel model;
   return friction_samples(
       {&contact}, {HuntCrossley{.stiffness = kStiffness, .exponent = 1.0}, 0.1, damping_std},
@@ -64,7 +63,7 @@ TEST(FrictionSamples, LeaveOutTheTimeInWhichFrictionSettlesAfterAStop) {
     const double rest = t < 0.30 ? std::max(t - 0.1, 0.0) / 0.2 : 0.8 + 0.2 * (t - 0.33) / 0.17;
     force.push_back(slides ? kSlidingForce : 38.0 * rest);
   }
-  IdentifiedContact contact = push_of(object, force, 0.30);
+  Contact contact = push_of(object, force, 0.30);
   const std::vector<FrictionSample> samples = samples_of(contact);
   ASSERT_GE(samples.size(), 5U);
   for (const FrictionSample& sample : samples) {
@@ -82,9 +81,9 @@ TEST(FrictionSamples, ExpectNoMotionOfTheContactFromTheNoiseOfTheForce) {
       const double steady = kSlidingForce + swing * std::sin(6.0 * std::numbers::pi * t);
       force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : steady);
     }
-    IdentifiedContact contact = push_of(object, force, 0.20);
+    Contact contact = push_of(object, force, 0.20);
     Random random(3);
-    for (double& measured : contact.episode.force) measured += 0.1 * random.normal();
+    for (double& measured : contact.force) measured += 0.1 * random.normal();
     const std::vector<FrictionSample> samples = samples_of(contact);
     ASSERT_GE(samples.size(), 20U);
     double squares = 0.0, noise = 0.0;
@@ -108,7 +107,7 @@ TEST(FrictionSamples, KeepBothHalvesOfAModulatedPush) {
     object.push_back(0.06 * slid + 0.003 * std::sin(4.0 * std::numbers::pi * slid));
     force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce);
   }
-  IdentifiedContact contact = push_of(object, force, 0.2);
+  Contact contact = push_of(object, force, 0.2);
   const std::vector<FrictionSample> samples = samples_of(contact);
   const auto faster = std::count_if(samples.begin(), samples.end(), [](const FrictionSample& one) {
     return one.acceleration > 0.2;
@@ -127,7 +126,7 @@ TEST(FrictionSamples, StateWhatTheContactsComplianceChanges) {
     object.push_back(0.03 * std::max(t - 0.2, 0.0));
     force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce + 12.0 * (t - 0.2));
   }
-  IdentifiedContact contact = push_of(object, force, 0.2);
+  Contact contact = push_of(object, force, 0.2);
   const std::vector<FrictionSample> samples = samples_of(contact);
   ASSERT_GE(samples.size(), 10U);
   for (const FrictionSample& sample : samples) {
@@ -147,7 +146,7 @@ TEST(FrictionSamples, StateWhatTheContactsDampingChanges) {
     const double rate = t < 0.2 ? 0.0 : 3.0 * kRate * std::cos(kRate * (t - 0.2)) / kStiffness;
     object.push_back(0.04 * std::max(t - 0.2, 0.0) - kDamping * depth * rate);
   }
-  IdentifiedContact contact = push_of(object, force, 0.2);
+  Contact contact = push_of(object, force, 0.2);
   const std::vector<FrictionSample> samples = samples_of(contact, kDamping);
   ASSERT_GE(samples.size(), 10U);
   double missed = 0.0, unexplained = 0.0;
@@ -166,8 +165,8 @@ TEST(FrictionSamples, BeginAfterTheLoadingWhereNoBreakawayWasFound) {
     object.push_back(0.002 * t);
     force.push_back(t < 0.4 ? 1.2 * kSlidingForce * t / 0.4 : kSlidingForce);
   }
-  IdentifiedContact contact = push_of(object, force, 0.0);
-  contact.episode.breakaway.is_found = false;
+  Contact contact = push_of(object, force, 0.0);
+  contact.breakaway.is_found = false;
   const std::vector<FrictionSample> samples = samples_of(contact);
   ASSERT_GE(samples.size(), 20U);
   EXPECT_GT(samples.front().t, 0.4);
@@ -186,7 +185,7 @@ TEST(FrictionSamples, OfASlowSlideHaveTheNoiseThatTheyShow) {
       object.push_back(speed * std::max(t - 0.2, 0.0));
       force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce + swing);
     }
-    IdentifiedContact contact = push_of(object, force, 0.2);
+    Contact contact = push_of(object, force, 0.2);
     const std::vector<FrictionSample> samples = samples_of(contact);
     return samples.empty() ? 0.0 : samples.back().force_std;
   };
@@ -205,7 +204,7 @@ TEST(FrictionSamples, LeaveOutASlideThatSticksAndSlips) {
       object.push_back(0.01 * (slid - swing * std::sin(kRate * slid) / kRate));
       force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce);
     }
-    IdentifiedContact contact = push_of(object, force, 0.2);
+    Contact contact = push_of(object, force, 0.2);
     EXPECT_EQ(samples_of(contact).empty(), swing == 1.0) << swing;
   }
 }
@@ -214,7 +213,7 @@ TEST(FrictionSamples, LeaveOutASlideThatSticksAndSlips) {
 struct TurningPush {
   static constexpr double kSpeed = 0.03, kRate = 0.2;      // [m/s], [rad/s]
   static constexpr double kLever = 0.03, kRadius = 0.005;  // [m] of the force; of the tip
-  IdentifiedContact contact;
+  Contact contact;
   std::vector<Eigen::Vector3d> p_base_tip;
   CadModel model;
   std::vector<TrackedPose> tracked;
@@ -235,7 +234,7 @@ struct TurningPush {
   }
 
   [[nodiscard]] std::vector<FrictionSample> samples(std::optional<double> friction_radius) {
-    const PathView tip(contact.episode.t, p_base_tip);
+    const PathView tip(contact.t, p_base_tip);
     const ContactCompliance compliance{HuntCrossley{.stiffness = kStiffness, .exponent = 1.0}, 0.1};
     return friction_samples({&contact}, compliance, {model, tracked}, tip, kRadius,
                             {.friction_radius = friction_radius});

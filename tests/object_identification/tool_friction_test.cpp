@@ -46,13 +46,13 @@ std::optional<ParameterValue> found_from(const std::vector<Push>& pushes, double
   std::vector<TrackedPose> tracked;
   std::vector<double> t_tool;
   std::vector<Eigen::Vector3d> p_base_tip;
-  std::vector<IdentifiedContact> contacts;
+  std::vector<Contact> contacts;
   for (std::size_t k = 0; k < pushes.size(); ++k) {
     const double begin = static_cast<double>(k) * (duration + 10.0);
-    IdentifiedContact& contact = contacts.emplace_back();
+    Contact& contact = contacts.emplace_back();
     contact.object = 0;
-    contact.episode.begin = begin;
-    contact.episode.end = begin + duration;
+    contact.begin = begin;
+    contact.end = begin + duration;
     for (double t = 0.0; t < duration; t += kTrackedStep) {
       const Pose T = pushes[k](t).T_base_object;
       const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
@@ -63,7 +63,7 @@ std::optional<ParameterValue> found_from(const std::vector<Push>& pushes, double
       const PushState now = pushes[k](t);
       t_tool.push_back(begin + t);
       p_base_tip.push_back(now.T_base_object * Eigen::Vector3d(now.x, -0.05 - kRadius, 0.0));
-      contact.episode.t.push_back(begin + t);
+      contact.t.push_back(begin + t);
       const Eigen::Vector3d force(now.friction + 0.02 * random.normal(), 1.0, 0.0);
       contact.force_base.push_back(now.T_base_object.rotation() * (kNormalForce * force));
     }

@@ -152,8 +152,8 @@ TEST(IdentifyImpacts, AreNotFoundWhereTheForceHasSpikesOnly) {
     const IdentifiedCase made = identified_case(task, 3, 20.0);
     const auto found = identify(made.input, IdentificationGoal::contact);
     ASSERT_TRUE(found.has_value()) << found.error().to_string();
-    for (const IdentifiedContact& contact : found->contacts) {
-      EXPECT_FALSE(contact.episode.impact) << contact.episode.begin;
+    for (const Contact& contact : found->contacts) {
+      EXPECT_FALSE(contact.impact) << contact.begin;
     }
   }
 }

@@ -170,7 +170,7 @@ TEST(IdentifyMany, WithholdsTheContactLawWhereMostPushesTurnTheObject) {
   ASSERT_TRUE(turning.has_value()) << turning.error().to_string();
   EXPECT_TRUE(straight->objects[0].parameters.contact_stiffness.has_value());
   // Neither off the centre, nor below the sliding friction.
-  for (const IdentifiedContact& contact : turning->contacts) {
+  for (const Contact& contact : turning->contacts) {
     if (contact.object != 0U) continue;
     EXPECT_LT(std::abs(contact.lever), 0.01);
   }

@@ -297,8 +297,8 @@ TEST(Identify, ExcludesAPushInWhichTheToolsPoseJumps) {
   IdentificationInput input = probe().input;
   const auto clean = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(clean.has_value());
-  const IdentifiedContact& push = clean->contacts[4];
-  const double middle = 0.5 * (push.episode.begin + push.episode.end);
+  const Contact& push = clean->contacts[4];
+  const double middle = 0.5 * (push.begin + push.end);
   for (std::size_t i = 0; i < input.t_tool.size(); ++i) {
     if (input.t_tool[i] > middle) input.p_base_tip[i].x() += 0.004;
   }
@@ -344,7 +344,7 @@ TEST(Identify, UpdatesAnUntrackedObjectsPoseByItsPushes) {
   const auto found = identify(input, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value()) << found.error().to_string();
   expect_friction(found->objects[0]);
-  for (const IdentifiedContact& contact : found->contacts) {
+  for (const Contact& contact : found->contacts) {
     if (!contact.left_out.empty()) continue;
     EXPECT_LT(std::abs(contact.gap), 0.003);
   }

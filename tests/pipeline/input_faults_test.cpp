@@ -229,7 +229,7 @@ TEST(InputFaults, APushTooShortToSlideGivesNoLimit) {
   const IdentificationInput whole = identified_case(ToolTask::push, 5, 4.0).input;
   const auto found = identify(whole, IdentificationGoal::friction);
   ASSERT_TRUE(found.has_value());
-  const ContactEpisode& push = found->contacts.front().episode;
+  const Contact& push = found->contacts.front();
   ASSERT_TRUE(push.breakaway.is_found);
   const double end = push.begin + 0.7 * (push.breakaway.t - push.begin);
   const auto shortened = identify(cut(whole, end), IdentificationGoal::friction);

@@ -170,7 +170,7 @@ TEST(Turning, MeasuresTwistsAsRates) {
     const Eigen::Quaterniond q(Eigen::AngleAxisd(kRate * t, Eigen::Vector3d::UnitZ()));
     tracked.push_back({t, Pose(q, {velocity.x() * t, velocity.y() * t, 0.05})});
   }
-  AttributedContact push;
+  Contact push;
   push.normal_object = -Eigen::Vector3d::UnitX();
   std::vector<double> t;
   std::vector<Eigen::Vector3d> p_base_tip;
@@ -179,8 +179,8 @@ TEST(Turning, MeasuresTwistsAsRates) {
     p_base_tip.emplace_back(-0.06 + velocity.x() * t.back(), 0.0, 0.05);
     push.force_base.emplace_back(2.0, 0.0, 0.0);
   }
-  push.episode.t = t;
-  push.episode.slides = {{0.0, 1.0}};
+  push.t = t;
+  push.slides = {{0.0, 1.0}};
   const std::vector<PushSample> samples =
       turning_samples(push, {model, tracked}, PathView(t, p_base_tip), 0.01, 1e6);
   ASSERT_GE(samples.size(), 3U);

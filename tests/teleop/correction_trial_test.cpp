@@ -73,34 +73,33 @@ TEST(CorrectionTrial, FindsThatAPushChangesTheNoiseOnlyALittleInTheMiddleOfAFace
 /// A push of the box at 20 mm/s for a second, whose face's force and place are those of a body
 /// that breaks loose at `limit` [N] and slides at `friction` [N] by a linear contact law.
 struct Push {
-  std::vector<double> t;
-  std::vector<Eigen::Vector3d> force_base;
-  RecordedContact contact;
+  TriedContact tried;
 
   Push(double stiffness, double limit, double friction, double tool_radius) {
     constexpr double kSpeed = 0.02;
+    Contact& contact = tried.contact;
     double moved = 0.0;
     for (int i = 1; i <= 1000; ++i) {
       const double tip = kSpeed * 1e-3 * i;
       const bool has_slid = moved > 0.0;
       if (has_slid || stiffness * tip > limit) moved = tip - friction / stiffness;
-      t.push_back(1e-3 * i);
-      force_base.emplace_back(stiffness * (tip - moved), 0.0, 0.0);
+      contact.t.push_back(1e-3 * i);
+      contact.force.push_back(stiffness * (tip - moved));
       if (i % 33 != 0) continue;
       // It turns more and more, as a push at one point lets it: that is no matter of parameters.
       const Eigen::Quaterniond turned(Eigen::AngleAxisd(2.0 * moved, Eigen::Vector3d::UnitZ()));
-      contact.seen.push_back({1e-3 * i, Pose(turned, {moved, 0.3 * moved, kHalfBox}), 1e-4, 1e-3});
+      contact.tracked.push_back(
+          {1e-3 * i, Pose(turned, {moved, 0.3 * moved, kHalfBox}), 1e-4, 1e-3});
     }
+    contact.object = 0;
     contact.end = 1.0;
-    contact.T_base_start = Pose::from_translation({0.0, 0.0, kHalfBox});
-    contact.force = {t, force_base};
-    contact.force_resolution = 0.2;
-    contact.p_base_tip = [tool_radius](double now) {
+    contact.direction_base = Eigen::Vector3d::UnitX();
+    contact.T_base_object = Pose::from_translation({0.0, 0.0, kHalfBox});
+    tried.force_resolution = 0.2;
+    tried.p_base_tip = [tool_radius](double now) {
       return Eigen::Vector3d(-kHalfBox - tool_radius + kSpeed * now, 0.0, kHalfBox);
     };
   }
-  Push(const Push&) = delete;  // the contact refers to the samples
-  Push& operator=(const Push&) = delete;
 };
 
 TEST(CorrectionTrial, FindsWhichParametersAContactAgreesWith) {
@@ -117,17 +116,17 @@ TEST(CorrectionTrial, FindsWhichParametersAContactAgreesWith) {
   const BodyPhysics right = physics_of(world.objects[0], options);
   CorrectionTrial trial(world, {right}, options);
   const Push push(4000.0, 4.2, 4.0, world.tool_radius);
-  const double least = trial.error_of(push.contact, right).value();
+  const double least = trial.error_of(push.tried, right).value();
   EXPECT_LT(least, 1.0);
   BodyPhysics wrong = right;
   wrong.friction.coulomb_force *= 0.7;
-  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+  EXPECT_GT(trial.error_of(push.tried, wrong), 2.0 * least);
   wrong = right;
   wrong.contact.stiffness *= 0.3;
-  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+  EXPECT_GT(trial.error_of(push.tried, wrong), 2.0 * least);
   wrong = right;
   wrong.friction.limiting_force *= 3.0;
-  EXPECT_GT(trial.error_of(push.contact, wrong), 2.0 * least);
+  EXPECT_GT(trial.error_of(push.tried, wrong), 2.0 * least);
 }
 
 // A pose whose noise exceeds the error, and parameters by which a contact is predicted worse.
@@ -149,7 +148,9 @@ TEST(PendingTrial, RejectsOnAThreadOrNotFromAFixedTimeOn) {
   for (const std::launch policy : {std::launch::async, std::launch::deferred}) {
     for (const bool is_worse : {true, false}) {
       proposal.pose_error = is_worse ? 5e-4 : 5e-3;
-      proposal.contacts = {{push.contact, is_worse ? right : wrong, is_worse ? wrong : right}};
+      proposal.contacts = {push.tried};
+      proposal.contacts[0].before = is_worse ? right : wrong;
+      proposal.contacts[0].after = is_worse ? wrong : right;
       CorrectionMessage correction;
       correction.pose = PlanarPose{};
       correction.twist = Eigen::Vector3d::Zero();

@@ -22,9 +22,8 @@ inline OnlineIdentification knowledge_of_box(const ObjectParameters& given,
 }
 
 /// Learns from a contact as the robot's site does, which searches for its friction apart.
-inline void learn_with_friction(OnlineIdentification& knowledge, const ContactRecord& record,
-                                double begin, const OnlineIdentification::ContactFacts& facts) {
-  knowledge.learn(record, begin, facts);
+inline void learn_with_friction(OnlineIdentification& knowledge, const ContactSamples& contact) {
+  knowledge.learn(contact);
   if (const std::optional<ObjectIdentifier> search = knowledge.next_search())
     knowledge.accept(search->result());
 }

@@ -47,20 +47,21 @@ ObjectParameters learned(const IdentificationInput& input, const Identification&
   if (object.mass) given.mass = ParameterValue{*object.mass};
   options.max_fitted_contacts = 20;
   OnlineIdentification knowledge(identifiable(object), given, input.tool_radius, options);
-  for (const IdentifiedContact& contact : found.contacts) {
+  for (const Contact& contact : found.contacts) {
     if (contact.object != index || !contact.left_out.empty()) continue;
-    const double from = contact.episode.begin - kBefore;
-    const double to = contact.episode.end + kAfter;
-    ContactRecord record{part(input.t_force, input.t_force, from, to),
-                         part(input.t_force, input.force_base, from, to),
-                         part(input.t_tool, input.t_tool, from, to),
-                         part(input.t_tool, input.p_base_tip, from, to),
-                         {}};
+    const double from = contact.begin - kBefore;
+    const double to = contact.end + kAfter;
+    ContactSamples record{part(input.t_force, input.t_force, from, to),
+                          part(input.t_force, input.force_base, from, to),
+                          part(input.t_tool, input.t_tool, from, to),
+                          part(input.t_tool, input.p_base_tip, from, to),
+                          {},
+                          contact.begin,
+                          {.has_slid = !contact.slides.empty()}};
     for (const TrackedPose& pose : object.tracked) {
       if (pose.t >= from && pose.t <= to) record.tracked.push_back(pose);
     }
-    learn_with_friction(knowledge, record, contact.episode.begin,
-                        {.has_slid = !contact.episode.slides.empty()});
+    learn_with_friction(knowledge, record);
   }
   return knowledge.known();
 }

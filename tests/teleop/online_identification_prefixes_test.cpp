@@ -14,7 +14,7 @@
 #include "pcavr/base/core/random.hpp"
 #include "pcavr/physics/inputs/input_monitor.hpp"
 
-#include "object_identification/observed_contacts.hpp"
+#include "object_identification/contacts_with_motion.hpp"
 #include "teleop/plant_input.hpp"
 #include "teleoperation/teleop/online_identification.hpp"
 
@@ -34,10 +34,11 @@ Contacts contacts_in(const TeleopInput& input) {
     series.bodies.push_back(
         {object.name, &object.model, object.T_base_object, {}, object.tracked, true});
   }
-  std::vector<IdentifiedContact> found;
-  static_cast<void>(examine_inputs(
-      series, {}, [&](AttributedContact&& one) { found.push_back({std::move(one)}); }));
-  Contacts contacts = observed(found, 0, input.t_tool, input.p_base_tip, input.objects[0].tracked);
+  std::vector<Contact> found;
+  static_cast<void>(
+      examine_inputs(series, {}, [&](Contact&& one) { found.push_back(std::move(one)); }));
+  Contacts contacts =
+      with_motion(found, 0, input.t_tool, input.p_base_tip, input.objects[0].tracked);
   contacts.resize(std::min(contacts.size(), kContacts));
   return contacts;
 }
@@ -83,7 +84,7 @@ TEST(OnlineIdentificationPrefixes, HaveTheResultOfIdentify) {
     OnlineIdentification knowledge(object, given, input.tool_radius, options);
     std::vector<ObjectParameters> results;
     for (const auto& contact : contacts) {
-      knowledge.add(contact, !contact->contact.episode.slides.empty());
+      knowledge.add(contact, !contact->slides.empty());
       ObjectIdentifier identifier(*object, given, input.tool_radius, IdentificationGoal::friction,
                                   {});
       for (const auto& one :

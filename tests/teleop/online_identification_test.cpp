@@ -54,7 +54,7 @@ TEST(OnlineIdentification, KeepsAGivenLawAtTheStartOfAContact) {
       ASSERT_EQ(segment_contacts(contact.t, contact.force, contact.t, contact.tip).contacts.size(),
                 1U);
       OnlineIdentification knowledge = knowledge_of_box(given);
-      knowledge.learn({contact.t, contact.force, contact.t, contact.tip}, 0.0, {});
+      knowledge.learn({contact.t, contact.force, contact.t, contact.tip, {}, 0.0, {}});
       EXPECT_NEAR(penetration_of(knowledge.known()) / penetration_of(given), 1.0, 0.4)
           << "seed " << seed << ", pressed for " << pressed_for << " s";
     }
@@ -86,7 +86,7 @@ TEST(OnlineIdentification, LearnsALinearLawBeforeTheExponentIsKnown) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const SoftPress press(seed, 0.15);  // to 1.4 N
     OnlineIdentification knowledge = knowledge_of_box({});
-    knowledge.learn({press.t, press.force, press.t, press.tip}, 0.0, {});
+    knowledge.learn({press.t, press.force, press.t, press.tip, {}, 0.0, {}});
     if (!knowledge.known().contact_stiffness) continue;
     linear += knowledge.known().contact_exponent->value == 1.0 ? 1 : 0;
     // The object's own force where the press may go, at 10 mm: an assumed law has fifty times that.
@@ -118,7 +118,7 @@ TEST(OnlineIdentification, LearnsALawWhoseErrorsCompensateEachOther) {
                        -kSpeed * std::min(at, 0.27) + 2e-5 * random.normal());
     }
     OnlineIdentification knowledge = knowledge_of_box({});
-    knowledge.learn({t, force, t, tip}, 0.0, {});
+    knowledge.learn({t, force, t, tip, {}, 0.0, {}});
     ASSERT_TRUE(knowledge.known().contact_stiffness) << seed;
     const double expected = std::pow(40.0 / kHard, 1.0 / kCurved);
     EXPECT_NEAR(penetration_of(knowledge.known()) / expected, 1.0, 0.1) << seed;
@@ -142,7 +142,7 @@ TEST(OnlineIdentification, KeepsNoCorrelationOfTheLawThatItReplaces) {
   given.sources.correlated = {"contact.stiffness", "contact.exponent", "mass"};
   given.sources.correlation = {1.0, 0.9, 0.0, 0.9, 1.0, 0.0, 0.0, 0.0, 1.0};
   OnlineIdentification knowledge = knowledge_of_box(given);
-  knowledge.learn({t, force, t, tip}, 0.0, {});
+  knowledge.learn({t, force, t, tip, {}, 0.0, {}});
   ASSERT_NE(knowledge.known().contact_stiffness->value, given.contact_stiffness->value);
   EXPECT_EQ(knowledge.known().sources.correlated, std::vector<std::string>{"mass"});
 }
@@ -195,7 +195,7 @@ TEST(OnlineIdentification, AssumesTheFrictionOfASlideUntilItIsSearchedFor) {
   given.mass = ParameterValue{4.0};
   OnlineIdentification knowledge = knowledge_of_box(given);
   const LoosePush push(1.2, 0.02);
-  knowledge.learn({push.t, push.force, push.t, push.tip}, 0.0, {.has_slid = true});
+  knowledge.learn({push.t, push.force, push.t, push.tip, {}, 0.0, {.has_slid = true}});
   const ObjectParameters known = knowledge.known();
   ASSERT_TRUE(known.sliding_friction_coefficient && known.viscous_friction);
   const double coulomb = known.sliding_friction_coefficient->value * 4.0 * 9.80665;
@@ -233,7 +233,7 @@ TEST(OnlineIdentification, HasALawByPushesAsUnsureAsCreepLeavesIt) {
   given.mass = ParameterValue{4.0};
   OnlineIdentification knowledge = knowledge_of_box(given);
   const SoftPush push;
-  knowledge.learn({push.t, push.force, push.t, push.tip}, 0.0, {.has_slid = true});
+  knowledge.learn({push.t, push.force, push.t, push.tip, {}, 0.0, {.has_slid = true}});
   const std::optional<ParameterValue> learned = knowledge.known().contact_exponent;
   ASSERT_TRUE(learned);
   EXPECT_EQ(learned->value, kExponentOfPushes);

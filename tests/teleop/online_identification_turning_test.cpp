@@ -91,9 +91,9 @@ OnlineIdentification learnt_from(const std::vector<double>& places, double later
     OffCentrePush push(beside, lateral, surface_of_friction, seed++);
     for (double& t : push.t) t += start;
     for (TrackedPose& pose : push.tracked) pose.t += start;
-    ContactRecord record{push.t, push.force, push.t, push.tip};
+    ContactSamples record{push.t, push.force, push.t, push.tip, {}, start, {true, true}};
     if (is_tracked) record.tracked = push.tracked;
-    learn_with_friction(knowledge, record, start, {.has_slid = true, .has_moved = true});
+    learn_with_friction(knowledge, record);
     start += 10.0;
   }
   return knowledge;

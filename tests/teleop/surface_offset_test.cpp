@@ -132,7 +132,7 @@ TEST(OnlineIdentification, LearnsNoLawFromAPushThatMovedTheObjectUnnoticed) {
   }
   for (const bool has_moved : {false, true}) {
     OnlineIdentification knowledge = knowledge_of_box({});
-    knowledge.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = has_moved});
+    knowledge.learn({t, force, t, tip, {}, 0.3, {.has_slid = false, .has_moved = has_moved}});
     EXPECT_EQ(knowledge.known().contact_stiffness.has_value(), !has_moved);
   }
 }
@@ -153,7 +153,7 @@ TEST(OnlineIdentification, LearnsNoLawFromAnInclinedFace) {
       tip[i].z() = -slope * tip[i].x();
     }
     OnlineIdentification knowledge = knowledge_of_box({});
-    knowledge.learn({t, force, t, tip}, 0.3, {.has_slid = false, .has_moved = false});
+    knowledge.learn({t, force, t, tip, {}, 0.3, {.has_slid = false, .has_moved = false}});
     EXPECT_EQ(knowledge.known().contact_stiffness.has_value(), slope == 0.0);
   }
 }

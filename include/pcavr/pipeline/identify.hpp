@@ -45,7 +45,7 @@ struct IdentificationInput {
 struct Identification {
   IdentificationGoal goal = IdentificationGoal::contact;
   std::vector<ObjectIdentification> objects;  ///< as in the input
-  std::vector<IdentifiedContact> contacts;    ///< in order of time
+  std::vector<Contact> contacts;              ///< in order of time
   InputFindings inputs = {};                  ///< what the series show about themselves
   std::vector<std::string> notes = {};
   std::vector<std::string> warnings = {};  ///< of the notes: data that contradict each other

@@ -82,31 +82,30 @@ std::vector<SampleRange> find_contacts(std::span<const double> t, const std::vec
 
 /// Finds slides by the object's speed along the push: the tool's speed less that of the
 /// penetration, which is small during sliding, so that a linear stiffness is accurate enough.
-std::vector<SlideInterval> find_slides(const ContactEpisode& episode,
-                                       const SegmentationOptions& options) {
+std::vector<SlideInterval> find_slides(const Contact& contact, const SegmentationOptions& options) {
   std::vector<SlideInterval> slides;
-  const Breakaway& breakaway = episode.breakaway;
+  const Breakaway& breakaway = contact.breakaway;
   if (!breakaway.is_found || breakaway.stiffness <= 0.0) return slides;
-  std::vector<double> object(episode.t.size());
+  std::vector<double> object(contact.t.size());
   for (std::size_t i = 0; i < object.size(); ++i) {
-    object[i] = episode.tool[i] - episode.force[i] / breakaway.stiffness;
+    object[i] = contact.tool[i] - contact.force[i] / breakaway.stiffness;
   }
-  const double interval = mean_interval(episode.t);
+  const double interval = mean_interval(contact.t);
   const double half_width = std::max(options.slide_half_width, 3.0 * interval);
   const double noise = derivative_noise(estimate_noise_std(object), half_width, interval).rate;
   const double fast = std::max(options.slide_speed, kSpeedStds * noise);
-  const std::vector<SmoothedSample> x = smooth(episode.t, object, episode.t, half_width);
+  const std::vector<SmoothedSample> x = smooth(contact.t, object, contact.t, half_width);
   bool is_sliding = false;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const double at = episode.t[i];
-    if (at < breakaway.t_contact || at > episode.end || !x[i].is_valid) continue;
+    const double at = contact.t[i];
+    if (at < breakaway.t_contact || at > contact.end || !x[i].is_valid) continue;
     // Before the alarm the force follows the line: a speed is only the line's misfit.
     const bool begins = !is_sliding && at >= breakaway.t_alarm && x[i].rate > fast;
     if (begins) {
       std::size_t first = i;  // back to where the speed exceeded its noise
       while (first > 0 && x[first - 1].is_valid && x[first - 1].rate > kSlideEndShare * fast)
         --first;
-      slides.push_back({episode.t[first], at});
+      slides.push_back({contact.t[first], at});
     }
     is_sliding = begins || (is_sliding && x[i].rate > kSlideEndShare * fast);
     if (is_sliding) slides.back().end = at;
@@ -165,39 +164,42 @@ std::optional<TipNoise> noise_of(const PathView& tip, const Eigen::Vector3d& dir
 /// Tool and force along `direction` at the force's timestamps in [from, to].
 struct Along {
   std::vector<double> t, tool, force;
+  Vectors force_base;
   std::optional<TipNoise> noise;
 
   Along(const Cleaned& all, const Eigen::Vector3d& direction, double from, double to) {
     const auto begin =
         std::lower_bound(all.t.begin(), all.t.end(), std::max(from, all.tip.t().front()));
     const auto end = std::upper_bound(begin, all.t.end(), std::min(to, all.tip.t().back()));
-    const auto first = static_cast<std::size_t>(begin - all.t.begin());
     t.assign(begin, end);
+    const auto first_force = all.force.begin() + (begin - all.t.begin());
+    force_base.assign(first_force, first_force + std::ssize(t));
     tool.reserve(t.size());
     force.reserve(t.size());
     std::size_t next = 0;
     for (std::size_t i = 0; i < t.size(); ++i) {
       tool.push_back(all.tip.at(t[i], next).dot(direction));
-      force.push_back(all.force[first + i].dot(direction));
+      force.push_back(force_base[i].dot(direction));
     }
     noise = noise_of(all.tip, direction, t);
   }
-  /// Moves the series to the episode.
-  void move_to(ContactEpisode& episode) {
-    episode.t = std::move(t);
-    episode.tool = std::move(tool);
-    episode.force = std::move(force);
+  /// Moves the series to the contact.
+  void move_to(Contact& contact) {
+    contact.t = std::move(t);
+    contact.tool = std::move(tool);
+    contact.force = std::move(force);
+    contact.force_base = std::move(force_base);
     if (!noise) return;
-    episode.tip_noise = noise->own;
-    episode.tool_noise = noise->interpolated;
+    contact.tip_noise = noise->own;
+    contact.tool_noise = noise->interpolated;
   }
 };
 
 /// Extrapolates begin and end to where the tool met and left the surface. The fits may use the free
 /// time up to the neighbouring contacts.
-void refine_limits(const Cleaned& all, double free_from, double free_to, ContactEpisode& episode) {
-  const Along along(all, episode.direction_base, std::max(free_from, episode.begin - all.free_time),
-                    std::min(free_to, episode.end + all.free_time));
+void refine_limits(const Cleaned& all, double free_from, double free_to, Contact& contact) {
+  const Along along(all, contact.direction_base, std::max(free_from, contact.begin - all.free_time),
+                    std::min(free_to, contact.end + all.free_time));
   const std::size_t count = along.t.size();
   if (count == 0) return;
   const TouchSignals signals{along.t, along.force,
@@ -206,7 +208,7 @@ void refine_limits(const Cleaned& all, double free_from, double free_to, Contact
   std::size_t first = count, last = 0, peak = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const SmoothedSample& force = signals.smooth_force[i];
-    if (!force.is_valid || along.t[i] < episode.begin || along.t[i] > episode.end) continue;
+    if (!force.is_valid || along.t[i] < contact.begin || along.t[i] > contact.end) continue;
     if (force.value > all.enter) {
       first = std::min(first, i);
       last = i;
@@ -214,34 +216,34 @@ void refine_limits(const Cleaned& all, double free_from, double free_to, Contact
     if (force.value > signals.smooth_force[peak].value) peak = i;
   }
   if (first >= last) return;
-  episode.begin = std::min(episode.begin, touch_instant(signals, 0, first, peak));
-  episode.end = std::max(episode.end, separation_instant(signals, peak, last, count - 1));
+  contact.begin = std::min(contact.begin, touch_instant(signals, 0, first, peak));
+  contact.end = std::max(contact.end, separation_instant(signals, peak, last, count - 1));
 }
 
-ContactEpisode describe(const Cleaned& all, const SampleRange& range, double free_from,
-                        double free_to, const SegmentationOptions& options) {
-  ContactEpisode episode;
-  episode.begin = all.t[range.begin];
-  episode.end = all.t[range.end - 1];
+Contact describe(const Cleaned& all, const SampleRange& range, double free_from, double free_to,
+                 const SegmentationOptions& options) {
+  Contact contact;
+  contact.begin = all.t[range.begin];
+  contact.end = all.t[range.end - 1];
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = range.begin; i < range.end; ++i) {
     sum += all.force[i];
-    episode.peak_force = std::max(episode.peak_force, all.size[i]);
+    contact.peak_force = std::max(contact.peak_force, all.size[i]);
   }
-  episode.direction_base = sum.normalized();
+  contact.direction_base = sum.normalized();
   const bool is_press = std::abs(sum.z()) > sum.head<2>().norm();
-  Along along(all, episode.direction_base, episode.begin - options.margin,
-              episode.end + options.margin);
-  along.move_to(episode);
-  refine_limits(all, free_from, free_to, episode);
+  Along along(all, contact.direction_base, contact.begin - options.margin,
+              contact.end + options.margin);
+  along.move_to(contact);
+  refine_limits(all, free_from, free_to, contact);
   if (is_press) {
-    episode.kind = ContactKind::press;
-    return episode;
+    contact.kind = ContactKind::press;
+    return contact;
   }
-  episode.breakaway = find_breakaway(episode.series(), options.breakaway);
-  episode.slides = find_slides(episode, options);
-  episode.kind = episode.slides.empty() ? ContactKind::push : ContactKind::slide;
-  return episode;
+  contact.breakaway = find_breakaway(contact.series(), options.breakaway);
+  contact.slides = find_slides(contact, options);
+  contact.kind = contact.slides.empty() ? ContactKind::push : ContactKind::slide;
+  return contact;
 }
 
 /// The force without its bias, with spikes.
@@ -287,23 +289,23 @@ std::vector<RangedImpact> find_impacts(std::span<const double> t, const Vectors&
   return impacts;
 }
 
-ContactEpisode describe_impact(const Cleaned& all, const RangedImpact& impact,
-                               const SegmentationOptions& options) {
-  ContactEpisode episode;
-  episode.begin = all.t[impact.range.begin];
-  episode.end = all.t[impact.range.end - 1];
-  episode.direction_base = impact.found.direction_base;
-  const Eigen::Vector3d& direction = episode.direction_base;
-  episode.kind =
+Contact describe_impact(const Cleaned& all, const RangedImpact& impact,
+                        const SegmentationOptions& options) {
+  Contact contact;
+  contact.begin = all.t[impact.range.begin];
+  contact.end = all.t[impact.range.end - 1];
+  contact.direction_base = impact.found.direction_base;
+  const Eigen::Vector3d& direction = contact.direction_base;
+  contact.kind =
       std::abs(direction.z()) > direction.head<2>().norm() ? ContactKind::press : ContactKind::push;
-  Along along(all, direction, episode.begin - options.margin, episode.end + options.margin);
-  along.move_to(episode);
-  for (std::size_t i = 0; i < episode.t.size(); ++i) {
-    if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;
-    episode.peak_force = std::max(episode.peak_force, episode.force[i]);
+  Along along(all, direction, contact.begin - options.margin, contact.end + options.margin);
+  along.move_to(contact);
+  for (std::size_t i = 0; i < contact.t.size(); ++i) {
+    if (contact.t[i] < contact.begin || contact.t[i] > contact.end) continue;
+    contact.peak_force = std::max(contact.peak_force, contact.force[i]);
   }
-  episode.impact = impact.found.motion;
-  return episode;
+  contact.impact = impact.found.motion;
+  return contact;
 }
 
 }  // namespace

@@ -17,47 +17,38 @@ constexpr double kSameDirection = 0.9998;  // 1 degree
 constexpr double kAround = 0.1;  // [s] of a contact, in which another body may move with it
 
 /// Projects the contact's series onto `direction_base`, which is more exact than the mean force's.
-void project_onto(const Eigen::Vector3d& direction_base, const PathView& tip,
-                  AttributedContact& contact) {
-  ContactEpisode& episode = contact.episode;
-  episode.direction_base = direction_base;
-  for (std::size_t i = 0; i < episode.t.size(); ++i) {
-    episode.tool[i] = tip.at(episode.t[i]).dot(direction_base);
-    episode.force[i] = contact.force_base[i].dot(direction_base);
+void project_onto(const Eigen::Vector3d& direction_base, const PathView& tip, Contact& contact) {
+  contact.direction_base = direction_base;
+  for (std::size_t i = 0; i < contact.t.size(); ++i) {
+    contact.tool[i] = tip.at(contact.t[i]).dot(direction_base);
+    contact.force[i] = contact.force_base[i].dot(direction_base);
   }
 }
 
 class Attribution {
  public:
-  Attribution(const InputSeries& series, const Segmentation& found, std::span<const double> t_force,
-              const PathView& tip, const InputOptions& options, BodyPoses& poses)
+  Attribution(const InputSeries& series, const PathView& tip, const InputOptions& options,
+              BodyPoses& poses)
       : series_(series),
-        found_(found),
-        t_force_(t_force),
         tip_(tip),
         options_(options),
         poses_(poses),
         directions_(series.bodies.size()) {}
 
-  AttributedContact attribute(const ContactEpisode& episode) {
-    AttributedContact contact;
-    contact.episode = episode;
-    if (episode.t.empty() || episode.t.front() > episode.end || episode.t.back() < episode.begin) {
+  void attribute(Contact& contact) {
+    if (contact.t.empty() || contact.t.front() > contact.end || contact.t.back() < contact.begin) {
       contact.left_out = "the tool's motion was not recorded during it";
-      return contact;
+      return;
     }
-    const auto first = std::lower_bound(t_force_.begin(), t_force_.end(), episode.t.front());
-    const auto begin = found_.force_base.begin() + (first - t_force_.begin());
-    contact.force_base.assign(begin, begin + std::ssize(episode.t));
-    const Eigen::Vector3d p_base_tip = tip_.at(episode.begin);
+    const Eigen::Vector3d p_base_tip = tip_.at(contact.begin);
     std::vector<Touch> touches;
     for (std::size_t i = 0; i < series_.bodies.size(); ++i) {
-      touches.push_back(poses_.touch(i, episode.begin, p_base_tip, series_.tool_radius));
+      touches.push_back(poses_.touch(i, contact.begin, p_base_tip, series_.tool_radius));
     }
     const std::optional<TouchedBody> touched = touched_body(touches, options_);
     if (!touched) {
       contact.left_out = "no known object is at the contact point";
-      return contact;
+      return;
     }
     contact.object = touched->body;
     contact.gap = touches[touched->body].gap;
@@ -65,31 +56,28 @@ class Attribution {
     if (touched->is_ambiguous) contact.left_out = "two objects are at the contact point";
     set_direction(contact);
     check_others(contact);
-    return contact;
   }
 
  private:
-  void set_direction(AttributedContact& contact) {
-    const ContactEpisode& episode = contact.episode;
+  void set_direction(Contact& contact) {
     const std::size_t object = *contact.object;
-    const Pose T_base_object = poses_.at(object, episode.begin);
-    const bool is_on_face =
-        align_with_face(T_base_object, series_.bodies[object].model->centre_of_mass_object, tip_,
-                        directions_[object], contact);
-    if (is_on_face) directions_[object].push_back(episode.direction_base);
-    const bool has_moved = episode.kind == ContactKind::slide && series_.bodies[object].is_movable;
+    contact.T_base_object = poses_.at(object, contact.begin);
+    const bool is_on_face = align_with_face(series_.bodies[object].model->centre_of_mass_object,
+                                            tip_, directions_[object], contact);
+    if (is_on_face) directions_[object].push_back(contact.direction_base);
+    const bool has_moved = contact.kind == ContactKind::slide && series_.bodies[object].is_movable;
     if (has_moved && !poses_.is_tracked(object)) {
-      poses_.displace(object, episode.slides.back().end,
-                      displacement_at(episode, episode.slides.back().end) * episode.direction_base);
+      poses_.displace(object, contact.slides.back().end,
+                      displacement_at(contact, contact.slides.back().end) * contact.direction_base);
     }
   }
 
   /// Excludes a push that moves two objects: its force can't be divided.
-  void check_others(AttributedContact& contact) const {
+  void check_others(Contact& contact) const {
     for (std::size_t i = 0; i < series_.bodies.size(); ++i) {
       if (i == *contact.object || !poses_.is_tracked(i)) continue;
-      const double moved = translation_distance(poses_.at(i, contact.episode.begin - kAround),
-                                                poses_.at(i, contact.episode.end + kAround));
+      const double moved = translation_distance(poses_.at(i, contact.begin - kAround),
+                                                poses_.at(i, contact.end + kAround));
       if (moved > options_.min_other_displacement) {
         contact.left_out = "it also moved " + series_.bodies[i].name;
       }
@@ -97,8 +85,6 @@ class Attribution {
   }
 
   const InputSeries& series_;
-  const Segmentation& found_;
-  std::span<const double> t_force_;
   const PathView& tip_;
   const InputOptions& options_;
   BodyPoses& poses_;
@@ -107,12 +93,10 @@ class Attribution {
 
 }  // namespace
 
-bool align_with_face(const Pose& T_base_object, const Eigen::Vector3d& centre_of_mass_object,
-                     const PathView& tip, std::span<const Eigen::Vector3d> directions_base,
-                     AttributedContact& contact) {
-  const ContactEpisode& episode = contact.episode;
-  Eigen::Vector3d inward = -(T_base_object.rotation() * contact.normal_object);
-  const bool is_on_face = inward.dot(episode.direction_base) > kFaceCosine;
+bool align_with_face(const Eigen::Vector3d& centre_of_mass_object, const PathView& tip,
+                     std::span<const Eigen::Vector3d> directions_base, Contact& contact) {
+  Eigen::Vector3d inward = -(contact.T_base_object.rotation() * contact.normal_object);
+  const bool is_on_face = inward.dot(contact.direction_base) > kFaceCosine;
   if (is_on_face) {
     // Tracking noise varies a face's direction between contacts: at a lever of half a metre, 0.1
     // degrees would displace each press's surface by a millimetre.
@@ -121,40 +105,20 @@ bool align_with_face(const Pose& T_base_object, const Eigen::Vector3d& centre_of
     }
     project_onto(inward, tip, contact);
   }
-  const Eigen::Vector3d arm = tip.at(episode.begin) - T_base_object * centre_of_mass_object;
-  const Eigen::Vector2d along = episode.direction_base.head<2>().normalized();
+  const Eigen::Vector3d arm = tip.at(contact.begin) - contact.T_base_object * centre_of_mass_object;
+  const Eigen::Vector2d along = contact.direction_base.head<2>().normalized();
   contact.lever = arm.x() * along.y() - arm.y() * along.x();
   return is_on_face;
 }
 
-double displacement_at(const ContactEpisode& episode, double t) {
-  const auto object_position = [&](double at) {
-    const auto after = std::lower_bound(episode.t.begin(), episode.t.end(), at);
-    const auto i =
-        std::min(static_cast<std::size_t>(after - episode.t.begin()), episode.t.size() - 1);
-    const double stiffness = episode.breakaway.stiffness;
-    return episode.tool[i] - (stiffness > 0.0 ? episode.force[i] / stiffness : 0.0);
-  };
-  double displacement = 0.0;
-  for (const SlideInterval& slide : episode.slides) {
-    displacement +=
-        object_position(std::clamp(t, slide.begin, slide.end)) - object_position(slide.begin);
-  }
-  return displacement;
-}
-
-std::vector<AttributedContact> attribute_contacts(const InputSeries& series,
-                                                  const Segmentation& found,
-                                                  std::span<const double> t_force,
-                                                  const PathView& tip,
-                                                  std::span<const UnusableInterval> bad,
-                                                  const InputOptions& options, BodyPoses& poses) {
-  std::vector<AttributedContact> contacts;
-  Attribution attribution(series, found, t_force, tip, options, poses);
-  for (const ContactEpisode& episode : found.contacts) {
-    AttributedContact& contact = contacts.emplace_back(attribution.attribute(episode));
+std::vector<Contact> attribute_contacts(const InputSeries& series, std::vector<Contact> contacts,
+                                        const PathView& tip, std::span<const UnusableInterval> bad,
+                                        const InputOptions& options, BodyPoses& poses) {
+  Attribution attribution(series, tip, options, poses);
+  for (Contact& contact : contacts) {
+    attribution.attribute(contact);
     for (const UnusableInterval& interval : bad) {
-      if (interval.end < episode.begin || interval.begin > episode.end) continue;
+      if (interval.end < contact.begin || interval.begin > contact.end) continue;
       contact.left_out = interval.reason;
     }
   }

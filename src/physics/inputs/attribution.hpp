@@ -12,10 +12,10 @@
 
 namespace pcavr {
 
-/// Attributes each contact to a body and a direction, and excludes unusable ones.
-[[nodiscard]] std::vector<AttributedContact> attribute_contacts(
-    const InputSeries& series, const Segmentation& found, std::span<const double> t_force,
-    const PathView& tip, std::span<const UnusableInterval> bad, const InputOptions& options,
-    BodyPoses& poses);
+/// The contacts of a segmentation, each attributed to a body and a direction; unusable ones are
+/// excluded.
+[[nodiscard]] std::vector<Contact> attribute_contacts(
+    const InputSeries& series, std::vector<Contact> contacts, const PathView& tip,
+    std::span<const UnusableInterval> bad, const InputOptions& options, BodyPoses& poses);
 
 }  // namespace pcavr

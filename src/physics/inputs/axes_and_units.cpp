@@ -111,12 +111,12 @@ std::optional<InputFault> explain_permutation(std::span<const ContactEvidence> e
 }
 
 /// Whether the tip is at a body, with the force into it.
-bool touches_any(const InputSeries& series, const AttributedContact& contact,
+bool touches_any(const InputSeries& series, const Contact& contact,
                  const Eigen::Vector3d& p_base_tip, const BodyPoses& poses) {
   for (std::size_t i = 0; i < series.bodies.size(); ++i) {
-    const Touch touch = poses.touch(i, contact.episode.begin, p_base_tip, series.tool_radius);
+    const Touch touch = poses.touch(i, contact.begin, p_base_tip, series.tool_radius);
     if (std::abs(touch.gap) < kMaxTouchGap &&
-        touch.inward_base.dot(contact.episode.direction_base) >= kSound) {
+        touch.inward_base.dot(contact.direction_base) >= kSound) {
       return true;
     }
   }
@@ -164,16 +164,15 @@ std::optional<InputFault> axes_fault(std::span<const ContactEvidence> evidence) 
   return explain_permutation(unsound, evidence);
 }
 
-UnitTouches count_unit_touches(const InputSeries& series,
-                               std::span<const AttributedContact> contacts,
+UnitTouches count_unit_touches(const InputSeries& series, std::span<const Contact> contacts,
                                std::span<const ContactEvidence> evidence, const PathView& tip,
                                const BodyPoses& poses) {
   UnitTouches result{.contacts = contacts.size(), .in_metres = evidence.size()};
   // Where the tip touches a body in metres, no other unit is needed.
   if (!evidence.empty()) return result;
   for (std::size_t k = 0; k < kLengths.size(); ++k) {
-    for (const AttributedContact& contact : contacts) {
-      const Eigen::Vector3d p_base_tip = kLengths[k].metres * tip.at(contact.episode.begin);
+    for (const Contact& contact : contacts) {
+      const Eigen::Vector3d p_base_tip = kLengths[k].metres * tip.at(contact.begin);
       const bool touches = touches_any(series, contact, p_base_tip, poses);
       result.in_other_units[k] += touches ? 1 : 0;
     }
@@ -206,10 +205,10 @@ std::optional<InputFault> tool_unit_fault(const UnitTouches& touches) {
 }
 
 void leave_out_misdirected(std::span<const ContactEvidence> evidence,
-                           std::vector<AttributedContact>& contacts) {
+                           std::vector<Contact>& contacts) {
   for (const ContactEvidence& one : evidence) {
     const double cosine = inward_cosine(one);
-    AttributedContact& contact = contacts[one.contact];
+    Contact& contact = contacts[one.contact];
     if (cosine >= kMisdirected || !contact.left_out.empty()) continue;
     const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
     // Rounded to tens: contacts are counted by their reason.

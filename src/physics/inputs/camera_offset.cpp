@@ -40,9 +40,8 @@ constexpr double kMinMotionSpeed = 0.1;  // [m/s] between frames: certainly in m
 /// moves with the tip, though it turns and the tip slides along it.
 class PushedFace {
  public:
-  PushedFace(const AttributedContact& contact, const PathView& tip,
-             std::span<const TrackedPose> tracked)
-      : episode_(contact.episode), tip_(tip) {
+  PushedFace(const Contact& contact, const PathView& tip, std::span<const TrackedPose> tracked)
+      : episode_(contact), tip_(tip) {
     const Eigen::Vector3d& along = episode_.direction_base;
     const Pose T_base_begin = pose_at(tracked, episode_.begin);
     p_object_ = T_base_begin.inverse() * tip.at(episode_.slides.front().begin);
@@ -79,21 +78,21 @@ class PushedFace {
     return p + displacement_at(episode_, at) * along;
   }
 
-  const ContactEpisode& episode_;
+  const Contact& episode_;
   const PathView& tip_;
   Eigen::Vector3d p_object_, inward_object_;
 };
 
-bool slides_at(const ContactEpisode& episode, double t) {
-  return std::any_of(episode.slides.begin(), episode.slides.end(), [t](const SlideInterval& slide) {
+bool slides_at(const Contact& contact, double t) {
+  return std::any_of(contact.slides.begin(), contact.slides.end(), [t](const SlideInterval& slide) {
     return t >= slide.begin && t <= slide.end;
   });
 }
 
-double slide_speed(const ContactEpisode& episode) {
+double slide_speed(const Contact& contact) {
   double duration = 0.0;
-  for (const SlideInterval& slide : episode.slides) duration += slide.end - slide.begin;
-  return displacement_at(episode, episode.slides.back().end) / std::max(duration, 1e-6);
+  for (const SlideInterval& slide : contact.slides) duration += slide.end - slide.begin;
+  return displacement_at(contact, contact.slides.back().end) / std::max(duration, 1e-6);
 }
 
 double lagged_product(const std::vector<double>& values, std::size_t lag) {
@@ -133,12 +132,12 @@ struct Sums {
   double residual_squares = 0.0;  ///< [m^2]
   double count = 0.0;
 
-  void add(const AttributedContact& contact, const PathView& tip,
-           std::span<const TrackedPose> tracked, double offset) {
+  void add(const Contact& contact, const PathView& tip, std::span<const TrackedPose> tracked,
+           double offset) {
     const PushedFace face(contact, tip, tracked);
     std::vector<double> residual, speed;
     for (const TrackedPose& pose : tracked) {
-      if (pose.t < contact.episode.begin - kRestBefore || pose.t > contact.episode.end) continue;
+      if (pose.t < contact.begin - kRestBefore || pose.t > contact.end) continue;
       residual.push_back(face.gap(pose.T_base_object, pose.t - offset));
       speed.push_back(face.speed(pose.T_base_object, pose.t - offset));
     }
@@ -160,7 +159,7 @@ struct Sums {
     // Residuals that last from frame to frame may last for the slide, as a compression of the
     // contact that differs from its law's: at one speed, that looks like a delay.
     const double lasting = std::sqrt(std::max(0.0, lagged_product(residual, 1)) / n);
-    bias += lasting * squares / slide_speed(contact.episode);
+    bias += lasting * squares / slide_speed(contact);
     residual_squares += lagged_product(residual, 0);
     count += n;
   }
@@ -168,14 +167,14 @@ struct Sums {
 
 /// [s] Std of a slide's ends where samples are so few that the smoothing, which needs three
 /// intervals, is wider than `half_width`: they lie anywhere in that excess.
-double slide_end_std(const AttributedContact& push, double half_width) {
-  return std::max(0.0, 3.0 * mean_interval(push.episode.t) - half_width) / std::sqrt(3.0);
+double slide_end_std(const Contact& push, double half_width) {
+  return std::max(0.0, 3.0 * mean_interval(push.t) - half_width) / std::sqrt(3.0);
 }
 
 /// Whether force, tool and tracking were recorded before the contact: of a push that was under way
 /// when the recording began nobody knows when the object was at rest.
-bool begins_in(const InputSeries& series, const AttributedContact& contact) {
-  const double rest = contact.episode.begin - kRestBefore;
+bool begins_in(const InputSeries& series, const Contact& contact) {
+  const double rest = contact.begin - kRestBefore;
   const std::vector<double> starts{series.t_tool.empty() ? rest : series.t_tool.front(),
                                    series.t_force.empty() ? rest : series.t_force.front(),
                                    series.bodies[*contact.object].tracked.front().t};
@@ -183,13 +182,12 @@ bool begins_in(const InputSeries& series, const AttributedContact& contact) {
 }
 
 /// Whether the object moves with the tip: pushed through its centre, or on a flat face.
-bool is_usable(const AttributedContact& contact, const PathView& tip, const InputSeries& series,
+bool is_usable(const Contact& contact, const PathView& tip, const InputSeries& series,
                const std::vector<BodySurface>& surfaces) {
-  const ContactEpisode& episode = contact.episode;
-  if (!contact.object || !contact.left_out.empty() || episode.slides.empty()) return false;
-  if (slide_speed(episode) < kMinSlideSpeed) return false;
+  if (!contact.object || !contact.left_out.empty() || contact.slides.empty()) return false;
+  if (slide_speed(contact) < kMinSlideSpeed) return false;
   if (std::abs(contact.lever) <= kMaxLever) return true;
-  const double end = episode.slides.back().end;
+  const double end = contact.slides.back().end;
   const Pose T_base_end = pose_at(series.bodies[*contact.object].tracked, end);
   const Touch touch = surfaces[*contact.object].touch(T_base_end, tip.at(end), series.tool_radius);
   return touch.normal_object.dot(contact.normal_object) > kSameNormal;
@@ -198,11 +196,10 @@ bool is_usable(const AttributedContact& contact, const PathView& tip, const Inpu
 /// Median distance [m] of the tip from its places on the pushed faces at the begin of the first
 /// slide, during slides, with tracking delayed by `offset` [s].
 double distance_from_faces(const InputSeries& series, const std::vector<BodySurface>& surfaces,
-                           const PathView& tip, std::span<const AttributedContact* const> pushes,
+                           const PathView& tip, std::span<const Contact* const> pushes,
                            double offset) {
   std::vector<double> distances;
-  for (const AttributedContact* push : pushes) {
-    const ContactEpisode& episode = push->episode;
+  for (const Contact* push : pushes) {
     const std::span<const TrackedPose> tracked = series.bodies[*push->object].tracked;
     const auto gap = [&](double t_pose, double t) {
       return surfaces[*push->object]
@@ -210,9 +207,9 @@ double distance_from_faces(const InputSeries& series, const std::vector<BodySurf
           .gap;
     };
     // Before it slides the object rests, so that a delay does not matter.
-    const double pressed = gap(episode.begin, episode.slides.front().begin);
-    for (const double t : episode.t) {
-      if (slides_at(episode, t)) distances.push_back(std::abs(gap(t + offset, t) - pressed));
+    const double pressed = gap(push->begin, push->slides.front().begin);
+    for (const double t : push->t) {
+      if (slides_at(*push, t)) distances.push_back(std::abs(gap(t + offset, t) - pressed));
     }
   }
   return distances.empty() ? 0.0 : median(std::move(distances));
@@ -223,19 +220,17 @@ double distance_from_faces(const InputSeries& series, const std::vector<BodySurf
 struct ShiftFit {
   double residual_squares = 0.0, count = 0.0, shifts = 0.0;
 
-  void add(const AttributedContact& contact, const PathView& tip,
-           std::span<const TrackedPose> tracked) {
+  void add(const Contact& contact, const PathView& tip, std::span<const TrackedPose> tracked) {
     const PushedFace face(contact, tip, tracked);
-    const ContactEpisode& episode = contact.episode;
     std::array<std::vector<double>, 2> gaps;  // at rest, sliding
     std::vector<double> at_ends;
     for (std::size_t i = 1; i < tracked.size(); ++i) {
       const double t = tracked[i].t, frame = t - tracked[i - 1].t;
-      if (t < episode.begin - kRestBefore || t > episode.end) continue;
+      if (t < contact.begin - kRestBefore || t > contact.end) continue;
       const double gap = face.gap(tracked[i].T_base_object, t);
-      const bool slides = slides_at(episode, t);
+      const bool slides = slides_at(contact, t);
       const bool is_at_end =
-          slides != slides_at(episode, t - frame) || slides != slides_at(episode, t + frame);
+          slides != slides_at(contact, t - frame) || slides != slides_at(contact, t + frame);
       (is_at_end ? at_ends : gaps[slides ? 1 : 0]).push_back(gap);
     }
     if (gaps[0].size() + gaps[1].size() < 4) return;
@@ -326,11 +321,11 @@ Eigen::Vector3d mean_position(std::span<const TrackedPose> tracked, const Eigen:
 }  // namespace
 
 TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurface>& surfaces,
-                         const PathView& tip, std::span<const AttributedContact> contacts,
+                         const PathView& tip, std::span<const Contact> contacts,
                          double slide_half_width) {
-  std::vector<const AttributedContact*> pushes;
+  std::vector<const Contact*> pushes;
   double end_std = 0.0;
-  for (const AttributedContact& contact : contacts) {
+  for (const Contact& contact : contacts) {
     const bool is_tracked = contact.object && !series.bodies[*contact.object].tracked.empty();
     if (!is_tracked || !begins_in(series, contact)) continue;
     if (!is_usable(contact, tip, series, surfaces)) continue;
@@ -340,7 +335,7 @@ TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurfac
   TimeOffset result;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Sums sums;
-    for (const AttributedContact* push : pushes) {
+    for (const Contact* push : pushes) {
       sums.add(*push, tip, series.bodies[*push->object].tracked, result.offset);
     }
     if (sums.count < kMinPoses || sums.speed_squares <= 0.0) return result;
@@ -361,7 +356,7 @@ TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurfac
   if (!is_delay) return result;
   Sums late;
   ShiftFit shifted;
-  for (const AttributedContact* push : pushes) {
+  for (const Contact* push : pushes) {
     const std::span<const TrackedPose> tracked = series.bodies[*push->object].tracked;
     late.add(*push, tip, tracked, result.offset);
     shifted.add(*push, tip, tracked);

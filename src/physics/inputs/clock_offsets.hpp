@@ -40,8 +40,7 @@ namespace pcavr {
 /// `slide_half_width` [s]: see SegmentationOptions.
 [[nodiscard]] TimeOffset camera_offset(const InputSeries& series,
                                        const std::vector<BodySurface>& surfaces,
-                                       const PathView& tip,
-                                       std::span<const AttributedContact> contacts,
+                                       const PathView& tip, std::span<const Contact> contacts,
                                        double slide_half_width);
 
 /// The same offset without a force, by cross-correlation of a body's longest motion with the tip's.

@@ -89,10 +89,10 @@ Signal without_rests(Signal touch, const PathView& tip) {
 Signal loaded(const InputSeries& series, const Segmentation& found) {
   Signal signal{series.t_force.front(), {}};
   signal.values.assign(grid_size(series.t_force.front(), series.t_force.back()), 0.0);
-  for (const ContactEpisode& episode : found.contacts) {
+  for (const Contact& contact : found.contacts) {
     for (std::size_t k = 0; k < signal.values.size(); ++k) {
       const double t = signal.t(k);
-      if (t >= episode.begin && t <= episode.end) signal.values[k] = 1.0;
+      if (t >= contact.begin && t <= contact.end) signal.values[k] = 1.0;
     }
   }
   signal.leave_out(stream_gaps(series.t_force));

@@ -48,13 +48,12 @@ struct LoadedRange {
   std::size_t end = 0;  ///< one past the last
 };
 
-LoadedRange loaded_range(const AttributedContact& contact) {
-  const ContactEpisode& episode = contact.episode;
+LoadedRange loaded_range(const Contact& contact) {
   LoadedRange range;
-  while (range.begin < episode.t.size() && episode.t[range.begin] < episode.begin) ++range.begin;
+  while (range.begin < contact.t.size() && contact.t[range.begin] < contact.begin) ++range.begin;
   for (std::size_t i = range.begin; i < contact.force_base.size(); ++i) {
-    if (episode.t[i] > episode.end) break;
-    if (contact.force_base[i].norm() >= kLoaded * episode.peak_force) range.end = i + 1;
+    if (contact.t[i] > contact.end) break;
+    if (contact.force_base[i].norm() >= kLoaded * contact.peak_force) range.end = i + 1;
   }
   return range;
 }
@@ -66,9 +65,9 @@ const Eigen::Quaterniond& tool_axes_at(const InputSeries& series, double t) {
   return series.q_base_tool[i];
 }
 
-void add_forces(const InputSeries& series, const AttributedContact& contact,
-                const LoadedRange& range, const PathView& tip, ContactEvidence& evidence) {
-  const std::vector<double>& t = contact.episode.t;
+void add_forces(const InputSeries& series, const Contact& contact, const LoadedRange& range,
+                const PathView& tip, ContactEvidence& evidence) {
+  const std::vector<double>& t = contact.t;
   const double step = std::clamp((t[range.end - 1] - t[range.begin]) / kStepsOfContact,
                                  kMinMotionStep, kMaxMotionStep);
   for (std::size_t from = range.begin, to; from + 1 < range.end; from = to) {
@@ -96,9 +95,9 @@ struct CentreMotion {
   double rotation_share = 0.0;  ///< of the motion at the tip
 };
 
-CentreMotion centre_motion(const InputSeries& series, const AttributedContact& contact,
+CentreMotion centre_motion(const InputSeries& series, const Contact& contact,
                            const LoadedRange& range, const PathView& tip, const BodyPoses& poses) {
-  const std::vector<double>& t = contact.episode.t;
+  const std::vector<double>& t = contact.t;
   const Eigen::Vector3d& centre = series.bodies[*contact.object].model->centre_of_mass_object;
   CentreMotion motion;
   Pose before = poses.at(*contact.object, t[range.begin]);
@@ -123,14 +122,13 @@ CentreMotion centre_motion(const InputSeries& series, const AttributedContact& c
 }
 
 /// The tip's way sideways over that along `inward_base`, from the touch to the largest force.
-double sideways_share(const AttributedContact& contact, const LoadedRange& range,
-                      const PathView& tip, const Eigen::Vector3d& inward_base) {
+double sideways_share(const Contact& contact, const LoadedRange& range, const PathView& tip,
+                      const Eigen::Vector3d& inward_base) {
   std::size_t peak = range.begin;
   for (std::size_t i = range.begin; i < range.end; ++i) {
     if (contact.force_base[i].squaredNorm() > contact.force_base[peak].squaredNorm()) peak = i;
   }
-  const Eigen::Vector3d way =
-      tip.at(contact.episode.t[peak]) - tip.at(contact.episode.t[range.begin]);
+  const Eigen::Vector3d way = tip.at(contact.t[peak]) - tip.at(contact.t[range.begin]);
   const double deep = way.dot(inward_base);
   if (deep < kMinPressDisplacement) return 1.0;
   return (way - deep * inward_base).norm() / deep;
@@ -145,18 +143,17 @@ Eigen::Vector3d turned(const Eigen::Vector3d& direction_base, double angle,
   return {across * level.x(), across * level.y(), inward_base.z()};
 }
 
-std::optional<ForceDirection> direction_of(const InputSeries& series,
-                                           const AttributedContact& contact,
+std::optional<ForceDirection> direction_of(const InputSeries& series, const Contact& contact,
                                            const LoadedRange& range, const PathView& tip,
                                            const BodyPoses& poses,
                                            const ContactEvidence& evidence) {
-  if (!contact.left_out.empty() || contact.episode.impact) return std::nullopt;
+  if (!contact.left_out.empty() || contact.impact) return std::nullopt;
   const Eigen::Vector3d& inward = evidence.inward_base;
   ForceDirection direction{.force_base = evidence.force_base.normalized(),
                            .expected_base = inward,
                            .across_std = kConeStd,
                            .upward_std = kNormalStd};
-  const double begin = contact.episode.begin;
+  const double begin = contact.begin;
   if (!series.q_base_tool.empty()) direction.q_base_tool = tool_axes_at(series, begin);
   const Pose T_base_object = poses.at(*contact.object, begin);
   const bool is_on_face = inward.dot(T_base_object.rotation() * contact.normal_object) < -kOnFace;
@@ -187,14 +184,14 @@ std::optional<ForceDirection> direction_of(const InputSeries& series,
 }
 
 /// Contacts with one face that share their error count as one.
-void widen_by_face(std::span<const AttributedContact> contacts, std::vector<ContactEvidence>& all) {
+void widen_by_face(std::span<const Contact> contacts, std::vector<ContactEvidence>& all) {
   constexpr double kMinNormalCosine = 0.98;  // cosine
   std::vector<double> counts;
   for (const ContactEvidence& one : all) {
-    const AttributedContact& contact = contacts[one.contact];
+    const Contact& contact = contacts[one.contact];
     counts.push_back(static_cast<double>(
         std::count_if(all.begin(), all.end(), [&](const ContactEvidence& other) {
-          const AttributedContact& with = contacts[other.contact];
+          const Contact& with = contacts[other.contact];
           return other.direction && other.direction->is_by_face && with.object == contact.object &&
                  with.normal_object.dot(contact.normal_object) > kMinNormalCosine;
         })));
@@ -206,9 +203,9 @@ void widen_by_face(std::span<const AttributedContact> contacts, std::vector<Cont
 }
 
 /// Displacement of the object from the beginning of a contact until `t`.
-double displacement_until(const AttributedContact& contact, const BodyPoses& poses, double t) {
-  if (!poses.is_tracked(*contact.object)) return displacement_at(contact.episode, t);
-  return translation_distance(poses.at(*contact.object, contact.episode.begin),
+double displacement_until(const Contact& contact, const BodyPoses& poses, double t) {
+  if (!poses.is_tracked(*contact.object)) return displacement_at(contact, t);
+  return translation_distance(poses.at(*contact.object, contact.begin),
                               poses.at(*contact.object, t));
 }
 
@@ -224,16 +221,16 @@ double mass_or_bound(const InputBody& body) {
 }  // namespace
 
 std::vector<ContactEvidence> gather_evidence(const InputSeries& series,
-                                             std::span<const AttributedContact> contacts,
-                                             const PathView& tip, const BodyPoses& poses) {
+                                             std::span<const Contact> contacts, const PathView& tip,
+                                             const BodyPoses& poses) {
   std::vector<ContactEvidence> all;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const AttributedContact& contact = contacts[i];
+    const Contact& contact = contacts[i];
     if (!contact.object || contact.force_base.empty()) continue;
     const LoadedRange range = loaded_range(contact);
     if (range.end < range.begin + 2) continue;
     ContactEvidence evidence{.contact = i};
-    const double t = contact.episode.begin;
+    const double t = contact.begin;
     evidence.inward_base =
         poses.touch(*contact.object, t, tip.at(t), series.tool_radius).inward_base;
     add_forces(series, contact, range, tip, evidence);
@@ -273,17 +270,16 @@ DirectionAgreement agreement_in_tool_axes(std::span<const ContactEvidence> evide
           effort > 0.0 ? sum.motion / effort : 0.0};
 }
 
-std::optional<double> friction_ratio(const InputSeries& series, const AttributedContact& contact,
+std::optional<double> friction_ratio(const InputSeries& series, const Contact& contact,
                                      const BodyPoses& poses) {
-  if (!contact.object || contact.episode.kind == ContactKind::press) return std::nullopt;
+  if (!contact.object || contact.kind == ContactKind::press) return std::nullopt;
   const double mass = mass_or_bound(series.bodies[*contact.object]);
-  const ContactEpisode& episode = contact.episode;
-  const double moved = displacement_until(contact, poses, episode.end);
+  const double moved = displacement_until(contact, poses, contact.end);
   if (!(mass > 0.0) || moved < kMinDisplacement) return std::nullopt;
   std::vector<double> ratios;
   for (std::size_t i = 0; i < contact.force_base.size(); ++i) {
-    if (episode.t[i] < episode.begin || episode.t[i] > episode.end) continue;
-    const double done = displacement_until(contact, poses, episode.t[i]) / moved;
+    if (contact.t[i] < contact.begin || contact.t[i] > contact.end) continue;
+    const double done = displacement_until(contact, poses, contact.t[i]) / moved;
     if (done < kMotionBegins || done > kMotionEnds) continue;
     const Eigen::Vector3d& force = contact.force_base[i];
     // A tip that presses down adds to the normal force on the support.

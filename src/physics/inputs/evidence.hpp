@@ -56,9 +56,10 @@ struct DirectionAgreement {
 };
 
 /// The evidence of the contacts that are attributed to an object.
-[[nodiscard]] std::vector<ContactEvidence> gather_evidence(
-    const InputSeries& series, std::span<const AttributedContact> contacts, const PathView& tip,
-    const BodyPoses& poses);
+[[nodiscard]] std::vector<ContactEvidence> gather_evidence(const InputSeries& series,
+                                                           std::span<const Contact> contacts,
+                                                           const PathView& tip,
+                                                           const BodyPoses& poses);
 
 /// `axes` maps the recorded force to base.
 [[nodiscard]] DirectionAgreement agreement_of(std::span<const ContactEvidence> evidence,
@@ -72,7 +73,6 @@ struct DirectionAgreement {
 /// while the object moves by more than 2 mm in one contact; nothing for less. A body that was not
 /// weighed has the mass of wood of its volume.
 [[nodiscard]] std::optional<double> friction_ratio(const InputSeries& series,
-                                                   const AttributedContact& contact,
-                                                   const BodyPoses& poses);
+                                                   const Contact& contact, const BodyPoses& poses);
 
 }  // namespace pcavr

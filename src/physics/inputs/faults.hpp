@@ -26,7 +26,7 @@ namespace pcavr {
 /// Excludes contacts whose force does not point into the face touched; the reason goes into the
 /// contact's `left_out`.
 void leave_out_misdirected(std::span<const ContactEvidence> evidence,
-                           std::vector<AttributedContact>& contacts);
+                           std::vector<Contact>& contacts);
 
 inline constexpr std::size_t kOtherLengthUnits = 3;
 
@@ -39,7 +39,7 @@ struct UnitTouches {
   void add(const UnitTouches& other);
 };
 [[nodiscard]] UnitTouches count_unit_touches(const InputSeries& series,
-                                             std::span<const AttributedContact> contacts,
+                                             std::span<const Contact> contacts,
                                              std::span<const ContactEvidence> evidence,
                                              const PathView& tip, const BodyPoses& poses);
 [[nodiscard]] std::optional<InputFault> tool_unit_fault(const UnitTouches& touches);

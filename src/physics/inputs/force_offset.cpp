@@ -36,38 +36,38 @@ struct StationaryContact {
 
 /// The time at which the force of a push begins to fall for good: the object is at rest from then
 /// on. A held push's largest force may be well before that, while it still slid.
-double release_begin(const ContactEpisode& episode, const std::vector<SmoothedSample>& f) {
+double release_begin(const Contact& contact, const std::vector<SmoothedSample>& f) {
   constexpr double kContactShare = 0.3;  // of the peak: less is the tip leaving
   constexpr double kReleaseShare = 0.9;  // of the last force: less is its release
-  const auto is_used = [&](std::size_t i) { return f[i].is_valid && episode.t[i] <= episode.end; };
-  double last_force = 0.0, peak = episode.begin;
+  const auto is_used = [&](std::size_t i) { return f[i].is_valid && contact.t[i] <= contact.end; };
+  double last_force = 0.0, peak = contact.begin;
   for (std::size_t i = f.size(); i-- > 0;) {
     if (!is_used(i)) continue;
-    if (f[i].value > last_force) last_force = f[i].value, peak = episode.t[i];
-    if (last_force <= kContactShare * episode.peak_force) continue;
-    if (f[i].value < kReleaseShare * last_force || peak - episode.t[i] > kBeforeRelease) break;
+    if (f[i].value > last_force) last_force = f[i].value, peak = contact.t[i];
+    if (last_force <= kContactShare * contact.peak_force) continue;
+    if (f[i].value < kReleaseShare * last_force || peak - contact.t[i] > kBeforeRelease) break;
   }
   for (std::size_t i = f.size(); i-- > 0;) {
-    if (is_used(i) && f[i].value >= kReleaseShare * last_force) return episode.t[i];
+    if (is_used(i) && f[i].value >= kReleaseShare * last_force) return contact.t[i];
   }
-  return episode.begin;
+  return contact.begin;
 }
 
-StationaryContact stationary_samples(const ContactEpisode& episode) {
-  StationaryContact result{episode.direction_base, {}, {}, {}};
-  const std::vector<SmoothedSample> f = smooth(episode.t, episode.force, episode.t, kHalfWidth);
-  const bool is_press = episode.kind == ContactKind::press;
-  const double from = is_press ? episode.begin : release_begin(episode, f) - kBeforeRelease;
-  const double min_force = 0.1 * episode.peak_force;
+StationaryContact stationary_samples(const Contact& contact) {
+  StationaryContact result{contact.direction_base, {}, {}, {}};
+  const std::vector<SmoothedSample> f = smooth(contact.t, contact.force, contact.t, kHalfWidth);
+  const bool is_press = contact.kind == ContactKind::press;
+  const double from = is_press ? contact.begin : release_begin(contact, f) - kBeforeRelease;
+  const double min_force = 0.1 * contact.peak_force;
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < f.size(); ++i) {
-    if (f[i].is_valid && episode.t[i] >= from && f[i].value > min_force) chosen.push_back(i);
+    if (f[i].is_valid && contact.t[i] >= from && f[i].value > min_force) chosen.push_back(i);
   }
   const std::size_t step = chosen.size() / kMaxSamples + 1;
   for (std::size_t k = 0; k < chosen.size(); k += step) {
-    result.t.push_back(episode.t[chosen[k]]);
+    result.t.push_back(contact.t[chosen[k]]);
     result.smooth_force.push_back(f[chosen[k]].value);
-    result.force.push_back(std::max(0.0, episode.force[chosen[k]]));
+    result.force.push_back(std::max(0.0, contact.force[chosen[k]]));
   }
   return result;
 }
@@ -215,14 +215,14 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
                         const PathView& tip) {
   TimeOffset result;
   // Presses determine it best, by loading and release; pushes are used where there are none.
-  const bool has_presses = std::any_of(
-      found.contacts.begin(), found.contacts.end(),
-      [](const ContactEpisode& e) { return e.kind == ContactKind::press && !e.impact; });
+  const bool has_presses =
+      std::any_of(found.contacts.begin(), found.contacts.end(),
+                  [](const Contact& e) { return e.kind == ContactKind::press && !e.impact; });
   std::vector<StationaryContact> contacts;
-  for (const ContactEpisode& episode : found.contacts) {
-    const bool is_press = episode.kind == ContactKind::press;
-    if (!episode.t.empty() && !episode.impact && is_press == has_presses)
-      contacts.push_back(stationary_samples(episode));
+  for (const Contact& contact : found.contacts) {
+    const bool is_press = contact.kind == ContactKind::press;
+    if (!contact.t.empty() && !contact.impact && is_press == has_presses)
+      contacts.push_back(stationary_samples(contact));
   }
   double min_squares = std::numeric_limits<double>::infinity();
   double exponent = 1.0;

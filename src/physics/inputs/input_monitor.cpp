@@ -127,7 +127,7 @@ class WindowSequence {
         analyse_window(part_of(series, to.bodies(), begin_, end), surfaces_, to.prior(), options_);
     to.add(window);
     if (!sink) return;
-    for (AttributedContact& contact : window.contacts) sink(std::move(contact));
+    for (Contact& contact : window.contacts) sink(std::move(contact));
   }
 
   InputOptions options_;

@@ -93,16 +93,15 @@ void find_nearest_at_start(const std::vector<InputBody>& bodies, std::size_t bod
 }
 
 /// The only body that moves in a contact must be the one that is touched.
-void check_moved_body(const InputSeries& series, const AttributedContact& contact,
+void check_moved_body(const InputSeries& series, const Contact& contact,
                       const Eigen::Vector3d& p_base_tip, const BodyPoses& poses,
                       BodyPlacements& result) {
-  const double begin = contact.episode.begin;
+  const double begin = contact.begin;
   std::optional<std::size_t> moved_body;
   double moved = 0.0;
   for (std::size_t i = 0; i < series.bodies.size(); ++i) {
     if (!poses.is_tracked(i)) continue;
-    const double distance =
-        translation_distance(poses.at(i, begin), poses.at(i, contact.episode.end));
+    const double distance = translation_distance(poses.at(i, begin), poses.at(i, contact.end));
     if (distance < kMovedByContact) continue;
     if (moved_body) return;
     moved_body = i;
@@ -117,9 +116,9 @@ void check_moved_body(const InputSeries& series, const AttributedContact& contac
   body.t_untouched = begin;
 }
 
-bool is_into(const Touch& touch, const AttributedContact& contact) {
+bool is_into(const Touch& touch, const Contact& contact) {
   return std::abs(touch.gap) < kMaxGapAtTouch &&
-         touch.inward_base.dot(contact.episode.direction_base) >= kIntoSurface;
+         touch.inward_base.dot(contact.direction_base) >= kIntoSurface;
 }
 
 /// The touch of a body whose mesh is `factor` times as large.
@@ -132,10 +131,9 @@ Touch scaled_touch(const BodySurface& surface, const Pose& T_base_object,
   return touch;
 }
 
-void explain(const InputSeries& series, const AttributedContact& contact,
-             const Eigen::Vector3d& p_base_tip, const BodyPoses& poses, std::size_t body,
-             BodyPlacement& result) {
-  const Pose T_base_object = poses.at(body, contact.episode.begin);
+void explain(const InputSeries& series, const Contact& contact, const Eigen::Vector3d& p_base_tip,
+             const BodyPoses& poses, std::size_t body, BodyPlacement& result) {
+  const Pose T_base_object = poses.at(body, contact.begin);
   for (std::size_t k = 0; k < kMeshFactors.size(); ++k) {
     const Touch touch = scaled_touch(poses.surface(body), T_base_object, p_base_tip,
                                      series.tool_radius, kMeshFactors[k]);
@@ -266,21 +264,21 @@ void BodyPlacements::add(const BodyPlacements& later) {
   for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].add(later.bodies[i]);
 }
 
-BodyPlacements placement_of(const InputSeries& series, std::span<const AttributedContact> contacts,
+BodyPlacements placement_of(const InputSeries& series, std::span<const Contact> contacts,
                             const PathView& tip, const BodyPoses& poses) {
   BodyPlacements result;
   for (std::size_t i = 0; i < series.bodies.size(); ++i) {
     result.bodies.push_back(tracked_placement(series.bodies[i]));
     find_nearest_at_start(series.bodies, i, result.bodies.back());
   }
-  for (const AttributedContact& contact : contacts) {
+  for (const Contact& contact : contacts) {
     if (contact.force_base.empty()) continue;
     ++result.contacts;
-    const Eigen::Vector3d p_base_tip = tip.at(contact.episode.begin);
+    const Eigen::Vector3d p_base_tip = tip.at(contact.begin);
     check_moved_body(series, contact, p_base_tip, poses, result);
     bool is_elsewhere = true;
     for (std::size_t i = 0; i < series.bodies.size(); ++i) {
-      const Touch touch = poses.touch(i, contact.episode.begin, p_base_tip, series.tool_radius);
+      const Touch touch = poses.touch(i, contact.begin, p_base_tip, series.tool_radius);
       double& min_distance = result.bodies[i].min_distance;
       min_distance = std::min(min_distance, std::abs(touch.gap));
       if (std::abs(touch.gap) >= kMaxGapAtTouch) continue;

@@ -55,8 +55,8 @@ struct BodyPlacements {
 };
 
 [[nodiscard]] BodyPlacements placement_of(const InputSeries& series,
-                                          std::span<const AttributedContact> contacts,
-                                          const PathView& tip, const BodyPoses& poses);
+                                          std::span<const Contact> contacts, const PathView& tip,
+                                          const BodyPoses& poses);
 
 /// A mesh of another size, poses in another unit or with another order of the quaternion, where
 /// that explains at least two contacts, or the motion, and the data as written do not.

@@ -38,15 +38,15 @@ struct LoadedTimes {
   double begin = 0.0, end = 0.0;
 };
 
-std::optional<LoadedTimes> loaded_times(const ContactEpisode& episode, double noise) {
-  const double level = std::max(kLevel * episode.peak_force, kLevelStds * noise);
+std::optional<LoadedTimes> loaded_times(const Contact& contact, double noise) {
+  const double level = std::max(kLevel * contact.peak_force, kLevelStds * noise);
   const auto is_loaded = [level](double force) { return force > level; };
-  const auto first = std::find_if(episode.force.begin(), episode.force.end(), is_loaded);
-  const auto last = std::find_if(episode.force.rbegin(), episode.force.rend(), is_loaded);
-  if (first == episode.force.end()) return std::nullopt;
-  const auto begin = static_cast<std::size_t>(first - episode.force.begin());
-  const auto end = static_cast<std::size_t>(episode.force.rend() - last) - 1;
-  return LoadedTimes{episode.t[begin], episode.t[end]};
+  const auto first = std::find_if(contact.force.begin(), contact.force.end(), is_loaded);
+  const auto last = std::find_if(contact.force.rbegin(), contact.force.rend(), is_loaded);
+  if (first == contact.force.end()) return std::nullopt;
+  const auto begin = static_cast<std::size_t>(first - contact.force.begin());
+  const auto end = static_cast<std::size_t>(contact.force.rend() - last) - 1;
+  return LoadedTimes{contact.t[begin], contact.t[end]};
 }
 
 /// Gaps of one contact's body at its begin and its end, for the tried delays of the force.
@@ -64,9 +64,9 @@ class Closure {
   Closure(const Segmentation& found, const InputSeries& series, const PathView& tip,
           const BodyPoses& poses, double max_delay)
       : series_(series), tip_(tip), poses_(poses), max_delay_(max_delay) {
-    for (const ContactEpisode& episode : found.contacts) {
-      const std::optional<LoadedTimes> times = loaded_times(episode, found.noise);
-      if (!episode.impact && times && is_whole(*times)) add(episode, *times);
+    for (const Contact& contact : found.contacts) {
+      const std::optional<LoadedTimes> times = loaded_times(contact, found.noise);
+      if (!contact.impact && times && is_whole(*times)) add(contact, *times);
     }
   }
 
@@ -101,13 +101,13 @@ class Closure {
     };
     return is_within(series_.t_force) && is_within(tip_.t());
   }
-  void add(const ContactEpisode& episode, const LoadedTimes& times) {
-    const std::optional<std::size_t> body = touched(episode);
+  void add(const Contact& contact, const LoadedTimes& times) {
+    const std::optional<std::size_t> body = touched(contact);
     if (!body) return;
     const InputBody& of = series_.bodies[*body];
     // Without tracking, the place to which a push has moved the object is not known.
     const bool is_known =
-        poses_.is_tracked(*body) || !of.is_movable || episode.kind == ContactKind::press;
+        poses_.is_tracked(*body) || !of.is_movable || contact.kind == ContactKind::press;
     if (!is_known) return;
     GapsOfContact gaps;
     double deepest = std::numeric_limits<double>::infinity();
@@ -123,8 +123,8 @@ class Closure {
     contacts_.push_back(std::move(gaps));
   }
   /// The body that is closest to the tip during a contact.
-  [[nodiscard]] std::optional<std::size_t> touched(const ContactEpisode& episode) const {
-    const double middle = 0.5 * (episode.begin + episode.end);
+  [[nodiscard]] std::optional<std::size_t> touched(const Contact& contact) const {
+    const double middle = 0.5 * (contact.begin + contact.end);
     std::optional<std::size_t> body;
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < series_.bodies.size(); ++i) {

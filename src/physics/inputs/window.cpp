@@ -84,9 +84,9 @@ std::vector<StreamGap> gaps_of(const Prepared& prepared) {
 }
 
 /// The clocks of such contacts would be seen shifted by what is interpolated.
-bool is_near_gap(const std::vector<StreamGap>& gaps, const ContactEpisode& episode) {
+bool is_near_gap(const std::vector<StreamGap>& gaps, const Contact& contact) {
   return std::any_of(gaps.begin(), gaps.end(), [&](const StreamGap& gap) {
-    return gap.begin <= episode.end && gap.end >= episode.begin;
+    return gap.begin <= contact.end && gap.end >= contact.begin;
   });
 }
 
@@ -94,9 +94,9 @@ bool is_near_gap(const std::vector<StreamGap>& gaps, const ContactEpisode& episo
 /// found together as they are stamped, so the clocks differ by less than it lasts.
 std::optional<double> shortest_impact(const Segmentation& found) {
   std::optional<double> shortest;
-  for (const ContactEpisode& episode : found.contacts) {
-    if (!episode.impact) continue;
-    const double duration = episode.end - episode.begin;
+  for (const Contact& contact : found.contacts) {
+    if (!contact.impact) continue;
+    const double duration = contact.end - contact.begin;
     shortest = std::min(shortest.value_or(duration), duration);
   }
   return shortest;
@@ -105,8 +105,8 @@ std::optional<double> shortest_impact(const Segmentation& found) {
 /// The contacts whose clocks are not shifted by what is interpolated in gaps.
 Segmentation without_gaps(const Prepared& prepared) {
   Segmentation whole = prepared.found;
-  std::erase_if(whole.contacts, [gaps = gaps_of(prepared)](const ContactEpisode& episode) {
-    return is_near_gap(gaps, episode);
+  std::erase_if(whole.contacts, [gaps = gaps_of(prepared)](const Contact& contact) {
+    return is_near_gap(gaps, contact);
   });
   return whole;
 }
@@ -191,20 +191,18 @@ std::vector<UnusableInterval> unusable_intervals(const Prepared& prepared,
 
 void attribute(const Prepared& prepared, const InputOptions& options, BodyPoses& poses,
                WindowFindings& result) {
-  result.contacts =
-      attribute_contacts(prepared.series, prepared.found, prepared.series.t_force, prepared.path(),
-                         unusable_intervals(prepared, result), options, poses);
+  result.contacts = attribute_contacts(prepared.series, prepared.found.contacts, prepared.path(),
+                                       unusable_intervals(prepared, result), options, poses);
   result.evidence = gather_evidence(prepared.series, result.contacts, prepared.path(), poses);
 }
 
 TimeOffset find_camera_offset(const Prepared& prepared, const std::vector<BodySurface>& surfaces,
                               const InputOptions& options, const WindowFindings& result) {
   // Contacts whose force points elsewhere belong to another body, or have a fault.
-  std::vector<AttributedContact> sound = result.contacts;
+  std::vector<Contact> sound = result.contacts;
   leave_out_misdirected(result.evidence, sound);
   const std::vector<StreamGap> gaps = gaps_of(prepared);
-  std::erase_if(
-      sound, [&](const AttributedContact& contact) { return is_near_gap(gaps, contact.episode); });
+  std::erase_if(sound, [&](const Contact& contact) { return is_near_gap(gaps, contact); });
   TimeOffset offset = camera_offset(prepared.series, surfaces, prepared.path(), sound,
                                     options.segmentation.slide_half_width);
   // Slides that do not determine it are not known any better without their force.
@@ -243,13 +241,13 @@ std::optional<InputFault> find_clock_fault(const InputSeries& measured, const Pr
 }
 
 std::vector<FrictionRatios> friction_of(const InputSeries& series,
-                                        const std::vector<AttributedContact>& contacts,
+                                        const std::vector<Contact>& contacts,
                                         const BodyPoses& poses) {
   std::vector<FrictionRatios> friction(series.bodies.size());
   for (std::size_t i = 0; i < friction.size(); ++i) {
     friction[i].is_weighed = series.bodies[i].mass.has_value();
   }
-  for (const AttributedContact& contact : contacts) {
+  for (const Contact& contact : contacts) {
     if (!contact.object || !contact.left_out.empty()) continue;
     if (const auto ratio = friction_ratio(series, contact, poses)) {
       friction[*contact.object].ratios.push_back(*ratio);

@@ -32,7 +32,7 @@ struct WindowFindings {
   std::vector<SaturatedInterval> saturated = {};
   double force_noise = 0.0, max_drift = 0.0;  ///< [N]
   double free_force = 0.0;                    ///< [N] far from all bodies, that was taken off
-  std::vector<AttributedContact> contacts = {};
+  std::vector<Contact> contacts = {};
   std::vector<ContactEvidence> evidence = {};
   UnitTouches touches = {};
   BodyPlacements placement = {};

@@ -35,7 +35,7 @@ struct Loading {
 /// Share of the penetration at a share of the force.
 double depth_share(double force_share) { return std::pow(force_share, 1.0 / kExponent); }
 
-std::optional<Loading> loading_of(const ContactEpisode& push) {
+std::optional<Loading> loading_of(const Contact& push) {
   std::vector<double> forces;
   for (std::size_t i = 0; i < push.t.size(); ++i) {
     if (push.t[i] >= push.begin && push.t[i] <= push.end) forces.push_back(push.force[i]);
@@ -62,13 +62,13 @@ bool is_contact_assumed(const ObjectParameters& parameters) {
          std::find(given.begin(), given.end(), "contact.stiffness") != given.end();
 }
 
-void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::size_t object,
+void assume_contact_by_loading(std::vector<Contact>& contacts, std::size_t object,
                                ObjectIdentification& result) {
   ObjectParameters& parameters = result.parameters;
   if (parameters.contact_stiffness || result.is_contact_off_centre) return;
   std::vector<double> forces, penetrations;
-  for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
-    const std::optional<Loading> loading = loading_of(push->episode);
+  for (const Contact* push : contacts_of(contacts, object, false)) {
+    const std::optional<Loading> loading = loading_of(*push);
     if (!loading) continue;
     forces.push_back(loading->force);
     penetrations.push_back(loading->penetration);

@@ -21,12 +21,12 @@ constexpr double kForceHalfWidth = 0.020;  // [s] of the force's mean
 
 }  // namespace
 
-double lever_at(double t, const IdentifiedContact& push, const BodyMotion& body,
-                const PathView& tip, double tool_radius) {
-  if (!push.episode.breakaway.is_found || body.tracked.empty()) return 0.0;
+double lever_at(double t, const Contact& push, const BodyMotion& body, const PathView& tip,
+                double tool_radius) {
+  if (!push.breakaway.is_found || body.tracked.empty()) return 0.0;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < push.episode.t.size(); ++i) {
-    if (std::abs(push.episode.t[i] - t) <= kForceHalfWidth) force += push.force_base[i];
+  for (std::size_t i = 0; i < push.t.size(); ++i) {
+    if (std::abs(push.t[i] - t) <= kForceHalfWidth) force += push.force_base[i];
   }
   const double size = force.head<2>().norm();
   if (!(size > 0.0)) return 0.0;
@@ -37,29 +37,29 @@ double lever_at(double t, const IdentifiedContact& push, const BodyMotion& body,
   return (arm.x() * force.y() - arm.y() * force.x()) / size;
 }
 
-double yield_instant(const ContactEpisode& episode, double coulomb) {
-  const double half_width = std::max(kForceHalfWidth, 3.0 * mean_interval(episode.t));
-  const auto peak = std::lower_bound(episode.t.begin(), episode.t.end(), episode.breakaway.t);
-  double yields = episode.breakaway.t;
-  for (auto i = peak; i != episode.t.begin(); --i) {
+double yield_instant(const Contact& contact, double coulomb) {
+  const double half_width = std::max(kForceHalfWidth, 3.0 * mean_interval(contact.t));
+  const auto peak = std::lower_bound(contact.t.begin(), contact.t.end(), contact.breakaway.t);
+  double yields = contact.breakaway.t;
+  for (auto i = peak; i != contact.t.begin(); --i) {
     const double t = *std::prev(i);
-    const SmoothedSample force = smooth_at(episode.t, episode.force, t, half_width);
+    const SmoothedSample force = smooth_at(contact.t, contact.force, t, half_width);
     if (!force.is_valid || force.value < coulomb) break;
     yields = t;
   }
   return yields;
 }
 
-double turning_at_breakaway(const IdentifiedContact& push, const BodyMotion& body) {
+double turning_at_breakaway(const Contact& push, const BodyMotion& body) {
   constexpr double kRest = 0.3;      // [s] before the peak: averages the noise of tracking
   constexpr double kTravel = 0.005;  // [m] ten times the noise of tracking and more
-  const double at = push.episode.breakaway.t;
-  if (!push.episode.breakaway.is_found) return 0.0;
+  const double at = push.breakaway.t;
+  if (!push.breakaway.is_found) return 0.0;
   Eigen::Vector3d rest = Eigen::Vector3d::Zero();  // place, and heading beside the first one
   double count = 0.0, products = 0.0, squares = 0.0, first = 0.0;
   for (const TrackedPose& pose : body.tracked) {
     if (pose.t < at - kRest) continue;
-    if (pose.t > push.episode.end) break;
+    if (pose.t > push.end) break;
     const Eigen::Vector3d centre = pose.T_base_object * body.model.centre_of_mass_object;
     const double heading = heading_of(pose.T_base_object);
     if (count == 0.0) first = heading;

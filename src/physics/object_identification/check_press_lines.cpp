@@ -26,15 +26,14 @@ bool is_given_by_presses(const ObjectParameters& parameters) {
 
 }  // namespace
 
-void check_press_lines(std::vector<IdentifiedContact>& contacts, std::size_t object,
+void check_press_lines(std::vector<Contact>& contacts, std::size_t object,
                        const BreakawayOptions& options, ObjectIdentification& result) {
   const std::optional<HuntCrossley> law = contact_law_of(result.parameters);
   if (!law || !is_given_by_presses(result.parameters)) return;
   std::vector<double> ratios;
   std::size_t different = 0;
-  for (IdentifiedContact* push : contacts_of(contacts, object, false)) {
-    push->press_line =
-        compare_with_press(push->episode.series(), push->episode.breakaway, *law, options);
+  for (Contact* push : contacts_of(contacts, object, false)) {
+    push->press_line = compare_with_press(push->series(), push->breakaway, *law, options);
     const IdentifiedParameter& ratio = push->press_line->ratio;
     // Off the centre of mass the object turns under the load: its line is less steep.
     if (!ratio.is_excited || !is_centred(push)) continue;

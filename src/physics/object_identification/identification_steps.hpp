@@ -21,20 +21,20 @@ void forget_contact(ObjectParameters& parameters);
 void withhold_contact_off_centre(ObjectIdentification& result);
 
 /// Presses, faces and impacts, and the estimators' comparison. `fits`: of the same options before.
-void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         const PathView& tip, const IdentificationOptions& options,
-                         ContactFits& fits, ObjectIdentification& result);
+void identify_contact_of(std::vector<Contact>& contacts, std::size_t object, const PathView& tip,
+                         const IdentificationOptions& options, ContactFits& fits,
+                         ObjectIdentification& result);
 /// Estimates the stiffness by the tip's displacement while pushes are loaded, under the exponent of
 /// a spherical tip, if no contact law was found, nor withheld. The object creeps meanwhile, so that
 /// the estimate is too soft, by up to a half; what would be assumed instead knows nothing of the
 /// object.
-void assume_contact_by_loading(std::vector<IdentifiedContact>& contacts, std::size_t object,
+void assume_contact_by_loading(std::vector<Contact>& contacts, std::size_t object,
                                ObjectIdentification& result);
 /// Whether `assume_contact_by_loading` gave the contact law, in this or an earlier identification.
 [[nodiscard]] bool is_contact_assumed(const ObjectParameters& parameters);
 /// Identifies the offset of the surface that the presses met from the CAD body's at its first pose:
 /// the law is rendered from there. For presses on one flat face.
-void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size_t index,
+void identify_surface_offset(std::vector<Contact>& contacts, std::size_t index,
                              const IdentifiableObject& object, const BodySurface& surface,
                              double tool_radius, const PathView& tip, ObjectIdentification& result);
 /// `found` is the identification from these presses.
@@ -43,7 +43,7 @@ void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size
                                                              const EstimatorOptions<3>& options);
 /// Restitution of every impact; the damping where presses gave none, and the stiffness likewise.
 /// `damping_law`: see IdentificationOptions.
-void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_t object,
+void identify_impacts(const std::vector<Contact>& contacts, std::size_t object,
                       std::optional<DampingLaw> damping_law, ObjectIdentification& result);
 
 /// The penetration at F_M by the contact law that was found, with its std beyond the forces that it
@@ -52,7 +52,7 @@ void state_penetration(const ContactFitOptions& options, ObjectIdentification& r
 
 /// Checks each push's own line against the one that the contact law predicts, if presses gave the
 /// law; adds a note where they disagree.
-void check_press_lines(std::vector<IdentifiedContact>& contacts, std::size_t object,
+void check_press_lines(std::vector<Contact>& contacts, std::size_t object,
                        const BreakawayOptions& options, ObjectIdentification& result);
 
 /// Where the force seems turned by up to `suspected_turn` [rad] and no more than a warning says so:

@@ -28,9 +28,9 @@ constexpr double kMinStds = 2.0;        // a stiffness nearer to 0 is not identi
 constexpr double kMaxDepthShare = 2.0;  // of the tip's way: it is pressed in a little at touch
 
 /// All presses share one surface position where they have the same direction.
-bool is_one_surface(const std::vector<IdentifiedContact*>& presses) {
-  return std::all_of(presses.begin(), presses.end(), [&](const IdentifiedContact* press) {
-    return press->episode.direction_base.dot(presses.front()->episode.direction_base) > 0.999999;
+bool is_one_surface(const std::vector<Contact*>& presses) {
+  return std::all_of(presses.begin(), presses.end(), [&](const Contact* press) {
+    return press->direction_base.dot(presses.front()->direction_base) > 0.999999;
   });
 }
 
@@ -127,7 +127,7 @@ void add_change(const ContactFit& moved, double force, ContactFit& fit) {
 /// is less deep than it seems, as what carries it gives way. `local` as of identify_contact.
 void add_tip_uncertainty(const std::vector<ForceMotion>& series,
                          const std::vector<ForceMotion>& local,
-                         const std::vector<const IdentifiedContact*>& contacts,
+                         const std::vector<const Contact*>& contacts,
                          const ContactFitOptions& options, ContactFits& fits,
                          ContactIdentification& found) {
   const bool is_known = std::all_of(contacts.begin(), contacts.end(),
@@ -143,19 +143,19 @@ void add_tip_uncertainty(const std::vector<ForceMotion>& series,
   }
   const ContactIdentification shallow = fits.fit(moved, options, moved_local);
   double force = 0.0;
-  for (const IdentifiedContact* contact : contacts) {
-    force = std::max(force, contact->episode.peak_force);
+  for (const Contact* contact : contacts) {
+    force = std::max(force, contact->peak_force);
   }
   add_change(shallow.hunt_crossley, force, found.hunt_crossley);
   add_change(shallow.mass_damper_spring, force, found.mass_damper_spring);
 }
 
 /// The push until the breakaway alarm: the object is at rest.
-ForceMotion until_alarm(const ContactEpisode& episode) {
-  const double until = episode.breakaway.is_found ? episode.breakaway.t_alarm : episode.end;
-  const auto end = std::lower_bound(episode.t.begin(), episode.t.end(), until);
-  const auto count = static_cast<std::size_t>(end - episode.t.begin());
-  const ForceMotion all = episode.series();
+ForceMotion until_alarm(const Contact& contact) {
+  const double until = contact.breakaway.is_found ? contact.breakaway.t_alarm : contact.end;
+  const auto end = std::lower_bound(contact.t.begin(), contact.t.end(), until);
+  const auto count = static_cast<std::size_t>(end - contact.t.begin());
+  const ForceMotion all = contact.series();
   return {all.t.first(count), all.tool.first(count), all.force.first(count), all.tool_noise};
 }
 
@@ -187,13 +187,13 @@ double stiffness_scatter(const std::vector<ForceMotion>& pushes, const ContactFi
   return std::sqrt(squares / static_cast<double>(logs.size() - 1));
 }
 
-std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& pushes,
+std::vector<FaceContact> identify_faces(const std::vector<Contact*>& pushes,
                                         const ParameterValue& exponent, ContactFitOptions options,
                                         ContactFits& fits) {
   std::vector<FaceContact> faces;
   std::vector<std::vector<ForceMotion>> series;
-  std::vector<std::vector<const IdentifiedContact*>> sources;
-  for (const IdentifiedContact* push : pushes) {
+  std::vector<std::vector<const Contact*>> sources;
+  for (const Contact* push : pushes) {
     const Eigen::Vector3d& normal = push->normal_object;
     const auto face = std::find_if(faces.begin(), faces.end(), [&](const FaceContact& known) {
       return known.normal_object.dot(normal) > kSameFace;
@@ -206,7 +206,7 @@ std::vector<FaceContact> identify_faces(const std::vector<IdentifiedContact*>& p
     }
     ++faces[index].pushes;
     sources[index].push_back(push);
-    series[index].push_back(until_alarm(push->episode));
+    series[index].push_back(until_alarm(*push));
   }
   options.is_surface_shared = false;  // the object moves between pushes
   options.exponent = exponent.value;
@@ -239,18 +239,17 @@ void withhold_undetermined(ContactIdentification& found) {
 }
 
 /// The contact law of presses on what stays, or moves under them while the tip travels.
-ContactIdentification identify_presses(const std::vector<IdentifiedContact*>& presses,
+ContactIdentification identify_presses(const std::vector<Contact*>& presses,
                                        const std::vector<ForceMotion>& series, const PathView& tip,
                                        ContactFitOptions options, ContactFits& fits) {
   options.is_surface_shared = options.is_surface_shared && is_one_surface(presses);
   std::vector<LocalContact> contacts;
   std::vector<ForceMotion> local;
   contacts.reserve(presses.size());
-  for (const IdentifiedContact* press : presses) {
-    const ContactEpisode& episode = press->episode;
+  for (const Contact* press : presses) {
     contacts.push_back(
-        along_local_force(episode.t, press->force_base, tip, options.moving_half_width));
-    local.push_back(contacts.back().series(episode.tool_noise));
+        along_local_force(press->t, press->force_base, tip, options.moving_half_width));
+    local.push_back(contacts.back().series(press->tool_noise));
   }
   ContactIdentification found = fits.fit(series, options, local);
   add_tip_uncertainty(series, local, {presses.begin(), presses.end()}, options, fits, found);
@@ -260,20 +259,20 @@ ContactIdentification identify_presses(const std::vector<IdentifiedContact*>& pr
 
 }  // namespace
 
-void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         const PathView& tip, const IdentificationOptions& options,
-                         ContactFits& fits, ObjectIdentification& result) {
+void identify_contact_of(std::vector<Contact>& contacts, std::size_t object, const PathView& tip,
+                         const IdentificationOptions& options, ContactFits& fits,
+                         ObjectIdentification& result) {
   auto presses = contacts_of(contacts, object, true);
   auto pushes = contacts_of(contacts, object, false);
   if (!result.is_movable) {
     presses.insert(presses.end(), pushes.begin(), pushes.end());
     pushes.clear();
   }
-  std::vector<IdentifiedContact*> centred;
+  std::vector<Contact*> centred;
   std::copy_if(pushes.begin(), pushes.end(), std::back_inserter(centred), is_centred);
   std::vector<ForceMotion> series;
   series.reserve(presses.size());
-  for (const IdentifiedContact* press : presses) series.push_back(press->episode.series());
+  for (const Contact* press : presses) series.push_back(press->series());
   result.press_count = static_cast<int>(presses.size());
   if (!series.empty()) {
     result.presses = identify_presses(presses, series, tip, options.contact_fit, fits);
@@ -299,9 +298,9 @@ void identify_contact_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   if (best != nullptr) {
     take_parameters(*best, result.parameters);
     const bool by_presses = result.presses.best().is_valid;
-    for (const IdentifiedContact* one : by_presses ? presses : pushes) {
+    for (const Contact* one : by_presses ? presses : pushes) {
       double& force = result.penetration.max_force;
-      force = std::max(force, one->episode.peak_force);
+      force = std::max(force, one->peak_force);
     }
     result.penetration.relative_std = std::hypot(
         best->penetration_std, curvature_std(result.presses, *best, result.penetration.max_force));

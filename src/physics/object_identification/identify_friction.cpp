@@ -46,10 +46,9 @@ double damping_std(const ObjectIdentification& object, const BreakawayPriors& pr
   return std::sqrt(std::max(by.dot(fit.covariance * by), 0.0));
 }
 
-double largest_force(const std::vector<IdentifiedContact*>& contacts) {
+double largest_force(const std::vector<Contact*>& contacts) {
   double largest = 0.0;
-  for (const IdentifiedContact* one : contacts)
-    largest = std::max(largest, one->episode.peak_force);
+  for (const Contact* one : contacts) largest = std::max(largest, one->peak_force);
   return largest;
 }
 
@@ -141,26 +140,25 @@ void take_sliding(const SlidesPosterior& found, std::optional<double> weighed_ma
 
 }  // namespace
 
-void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
+void identify_friction_of(std::vector<Contact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,
                           const PathView& tip, double tool_radius,
                           const IdentificationOptions& options, ObjectIdentification& result) {
-  std::vector<IdentifiedContact*> pushes = contacts_of(contacts, object, false);
-  const std::vector<IdentifiedContact*> all = pushes;
-  const auto off_centre =
-      std::stable_partition(pushes.begin(), pushes.end(), [&](IdentifiedContact* push) {
-        push->breakaway_lever = lever_at(push->episode.breakaway.t, *push, body, tip, tool_radius);
-        push->breakaway_turning = turning_at_breakaway(*push, body);
-        return is_centred(push) && std::abs(push->breakaway_lever) <= kMaxCentredLever;
-      });
+  std::vector<Contact*> pushes = contacts_of(contacts, object, false);
+  const std::vector<Contact*> all = pushes;
+  const auto off_centre = std::stable_partition(pushes.begin(), pushes.end(), [&](Contact* push) {
+    push->breakaway_lever = lever_at(push->breakaway.t, *push, body, tip, tool_radius);
+    push->breakaway_turning = turning_at_breakaway(*push, body);
+    return is_centred(push) && std::abs(push->breakaway_lever) <= kMaxCentredLever;
+  });
   pushes.erase(off_centre, pushes.end());
   const std::optional<HuntCrossley> contact_law = contact_law_of(result.parameters);
   std::optional<double> known_mass = given_mass;
   if (!known_mass && result.parameters.mass) known_mass = result.parameters.mass->value;
   if (contact_law) {
     std::vector<ForceMotion> slides;
-    for (const IdentifiedContact* push : pushes) {
-      if (push->episode.kind == ContactKind::slide) slides.push_back(push->episode.series());
+    for (const Contact* push : pushes) {
+      if (push->kind == ContactKind::slide) slides.push_back(push->series());
     }
     SlidingOptions sliding = options.sliding;
     sliding.mass = known_mass;
@@ -195,7 +193,7 @@ void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t 
   }
   take_sliding(sliding, given_mass, result);
   const IdentifiedParameter radius = support_radius(body, result.parameters, priors);
-  const std::vector<IdentifiedContact*> at_limit =
+  const std::vector<Contact*> at_limit =
       pushes_at_limit(all, pushes, body, tip, tool_radius, radius, options, result);
   find_limits(at_limit, compliance, radius, options, result);
   // An object that turned while it was loaded, too, seems softer than it is.

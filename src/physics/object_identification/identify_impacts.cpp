@@ -115,21 +115,21 @@ IdentifiedParameter stiffness_of(const ImpactMotion& motion, double sensor_squar
 
 /// Speed of the object after a push, from the impulse less that of friction [m/s]; empty where the
 /// mass is not known.
-std::optional<double> object_speed(const ContactEpisode& episode, const ObjectParameters& known) {
+std::optional<double> object_speed(const Contact& contact, const ObjectParameters& known) {
   if (!known.mass) return std::nullopt;
-  double impulse = episode.impact->impulse;
-  const double duration = episode.end - episode.begin;
+  double impulse = contact.impact->impulse;
+  const double duration = contact.end - contact.begin;
   const auto& limit = known.limiting_static_friction;
   if (limit) impulse -= std::min(impulse, limit->value * duration);
   return impulse / known.mass->value;
 }
 
 /// The restitution of an impact [paper B, eq. 11]. Empty where the object's own speed is not known.
-std::optional<IdentifiedParameter> restitution_of(const ContactEpisode& episode, bool is_fixed,
+std::optional<IdentifiedParameter> restitution_of(const Contact& contact, bool is_fixed,
                                                   const ObjectParameters& known) {
-  const ImpactMotion& motion = *episode.impact;
+  const ImpactMotion& motion = *contact.impact;
   if (is_fixed) return motion.speed_ratio;
-  const std::optional<double> speed = object_speed(episode, known);
+  const std::optional<double> speed = object_speed(contact, known);
   if (!speed) return std::nullopt;
   const Eigen::Vector3d along = Eigen::Vector3d::UnitX();
   const auto ratio = measured_restitution({.normal = along,
@@ -140,12 +140,12 @@ std::optional<IdentifiedParameter> restitution_of(const ContactEpisode& episode,
   return IdentifiedParameter{*ratio, motion.speed_ratio.std, true};
 }
 
-MeasuredImpact measure(const ContactEpisode& episode, const IdentifiedParameter& restitution) {
-  MeasuredImpact impact{.t = episode.begin,
-                        .duration = episode.end - episode.begin,
-                        .approach_speed = episode.impact->approach,
+MeasuredImpact measure(const Contact& contact, const IdentifiedParameter& restitution) {
+  MeasuredImpact impact{.t = contact.begin,
+                        .duration = contact.end - contact.begin,
+                        .approach_speed = contact.impact->approach,
                         .restitution = restitution,
-                        .mass = episode.impact->mass,
+                        .mass = contact.impact->mass,
                         .law = best_published_damping_law(restitution.value).law};
   impact.damping_over_stiffness = damping_over_stiffness(DampingLaw::exact, impact);
   return impact;
@@ -317,7 +317,7 @@ void take_damping(ObjectIdentification& result, std::optional<DampingLaw> option
 
 }  // namespace
 
-void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_t object,
+void identify_impacts(const std::vector<Contact>& contacts, std::size_t object,
                       std::optional<DampingLaw> damping_law, ObjectIdentification& result) {
   const ContactFit& press = result.presses.best();
   const bool has_press = press.is_valid && press.stiffness.is_excited;
@@ -325,21 +325,20 @@ void identify_impacts(const std::vector<IdentifiedContact>& contacts, std::size_
   const ParameterValue exponent =
       is_curved ? as_value(press.exponent) : ParameterValue{kHertzExponent, kHertzExponentStd};
   std::vector<const ImpactMotion*> motions;
-  for (const IdentifiedContact& contact : contacts) {
-    const ContactEpisode& episode = contact.episode;
-    if (contact.object != object || !contact.left_out.empty() || !episode.impact) continue;
-    const bool is_fixed = !result.is_movable || episode.kind == ContactKind::press;
-    const auto restitution = restitution_of(episode, is_fixed, result.parameters);
+  for (const Contact& contact : contacts) {
+    if (contact.object != object || !contact.left_out.empty() || !contact.impact) continue;
+    const bool is_fixed = !result.is_movable || contact.kind == ContactKind::press;
+    const auto restitution = restitution_of(contact, is_fixed, result.parameters);
     if (!restitution) {
-      result.notes.push_back("the impact at " + at_time(episode.begin) +
+      result.notes.push_back("the impact at " + at_time(contact.begin) +
                              " is not used: the object moves, and its mass is not known");
     } else if (!(restitution->value > 0.0 && restitution->value < 1.0)) {
       result.notes.push_back(fmt::format(
           "the impact at {} is not used: a restitution of {:.2f} +- {:.2f} is not physical",
-          at_time(episode.begin), restitution->value, restitution->std));
+          at_time(contact.begin), restitution->value, restitution->std));
     } else {
-      result.impacts.push_back(measure(episode, *restitution));
-      motions.push_back(&*episode.impact);
+      result.impacts.push_back(measure(contact, *restitution));
+      motions.push_back(&*contact.impact);
     }
   }
   if (result.impacts.empty()) return;

@@ -29,15 +29,15 @@ constexpr double kMaxHalfWidth = 0.030;  // [s] half width; the peak is wider th
 
 /// Smooths a weak push with a wider window: noise of some per cent of the force resembles the drop
 /// after the peak. Loading is slow, so that the wider window does not flatten the peak.
-void widen_smoothing(ContactEpisode& episode, BreakawayOptions options) {
-  const Breakaway& found = episode.breakaway;
-  const double noise_share = found.std / std::max(episode.peak_force, 1e-9);
+void widen_smoothing(Contact& contact, BreakawayOptions options) {
+  const Breakaway& found = contact.breakaway;
+  const double noise_share = found.std / std::max(contact.peak_force, 1e-9);
   if (!found.is_found || noise_share <= kMaxNoise) return;
   // The noise decreases with the square root of the width.
   options.half_width =
       std::min(options.half_width * std::pow(noise_share / kMaxNoise, 2), kMaxHalfWidth);
-  const Breakaway smoother = find_breakaway(episode.series(), options);
-  if (smoother.is_found) episode.breakaway = smoother;
+  const Breakaway smoother = find_breakaway(contact.series(), options);
+  if (smoother.is_found) contact.breakaway = smoother;
 }
 
 /// With the contact law's stiffness where the push has no line.
@@ -50,11 +50,11 @@ Breakaway with_stiffness(Breakaway breakaway, const std::optional<HuntCrossley>&
 
 /// The breakaway with the loading rate at its peak: after a hold just below the limit, the mean
 /// rate says little about the inertia.
-Breakaway with_final_rate(const ContactEpisode& episode,
+Breakaway with_final_rate(const Contact& contact,
                           const std::optional<HuntCrossley>& contact_law = {}) {
-  Breakaway breakaway = with_stiffness(episode.breakaway, contact_law);
-  const double half_width = std::max(kRateHalfWidth, 3.0 * mean_interval(episode.t));
-  const SmoothedSample tool = smooth_at(episode.t, episode.tool, breakaway.t, half_width);
+  Breakaway breakaway = with_stiffness(contact.breakaway, contact_law);
+  const double half_width = std::max(kRateHalfWidth, 3.0 * mean_interval(contact.t));
+  const SmoothedSample tool = smooth_at(contact.t, contact.tool, breakaway.t, half_width);
   const double rate = tool.is_valid ? breakaway.stiffness * tool.rate : 0.0;
   if (rate > kMinRateFactor * breakaway.loading_rate) breakaway.loading_rate = rate;
   return breakaway;
@@ -117,11 +117,11 @@ constexpr int kMinRestSamples = 3;
 
 /// Whether the object was loaded before it slid. Else the push begins with an impact: the first
 /// forces exceed the sliding friction, and the line that was fitted to them is of a sliding object.
-bool is_loaded_at_rest(const ContactEpisode& episode, double coulomb) {
+bool is_loaded_at_rest(const Contact& contact, double coulomb) {
   int samples = 0;
-  for (std::size_t i = 0; i < episode.t.size() && episode.t[i] < episode.breakaway.t; ++i) {
-    if (episode.t[i] < episode.breakaway.t_contact) continue;
-    if (episode.force[i] > coulomb) break;
+  for (std::size_t i = 0; i < contact.t.size() && contact.t[i] < contact.breakaway.t; ++i) {
+    if (contact.t[i] < contact.breakaway.t_contact) continue;
+    if (contact.force[i] > coulomb) break;
     ++samples;
   }
   return samples >= kMinRestSamples;
@@ -134,27 +134,25 @@ bool is_fast(const Breakaway& breakaway, double mass, const OnsetOptions& option
 
 /// The limit of one push: the force less inertia, which needs the mass; else the force at the peak.
 /// Not excited where the push begins with an impact, and no contact law says what of it is inertia.
-LimitOfMotion limit_of(const IdentifiedContact& push, std::optional<PushedObject> object,
+LimitOfMotion limit_of(const Contact& push, std::optional<PushedObject> object,
                        const std::optional<HuntCrossley>& contact_law,
                        const std::optional<ParameterValue>& mass,
                        const IdentificationOptions& options) {
-  const ContactEpisode& episode = push.episode;
-  const Breakaway breakaway = with_final_rate(episode, contact_law);
+  const Breakaway breakaway = with_final_rate(push, contact_law);
   if (object && !contact_law) {
-    if (!is_loaded_at_rest(episode, object->sliding[0])) return {};
+    if (!is_loaded_at_rest(push, object->sliding[0])) return {};
     object->contact_law = {breakaway.stiffness, 0.0, 1.0};
   }
   // Only fast pushes use the motion: in a slow push it could show no more than the small error of
   // the peak.
   if (object && is_fast(breakaway, object->mass, options.onset)) {
     const LimitOfMotion found =
-        limit_by_motion(episode.series(), breakaway, *object, options.breakaway_priors);
+        limit_by_motion(push.series(), breakaway, *object, options.breakaway_priors);
     if (found.limit.is_excited) return found;
   }
   LimitOfMotion found{{breakaway.force, breakaway.std, true}, 0.0};
   if (mass) {
-    found.limit =
-        limit_of_push(episode.series(), breakaway, contact_law, mass->value, options.onset);
+    found.limit = limit_of_push(push.series(), breakaway, contact_law, mass->value, options.onset);
   }
   if (breakaway.loading_rate > 0.0) {
     const double loading_time = found.limit.value / breakaway.loading_rate;
@@ -164,7 +162,7 @@ LimitOfMotion limit_of(const IdentifiedContact& push, std::optional<PushedObject
 }
 
 /// The part of F_M [N] that is hidden in a push that turns the object as it breaks away.
-IdentifiedParameter hidden_in(const IdentifiedContact& push, double radius,
+IdentifiedParameter hidden_in(const Contact& push, double radius,
                               const IdentifiedParameter& coulomb, const IdentifiedParameter& limit,
                               const BreakawayPriors& priors) {
   if (!(radius > 0.0) || !coulomb.is_excited) return {};
@@ -175,26 +173,25 @@ IdentifiedParameter hidden_in(const IdentifiedContact& push, double radius,
 
 }  // namespace
 
-std::vector<IdentifiedContact*> pushes_at_limit(const std::vector<IdentifiedContact*>& all,
-                                                std::vector<IdentifiedContact*> centred,
-                                                const BodyMotion& body, const PathView& tip,
-                                                double tool_radius,
-                                                const IdentifiedParameter& radius,
-                                                const IdentificationOptions& options,
-                                                ObjectIdentification& result) {
+std::vector<Contact*> pushes_at_limit(const std::vector<Contact*>& all,
+                                      std::vector<Contact*> centred, const BodyMotion& body,
+                                      const PathView& tip, double tool_radius,
+                                      const IdentifiedParameter& radius,
+                                      const IdentificationOptions& options,
+                                      ObjectIdentification& result) {
   if (result.friction.coulomb.is_excited) {
-    std::erase_if(centred, [&](const IdentifiedContact* push) {
-      const double t = yield_instant(push->episode, result.friction.coulomb.value);
+    std::erase_if(centred, [&](const Contact* push) {
+      const double t = yield_instant(*push, result.friction.coulomb.value);
       return std::abs(lever_at(t, *push, body, tip, tool_radius)) > kMaxCentredLever;
     });
   }
   const std::size_t count = all.size() - centred.size();
   if (count == 0) return centred;
-  std::vector<IdentifiedContact*> slow;
+  std::vector<Contact*> slow;
   const std::optional<ParameterValue>& mass = result.parameters.mass;
   if (centred.empty() && !body.tracked.empty() && radius.is_excited && mass) {
-    std::copy_if(all.begin(), all.end(), std::back_inserter(slow), [&](IdentifiedContact* push) {
-      return !is_fast(with_final_rate(push->episode), mass->value, options.onset);
+    std::copy_if(all.begin(), all.end(), std::back_inserter(slow), [&](Contact* push) {
+      return !is_fast(with_final_rate(*push), mass->value, options.onset);
     });
   }
   std::string note = std::to_string(count) + (count == 1 ? " push" : " pushes") +
@@ -211,7 +208,7 @@ std::vector<IdentifiedContact*> pushes_at_limit(const std::vector<IdentifiedCont
   return centred;
 }
 
-void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCompliance& compliance,
+void find_limits(const std::vector<Contact*>& pushes, const ContactCompliance& compliance,
                  const IdentifiedParameter& radius, const IdentificationOptions& options,
                  ObjectIdentification& result) {
   const std::optional<PushedObject> object =
@@ -219,9 +216,9 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
   std::vector<Breakaway> breakaways;
   std::vector<double> shared;  // stds that do not average out over the pushes
   int impacts = 0;
-  for (IdentifiedContact* push : pushes) {
-    widen_smoothing(push->episode, options.inputs.segmentation.breakaway);
-    Breakaway breakaway = push->episode.breakaway;
+  for (Contact* push : pushes) {
+    widen_smoothing(*push, options.inputs.segmentation.breakaway);
+    Breakaway breakaway = push->breakaway;
     if (breakaway.is_found) {
       LimitOfMotion limit =
           limit_of(*push, object, compliance.law, result.parameters.mass, options);
@@ -252,13 +249,13 @@ void find_limits(const std::vector<IdentifiedContact*>& pushes, const ContactCom
   result.limit = limiting_friction(breakaways, options.limiting_friction);
   std::vector<IdentifiedParameter> limits;
   limits.reserve(pushes.size());
-  for (const IdentifiedContact* push : pushes) limits.push_back(push->limit);
+  for (const Contact* push : pushes) limits.push_back(push->limit);
   for (const std::size_t i : result.limit.left_out) {
     limits[i].is_excited = false;
     const std::string text = fmt::format(
         "the push at t = {:.3f} s ({:.2f} N +- {:.2f} N) is not counted for the limiting "
         "friction: it is an outlier",
-        pushes[i]->episode.begin, breakaways[i].force, breakaways[i].std);
+        pushes[i]->begin, breakaways[i].force, breakaways[i].std);
     result.notes.push_back(text);
   }
   if (result.limit.pushes == 0) return;

@@ -76,8 +76,8 @@ double compliance_of(const std::vector<double>& depth, const std::vector<double>
 
 /// A damping c of F = k d^n (1 + c d') that was left out makes the depth too large by c d d' / n =
 /// c (d^2)' / 2n, and the object's motion by its derivatives. Of `std` [s/m] of c.
-void add_damping_change(const ContactEpisode& episode, const std::vector<double>& depth,
-                        double exponent, double std, SmoothSlide& push) {
+void add_damping_change(const Contact& contact, const std::vector<double>& depth, double exponent,
+                        double std, SmoothSlide& push) {
   const std::size_t count = depth.size();
   push.damping_speed.assign(count, 0.0);
   push.damping_acceleration.assign(count, 0.0);
@@ -85,7 +85,7 @@ void add_damping_change(const ContactEpisode& episode, const std::vector<double>
   squares.reserve(count);
   for (const double one : depth) squares.push_back(one * one);
   const std::vector<SmoothedSample> smoothed =
-      smooth(episode.t, squares, episode.t, push.half_width);
+      smooth(contact.t, squares, contact.t, push.half_width);
   const double factor = 0.5 * std / exponent;
   const auto steps = std::max<std::size_t>(
       1, static_cast<std::size_t>(kDampingDifference * push.half_width / push.interval));
@@ -93,29 +93,28 @@ void add_damping_change(const ContactEpisode& episode, const std::vector<double>
   for (std::size_t i = steps; i + steps < count; ++i) {
     if (!smoothed[i - steps].is_valid || !smoothed[i + steps].is_valid) continue;
     push.damping_acceleration[i] = (push.damping_speed[i + steps] - push.damping_speed[i - steps]) /
-                                   (episode.t[i + steps] - episode.t[i - steps]);
+                                   (contact.t[i + steps] - contact.t[i - steps]);
   }
 }
 
-SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactCompliance& compliance,
+SmoothSlide smooth_slide(const Contact& contact, const ContactCompliance& compliance,
                          double tool_interval) {
   const std::optional<HuntCrossley>& contact_law = compliance.law;
-  const ContactEpisode& episode = contact.episode;
   SmoothSlide push;
-  push.interval = mean_interval(episode.t);
+  push.interval = mean_interval(contact.t);
   push.half_width = std::max({kSlideSmoothing, 3.0 * push.interval, 3.0 * tool_interval});
-  const std::vector<double> force = remove_spikes(episode.force).values;
+  const std::vector<double> force = remove_spikes(contact.force).values;
   std::vector<double> depth(force.size(), 0.0), object(force.size());
   if (contact_law) {
-    depth = penetration_from_force(episode.t, force, *contact_law);
-  } else if (episode.breakaway.stiffness > 0.0) {
+    depth = penetration_from_force(contact.t, force, *contact_law);
+  } else if (contact.breakaway.stiffness > 0.0) {
     for (std::size_t i = 0; i < force.size(); ++i)
-      depth[i] = force[i] / episode.breakaway.stiffness;
+      depth[i] = force[i] / contact.breakaway.stiffness;
   }
-  for (std::size_t i = 0; i < force.size(); ++i) object[i] = episode.tool[i] - depth[i];
+  for (std::size_t i = 0; i < force.size(); ++i) object[i] = contact.tool[i] - depth[i];
   // Noise as of one tool sample: between two of them the positions are interpolated.
   const double spacing = std::max(push.interval, tool_interval);
-  const double tip = episode.tip_noise.value_or(estimate_noise_std(episode.tool));
+  const double tip = contact.tip_noise.value_or(estimate_noise_std(contact.tool));
   const double exponent = contact_law ? contact_law->exponent : 1.0;
   // The contact's damping hides the compression's noise from differences of successive samples.
   const double force_noise = estimate_noise_std(force);
@@ -133,14 +132,14 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
   push.force_std = force_noise / std::sqrt(correlated_samples(push.half_width, push.interval));
   push.noise_covariance = soft * force_noise * force_noise * 15.0 / 7.0 * push.interval / cube;
   const auto smoothed = [&](const std::vector<double>& values) {
-    return smooth(episode.t, values, episode.t, push.half_width);
+    return smooth(contact.t, values, contact.t, push.half_width);
   };
   push.object = smoothed(object);
-  push.narrow = smooth(episode.t, object, episode.t, 0.5 * push.half_width);
-  push.tool = smoothed(episode.tool);
+  push.narrow = smooth(contact.t, object, contact.t, 0.5 * push.half_width);
+  push.tool = smoothed(contact.tool);
   push.compression = smoothed(depth);
   push.force = smoothed(force);
-  add_damping_change(episode, depth, exponent, compliance.damping_std, push);
+  add_damping_change(contact, depth, exponent, compliance.damping_std, push);
   for (int axis = 0; axis < 2; ++axis) {
     push.force_base[static_cast<std::size_t>(axis)] =
         smoothed(remove_spikes(axis_of(contact.force_base, axis)).values);
@@ -151,19 +150,19 @@ SmoothSlide smooth_slide(const IdentifiedContact& contact, const ContactComplian
 /// The end of loading [s]; without a breakaway, the first peak of the force above its median.
 /// Loading while something gives way, or while tracking is smoothed over the onset, looks like a
 /// slide.
-double end_of_loading(const SmoothSlide& push, const ContactEpisode& episode) {
+double end_of_loading(const SmoothSlide& push, const Contact& contact) {
   std::vector<double> values;
   for (const SmoothedSample& force : push.force) {
     if (force.is_valid) values.push_back(force.value);
   }
   const double level = median(std::move(values));
-  double end = episode.begin, peak = level;
+  double end = contact.begin, peak = level;
   for (std::size_t i = 0; i < push.force.size(); ++i) {
     if (!push.force[i].is_valid) continue;
     if (push.force[i].value < level && peak > level) break;
     if (push.force[i].value <= peak) continue;
     peak = push.force[i].value;
-    end = episode.t[i];
+    end = contact.t[i];
   }
   return end;
 }
@@ -215,9 +214,9 @@ void remove_noise(const SmoothSlide& push, std::span<FrictionSample> samples) {
 }
 
 /// Interval of the tip's samples during a contact [s]; between contacts, its path may have gaps.
-double tip_interval(std::span<const double> t, const ContactEpisode& episode) {
-  const auto first = std::lower_bound(t.begin(), t.end(), episode.t.front());
-  const auto last = std::upper_bound(first, t.end(), episode.t.back());
+double tip_interval(std::span<const double> t, const Contact& contact) {
+  const auto first = std::lower_bound(t.begin(), t.end(), contact.t.front());
+  const auto last = std::upper_bound(first, t.end(), contact.t.back());
   return last - first > 1 ? mean_interval({first, last}) : mean_interval(t);
 }
 
@@ -235,20 +234,19 @@ class Slides {
     support_ = support_->scaled(scale_);
   }
 
-  [[nodiscard]] std::vector<FrictionSample> of(const IdentifiedContact& contact,
+  [[nodiscard]] std::vector<FrictionSample> of(const Contact& contact,
                                                const ContactCompliance& compliance) const {
     std::vector<FrictionSample> samples;
-    const ContactEpisode& episode = contact.episode;
-    if (episode.t.size() < 20 || episode.kind == ContactKind::press) return samples;
-    const SmoothSlide push = smooth_slide(contact, compliance, tip_interval(tip_.t(), episode));
+    if (contact.t.size() < 20 || contact.kind == ContactKind::press) return samples;
+    const SmoothSlide push = smooth_slide(contact, compliance, tip_interval(tip_.t(), contact));
     const double loaded =
-        episode.breakaway.is_found ? episode.breakaway.t : end_of_loading(push, episode);
+        contact.breakaway.is_found ? contact.breakaway.t : end_of_loading(push, contact);
     const double from = loaded + kSlideSettle + push.half_width;
     double next = from;
-    for (std::size_t i = 0; i < episode.t.size(); ++i) {
-      const double t = episode.t[i];
-      if (t < next || t > episode.end - push.half_width) continue;
-      if (!is_sliding(push, episode, i)) continue;
+    for (std::size_t i = 0; i < contact.t.size(); ++i) {
+      const double t = contact.t[i];
+      if (t < next || t > contact.end - push.half_width) continue;
+      if (!is_sliding(push, contact, i)) continue;
       std::optional<FrictionSample> sample = sample_at(contact, push, i);
       if (!sample) continue;
       // Within one sample of the force.
@@ -263,7 +261,7 @@ class Slides {
   }
 
  private:
-  [[nodiscard]] bool is_sliding(const SmoothSlide& push, const ContactEpisode& episode,
+  [[nodiscard]] bool is_sliding(const SmoothSlide& push, const Contact& contact,
                                 std::size_t i) const {
     const SmoothedSample& object = push.object[i];
     if (!object.is_valid || !push.force[i].is_valid) return false;
@@ -278,29 +276,29 @@ class Slides {
     for (const std::size_t k : {i - steps, i + steps}) {
       if (!push.object[k].is_valid || push.object[k].rate < kMaxSpeedChange * object.rate)
         return false;
-      if (episode.t[k] < episode.begin || episode.t[k] > episode.end) return false;
+      if (contact.t[k] < contact.begin || contact.t[k] > contact.end) return false;
     }
-    return has_settled(push, episode, i);
+    return has_settled(push, contact, i);
   }
 
   /// Whether the object neither rested nor nearly did since friction's settling time, nor within
   /// the smoothing.
-  static bool has_settled(const SmoothSlide& push, const ContactEpisode& episode, std::size_t i) {
-    const double from = episode.t[i] - kSlideSettle - push.half_width;
+  static bool has_settled(const SmoothSlide& push, const Contact& contact, std::size_t i) {
+    const double from = contact.t[i] - kSlideSettle - push.half_width;
     std::size_t k = i;
-    for (; k > 0 && episode.t[k - 1] >= from; --k) {
+    for (; k > 0 && contact.t[k - 1] >= from; --k) {
       const SmoothedSample& before = push.object[k - 1];
       if (!before.is_valid || before.rate < kMinPastSpeed * push.object[i].rate) return false;
     }
-    return !sticks_and_slips(push, episode, k, episode.t[i] + push.half_width);
+    return !sticks_and_slips(push, contact, k, contact.t[i] + push.half_width);
   }
 
   /// Whether the speed from the sample `begin` until `to` swings so much that the object nearly
   /// stops, faster than the smoothing shows.
-  static bool sticks_and_slips(const SmoothSlide& push, const ContactEpisode& episode,
-                               std::size_t begin, double to) {
+  static bool sticks_and_slips(const SmoothSlide& push, const Contact& contact, std::size_t begin,
+                               double to) {
     double count = 0.0, sum = 0.0, squares = 0.0;
-    for (std::size_t k = begin; k < push.narrow.size() && episode.t[k] <= to; ++k) {
+    for (std::size_t k = begin; k < push.narrow.size() && contact.t[k] <= to; ++k) {
       if (!push.narrow[k].is_valid) continue;
       count += 1.0, sum += push.narrow[k].rate, squares += std::pow(push.narrow[k].rate, 2);
     }
@@ -314,19 +312,18 @@ class Slides {
 
   /// The touched face's normal; at a corner, where the face does not give it, the force's
   /// direction.
-  static Eigen::Vector2d inward_at(const IdentifiedContact& contact, const Pose& T_base_object) {
-    const Eigen::Vector2d along = contact.episode.direction_base.head<2>().normalized();
+  static Eigen::Vector2d inward_at(const Contact& contact, const Pose& T_base_object) {
+    const Eigen::Vector2d along = contact.direction_base.head<2>().normalized();
     const Eigen::Vector2d inward =
         -(T_base_object.rotation() * contact.normal_object).head<2>().normalized();
     return inward.dot(along) > kFaceAgreement ? inward : along;
   }
 
-  [[nodiscard]] std::optional<FrictionSample> sample_at(const IdentifiedContact& contact,
+  [[nodiscard]] std::optional<FrictionSample> sample_at(const Contact& contact,
                                                         const SmoothSlide& push,
                                                         std::size_t i) const {
-    const ContactEpisode& episode = contact.episode;
-    const double t = episode.t[i];
-    const Eigen::Vector2d along = episode.direction_base.head<2>();
+    const double t = contact.t[i];
+    const Eigen::Vector2d along = contact.direction_base.head<2>();
     const double speed = push.object[i].rate;
     FrictionSample sample{.t = t,
                           .force = push.force[i].value,
@@ -401,7 +398,7 @@ class Slides {
 
 }  // namespace
 
-std::vector<FrictionSample> friction_samples(const std::vector<IdentifiedContact*>& pushes,
+std::vector<FrictionSample> friction_samples(const std::vector<Contact*>& pushes,
                                              const ContactCompliance& compliance,
                                              const BodyMotion& body, const PathView& tip,
                                              double tool_radius, const KnownSupport& known) {

@@ -16,9 +16,10 @@ namespace pcavr {
 /// near the centre of mass dissipate less in a rotation than the whole face. The push's height over
 /// the support moves its pressure ahead, by the weight. What pushes have shown before is used
 /// again.
-[[nodiscard]] std::vector<FrictionSample> friction_samples(
-    const std::vector<IdentifiedContact*>& pushes, const ContactCompliance& compliance,
-    const BodyMotion& body, const PathView& tip, double tool_radius,
-    const KnownSupport& known = {});
+[[nodiscard]] std::vector<FrictionSample> friction_samples(const std::vector<Contact*>& pushes,
+                                                           const ContactCompliance& compliance,
+                                                           const BodyMotion& body,
+                                                           const PathView& tip, double tool_radius,
+                                                           const KnownSupport& known = {});
 
 }  // namespace pcavr

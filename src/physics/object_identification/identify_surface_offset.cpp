@@ -20,7 +20,7 @@ constexpr double kMaxOffset = 0.001;   // [m] more is a wrong pose
 
 }  // namespace
 
-void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size_t index,
+void identify_surface_offset(std::vector<Contact>& contacts, std::size_t index,
                              const IdentifiableObject& object, const BodySurface& surface,
                              double tool_radius, const PathView& tip,
                              ObjectIdentification& result) {
@@ -35,15 +35,15 @@ void identify_surface_offset(std::vector<IdentifiedContact>& contacts, std::size
   Eigen::Vector3d normal_object = Eigen::Vector3d::Zero();
   double sum = 0.0, count = 0.0;
   for (std::size_t k = 0; k < result.presses.touched.size(); ++k) {
-    const ContactEpisode& episode = presses[result.presses.touched[k]]->episode;
-    const Eigen::Vector3d p_base_tip = tip.at(episode.begin);
+    const Contact& contact = *presses[result.presses.touched[k]];
+    const Eigen::Vector3d p_base_tip = tip.at(contact.begin);
     const Touch touch = surface.touch(object.T_base_object, p_base_tip, tool_radius);
     if (!(std::abs(touch.gap) < kMaxGap)) continue;
-    if (touch.inward_base.dot(episode.direction_base) < kSameNormal) return;
+    if (touch.inward_base.dot(contact.direction_base) < kSameNormal) return;
     if (count == 0.0) normal_object = touch.normal_object;
     if (touch.normal_object.dot(normal_object) < kSameNormal) return;
     // Coordinates along the press: of the CAD surface, less that of the fitted law.
-    sum += p_base_tip.dot(episode.direction_base) + touch.gap - fit.surface[k];
+    sum += p_base_tip.dot(contact.direction_base) + touch.gap - fit.surface[k];
     count += 1.0;
   }
   if (count == 0.0) return;

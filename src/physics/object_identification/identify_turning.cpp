@@ -11,15 +11,14 @@
 
 namespace pcavr {
 
-void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         const BodyMotion& body, const PathView& tip, double tool_radius,
-                         const ParameterValue& viscous, const IdentificationOptions& options,
-                         ObjectIdentification& result) {
+void identify_turning_of(std::vector<Contact>& contacts, std::size_t object, const BodyMotion& body,
+                         const PathView& tip, double tool_radius, const ParameterValue& viscous,
+                         const IdentificationOptions& options, ObjectIdentification& result) {
   if (body.tracked.empty()) return;
   std::optional<double> weight;
   if (const auto& mass = result.parameters.mass) weight = mass->value * options.sliding.gravity;
   SamplesOfPushes pushes;
-  for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
+  for (const Contact* push : contacts_of(contacts, object, false)) {
     std::vector<PushSample> samples = turning_samples(*push, body, tip, tool_radius, weight);
     if (!samples.empty()) pushes.push_back(std::move(samples));
   }
@@ -39,13 +38,13 @@ void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t o
   }
 }
 
-void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
+void identify_tool_friction_of(const std::vector<Contact>& contacts, std::size_t object,
                                const BodyMotion& body, const BodySurface& surface,
                                const PathView& tip, double tool_radius,
                                ObjectIdentification& result) {
   std::vector<std::vector<double>> samples;
-  for (const IdentifiedContact& contact : contacts) {
-    if (contact.object != object || !contact.left_out.empty() || contact.episode.impact) continue;
+  for (const Contact& contact : contacts) {
+    if (contact.object != object || !contact.left_out.empty() || contact.impact) continue;
     samples.push_back(tool_friction_samples(contact, body, surface, tip, tool_radius));
   }
   const std::optional<ToolFriction> found = tool_friction_of(samples, body.tracked);

@@ -13,17 +13,16 @@ namespace {
 
 /// A press under which the object slides or turns, as in an oblique hole, shows no contact law: the
 /// tip's path is not its penetration.
-void leave_out_moved_presses(std::vector<IdentifiedContact>& contacts,
+void leave_out_moved_presses(std::vector<Contact>& contacts,
                              const std::vector<TrackedPose>& tracked, const PathView& tip) {
   constexpr double kMaxMotion = 0.001;  // [m] where the tip is; tracking has some tenths of that
   if (tracked.empty()) return;
-  for (IdentifiedContact& contact : contacts) {
-    const ContactEpisode& episode = contact.episode;
-    const bool is_press = episode.kind == ContactKind::press && !episode.impact;
+  for (Contact& contact : contacts) {
+    const bool is_press = contact.kind == ContactKind::press && !contact.impact;
     if (!is_press || !contact.left_out.empty()) continue;
-    const Pose T_base_before = pose_at(tracked, episode.begin);
-    const Pose T_base_after = pose_at(tracked, episode.end);
-    const Eigen::Vector3d p_base = tip.at(episode.begin);
+    const Pose T_base_before = pose_at(tracked, contact.begin);
+    const Pose T_base_after = pose_at(tracked, contact.end);
+    const Eigen::Vector3d p_base = tip.at(contact.begin);
     const Eigen::Vector3d p_base_after = T_base_after * (T_base_before.inverse() * p_base);
     if ((p_base_after - p_base).norm() > kMaxMotion) {
       contact.left_out = "the object moves under the press";
@@ -32,26 +31,33 @@ void leave_out_moved_presses(std::vector<IdentifiedContact>& contacts,
 }
 
 /// [s] In all slides of the pushes with an object.
-double sliding_duration(std::vector<IdentifiedContact>& contacts, std::size_t object) {
+double sliding_duration(std::vector<Contact>& contacts, std::size_t object) {
   double duration = 0.0;
-  for (const IdentifiedContact* push : contacts_of(contacts, object, false)) {
-    for (const SlideInterval& slide : push->episode.slides) duration += slide.end - slide.begin;
+  for (const Contact* push : contacts_of(contacts, object, false)) {
+    for (const SlideInterval& slide : push->slides) duration += slide.end - slide.begin;
   }
   return duration;
 }
 
 /// The contacts one after the other, with one path and one track.
 struct JoinedContacts {
-  std::vector<IdentifiedContact> contacts;
+  std::vector<Contact> contacts;
   std::vector<double> t_tool;
   std::vector<Eigen::Vector3d> p_base_tip;
   std::vector<TrackedPose> tracked;
 
-  void add(const ObservedContact& one) {
-    contacts.push_back(one.contact);
-    t_tool.insert(t_tool.end(), one.t_tool.begin(), one.t_tool.end());
-    p_base_tip.insert(p_base_tip.end(), one.p_base_tip.begin(), one.p_base_tip.end());
-    tracked.insert(tracked.end(), one.tracked.begin(), one.tracked.end());
+  void add(const Contact& one) {
+    Contact& contact = contacts.emplace_back(one);
+    move_to(t_tool, contact.t_tool);
+    move_to(p_base_tip, contact.p_base_tip);
+    move_to(tracked, contact.tracked);
+  }
+
+ private:
+  template <typename T>
+  static void move_to(std::vector<T>& all, std::vector<T>& part) {
+    all.insert(all.end(), part.begin(), part.end());
+    part = {};
   }
 };
 
@@ -61,20 +67,6 @@ ObjectParameters with_weighed_mass(ObjectParameters known, const IdentifiableObj
 }
 
 }  // namespace
-
-ObservedContact delayed(ObservedContact contact, double delay) {
-  ContactEpisode& episode = contact.contact.episode;
-  Breakaway& breakaway = episode.breakaway;
-  for (double* t : {&episode.begin, &episode.end, &breakaway.t_contact, &breakaway.t_alarm,
-                    &breakaway.t_decided, &breakaway.t}) {
-    *t += delay;
-  }
-  for (SlideInterval& slide : episode.slides) slide.begin += delay, slide.end += delay;
-  for (double& t : episode.t) t += delay;
-  for (double& t : contact.t_tool) t += delay;
-  for (TrackedPose& pose : contact.tracked) pose.t += delay;
-  return contact;
-}
 
 ObjectIdentifier::ObjectIdentifier(const IdentifiableObject& object, ObjectParameters known,
                                    double tool_radius, IdentificationGoal goal,
@@ -94,18 +86,17 @@ ObjectIdentifier ObjectIdentifier::with(ObjectParameters known, IdentificationGo
   return other;
 }
 
-void ObjectIdentifier::add(std::shared_ptr<const ObservedContact> contact) {
+void ObjectIdentifier::add(std::shared_ptr<const Contact> contact) {
   const auto after = std::upper_bound(
-      contacts_.begin(), contacts_.end(), contact, [](const auto& one, const auto& other) {
-        return one->contact.episode.begin < other->contact.episode.begin;
-      });
+      contacts_.begin(), contacts_.end(), contact,
+      [](const auto& one, const auto& other) { return one->begin < other->begin; });
   contacts_.insert(after, std::move(contact));
 }
 
 ObjectIdentifier::Result ObjectIdentifier::result() const {
   JoinedContacts joined;
   for (const auto& contact : contacts_) joined.add(*contact);
-  std::vector<IdentifiedContact>& contacts = joined.contacts;
+  std::vector<Contact>& contacts = joined.contacts;
   const std::size_t index = contacts.empty() ? 0 : contacts.front().object.value_or(0);
   const PathView tip(joined.t_tool, joined.p_base_tip);
   const BodyMotion motion{object_->model, joined.tracked};

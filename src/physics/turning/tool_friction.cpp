@@ -47,8 +47,8 @@ class Rubbing {
   Rubbing(const BodyMotion& body, const PathView& tip, const BodySurface& surface, double radius)
       : body_(body), tip_(tip), surface_(surface), radius_(radius) {}
 
-  void add(const AttributedContact& contact, std::vector<double>& coefficients) const {
-    const std::vector<TipAtPose> tips = tips_during(contact.episode);
+  void add(const Contact& contact, std::vector<double>& coefficients) const {
+    const std::vector<TipAtPose> tips = tips_during(contact);
     std::size_t from = 0;
     for (std::size_t to = 0; to < tips.size(); ++to) {
       while ((tips[to].p_base - tips[from].p_base).norm() > kMaxPath) ++from;
@@ -60,10 +60,10 @@ class Rubbing {
   }
 
  private:
-  [[nodiscard]] std::vector<TipAtPose> tips_during(const ContactEpisode& episode) const {
+  [[nodiscard]] std::vector<TipAtPose> tips_during(const Contact& contact) const {
     std::vector<TipAtPose> tips;
     for (const TrackedPose& pose : body_.tracked) {
-      if (pose.t < episode.begin || pose.t > episode.end) continue;
+      if (pose.t < contact.begin || pose.t > contact.end) continue;
       const Eigen::Vector3d p_base = tip_.at(pose.t);
       tips.push_back(
           {pose.t, p_base, pose.T_base_object.inverse() * p_base, pose.T_base_object.rotation()});
@@ -88,7 +88,7 @@ class Rubbing {
   }
 
   /// The work of the force's parts over the slip: so a pause has no weight.
-  [[nodiscard]] std::optional<double> during(const AttributedContact& contact,
+  [[nodiscard]] std::optional<double> during(const Contact& contact,
                                              std::span<const TipAtPose> tips) const {
     const TipAtPose &from = tips.front(), &to = tips.back();
     const Eigen::Vector3d normal = normal_between(from, to);
@@ -121,9 +121,8 @@ class Rubbing {
   }
 
   /// The mean force in the object's frame; that of the next sample where none lies between.
-  [[nodiscard]] Eigen::Vector3d mean_force(const AttributedContact& contact, double begin,
-                                           double end) const {
-    const std::vector<double>& t = contact.episode.t;
+  [[nodiscard]] Eigen::Vector3d mean_force(const Contact& contact, double begin, double end) const {
+    const std::vector<double>& t = contact.t;
     const auto first = std::min<std::ptrdiff_t>(
         std::lower_bound(t.begin(), t.end(), begin) - t.begin(), std::ssize(t) - 1);
     const auto last = std::max(std::upper_bound(t.begin(), t.end(), end) - t.begin(), first + 1);
@@ -150,7 +149,7 @@ double normal_std(std::span<const TrackedPose> tracked) {
 
 }  // namespace
 
-std::vector<double> tool_friction_samples(const AttributedContact& contact, const BodyMotion& body,
+std::vector<double> tool_friction_samples(const Contact& contact, const BodyMotion& body,
                                           const BodySurface& surface, const PathView& tip,
                                           double tool_radius) {
   std::vector<double> coefficients;

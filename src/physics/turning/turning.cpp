@@ -45,19 +45,19 @@ std::vector<SlideInterval> without_gaps(const std::vector<SlideInterval>& slides
 /// The times in which the object slid. A push as slow as the noise of the tip's speed shows no
 /// slides of its own, but an object that was displaced while the force stayed near its level slid
 /// under it.
-std::vector<SlideInterval> sliding_intervals(const ContactEpisode& episode) {
-  if (!episode.slides.empty()) return without_gaps(episode.slides);
+std::vector<SlideInterval> sliding_intervals(const Contact& contact) {
+  if (!contact.slides.empty()) return without_gaps(contact.slides);
   std::vector<double> forces;
-  const auto is_inside = [&](double t) { return t >= episode.begin && t <= episode.end; };
-  for (std::size_t i = 0; i < episode.t.size(); ++i) {
-    if (is_inside(episode.t[i])) forces.push_back(episode.force[i]);
+  const auto is_inside = [&](double t) { return t >= contact.begin && t <= contact.end; };
+  for (std::size_t i = 0; i < contact.t.size(); ++i) {
+    if (is_inside(contact.t[i])) forces.push_back(contact.force[i]);
   }
   if (forces.empty()) return {};
   const double level = kLoadedShare * median(std::move(forces));
   std::optional<SlideInterval> loaded;
-  for (std::size_t i = 0; i < episode.t.size(); ++i) {
-    const double t = episode.t[i];
-    if (!is_inside(t) || episode.force[i] < level) continue;
+  for (std::size_t i = 0; i < contact.t.size(); ++i) {
+    const double t = contact.t[i];
+    if (!is_inside(t) || contact.force[i] < level) continue;
     if (!loaded) loaded = SlideInterval{t, t};
     loaded->end = t;
   }
@@ -109,9 +109,9 @@ class Turning {
     support_height_ = support_height(body.model, body.tracked.front().T_base_object);
   }
 
-  void add(const AttributedContact& contact, std::vector<PushSample>& samples) const {
+  void add(const Contact& contact, std::vector<PushSample>& samples) const {
     const std::span<const TrackedPose> tracked = body_.tracked;
-    for (const SlideInterval& slide : sliding_intervals(contact.episode)) {
+    for (const SlideInterval& slide : sliding_intervals(contact)) {
       const TrackedPose* from = nullptr;
       for (const TrackedPose& pose : tracked) {
         if (pose.t < slide.begin || pose.t > slide.end) continue;
@@ -129,12 +129,11 @@ class Turning {
   }
 
  private:
-  [[nodiscard]] MeanLoad mean_load(const AttributedContact& contact, const TrackedPose& from,
+  [[nodiscard]] MeanLoad mean_load(const Contact& contact, const TrackedPose& from,
                                    const TrackedPose& to) const {
-    const ContactEpisode& episode = contact.episode;
     MeanLoad load;
-    for (std::size_t i = 0; i < episode.t.size(); ++i) {
-      const double t = episode.t[i];
+    for (std::size_t i = 0; i < contact.t.size(); ++i) {
+      const double t = contact.t[i];
       if (t < from.t || t > to.t) continue;
       const Pose T_base_object =
           interpolate(from.T_base_object, to.T_base_object, (t - from.t) / (to.t - from.t));
@@ -164,7 +163,7 @@ class Turning {
 
 }  // namespace
 
-std::vector<PushSample> turning_samples(const AttributedContact& push, const BodyMotion& body,
+std::vector<PushSample> turning_samples(const Contact& push, const BodyMotion& body,
                                         const PathView& tip, double tool_radius,
                                         const std::optional<double>& weight) {
   std::vector<PushSample> samples;

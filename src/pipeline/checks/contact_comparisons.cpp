@@ -43,7 +43,7 @@ constexpr double kMaxSlideAngle = 0.35;
 struct SeenContacts {
   const IdentificationInput& input;
   InputFindings found = {};
-  std::vector<AttributedContact> contacts = {};
+  std::vector<Contact> contacts = {};
 
   [[nodiscard]] PathView tip() const { return {input.t_tool, input.p_base_tip}; }
   [[nodiscard]] std::size_t at_no_object() const {
@@ -61,14 +61,14 @@ ConsistencyFinding finding_of(const std::string& note) {
 }
 
 /// [m] from the tip to the nearest object's surface as the contact begins; nothing beyond 0.2 m.
-std::optional<double> nearest_gap(const SeenContacts& seen, const ContactEpisode& episode) {
+std::optional<double> nearest_gap(const SeenContacts& seen, const Contact& contact) {
   double gap = HUGE_VAL;
   for (const IdentifiableObject& object : seen.input.objects) {
     const Pose T_base_object =
-        object.tracked.empty() ? object.T_base_object : pose_at(object.tracked, episode.begin);
+        object.tracked.empty() ? object.T_base_object : pose_at(object.tracked, contact.begin);
     gap = std::min(gap,
                    BodySurface(object.model)
-                       .touch(T_base_object, seen.tip().at(episode.begin), seen.input.tool_radius)
+                       .touch(T_base_object, seen.tip().at(contact.begin), seen.input.tool_radius)
                        .gap);
   }
   return std::isfinite(gap) ? std::optional(gap) : std::nullopt;
@@ -85,7 +85,7 @@ void compare_distances(const SeenContacts& seen, std::vector<InputComparison>& c
   for (std::size_t i = 0; i < seen.input.objects.size(); ++i) {
     const std::string& name = seen.input.objects[i].name;
     std::vector<double> gaps;
-    for (const AttributedContact& contact : seen.contacts) {
+    for (const Contact& contact : seen.contacts) {
       if (contact.object == i) gaps.push_back(contact.gap);
     }
     comparisons.push_back(
@@ -97,9 +97,9 @@ void compare_distances(const SeenContacts& seen, std::vector<InputComparison>& c
   const std::size_t elsewhere = seen.at_no_object();
   if (elsewhere == 0 || elsewhere == seen.contacts.size()) return;
   std::vector<double> gaps;
-  for (const AttributedContact& contact : seen.contacts) {
+  for (const Contact& contact : seen.contacts) {
     if (contact.object) continue;
-    if (const auto gap = nearest_gap(seen, contact.episode)) gaps.push_back(*gap);
+    if (const auto gap = nearest_gap(seen, contact)) gaps.push_back(*gap);
   }
   comparisons.push_back(failed_comparison(
       kContacts, fmt::format("{} more contacts are at no object{}", elsewhere,
@@ -120,10 +120,10 @@ Eigen::Vector2d displacement(const SeenContacts& seen, const IdentifiableObject&
 }
 
 /// The force's mean in the plane over the slide [N].
-Eigen::Vector2d mean_force(const AttributedContact& contact, const SlideInterval& slide) {
+Eigen::Vector2d mean_force(const Contact& contact, const SlideInterval& slide) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (std::size_t i = 0; i < contact.force_base.size(); ++i) {
-    const double t = contact.episode.t[i];
+    const double t = contact.t[i];
     if (t >= slide.begin && t <= slide.end) sum += contact.force_base[i].head<2>();
   }
   return sum;
@@ -131,9 +131,9 @@ Eigen::Vector2d mean_force(const AttributedContact& contact, const SlideInterval
 
 void compare_directions(const SeenContacts& seen, std::vector<InputComparison>& comparisons) {
   std::vector<double> angles;
-  for (const AttributedContact& contact : seen.contacts) {
+  for (const Contact& contact : seen.contacts) {
     if (!contact.object || !contact.left_out.empty()) continue;
-    for (const SlideInterval& slide : contact.episode.slides) {
+    for (const SlideInterval& slide : contact.slides) {
       const Eigen::Vector2d motion = displacement(seen, seen.input.objects[*contact.object], slide);
       const Eigen::Vector2d force = mean_force(contact, slide);
       if (motion.norm() < kMinSlide || force.isZero()) continue;
@@ -243,7 +243,7 @@ std::vector<InputComparison> compare_contacts(const Recording& recording,
             failed_comparison(kContacts, "no object has a mesh and a pose")};
   }
   SeenContacts seen{.input = *input};
-  seen.found = examine_inputs(series_of(*input), InputOptions(), [&](AttributedContact&& contact) {
+  seen.found = examine_inputs(series_of(*input), InputOptions(), [&](Contact&& contact) {
     seen.contacts.push_back(std::move(contact));
   });
   if (seen.found.fault) {

@@ -20,7 +20,7 @@
 #include "pcavr/physics/inputs/tip_path.hpp"
 #include "pcavr/recordings/recording/stream_clocks.hpp"
 
-#include "observed_contacts.hpp"
+#include "contact_motion.hpp"
 #include "series_of.hpp"
 
 namespace pcavr {
@@ -44,14 +44,14 @@ InputSeries series_of(const IdentificationInput& input) {
 namespace {
 
 /// The std of a contact's `tool` where the tip has an error that all samples share.
-std::vector<double> tip_std_of(const IdentificationInput& input, const ContactEpisode& episode) {
+std::vector<double> tip_std_of(const IdentificationInput& input, const Contact& contact) {
   std::vector<double> stds;
   if (input.tip_covariance_base.empty()) return stds;
-  stds.reserve(episode.t.size());
-  for (const double t : episode.t) {
+  stds.reserve(contact.t.size());
+  for (const double t : contact.t) {
     const auto next = std::lower_bound(input.t_tool.begin(), std::prev(input.t_tool.end()), t);
     const auto row = static_cast<std::size_t>(next - input.t_tool.begin());
-    const Eigen::Vector3d& along = episode.direction_base;
+    const Eigen::Vector3d& along = contact.direction_base;
     const double variance = along.dot(input.tip_covariance_base[row] * along);
     stds.push_back(std::sqrt(std::max(0.0, variance)));
   }
@@ -84,18 +84,18 @@ void note_contacts(Identification& result, const IdentificationInput& input) {
   for (std::size_t i = 0; i < result.objects.size(); ++i) {
     const bool is_touched =
         std::any_of(result.contacts.begin(), result.contacts.end(),
-                    [&](const IdentifiedContact& contact) { return contact.object == i; });
+                    [&](const Contact& contact) { return contact.object == i; });
     if (!is_touched)
       result.objects[i].notes.push_back(input.objects[i].is_movable
                                             ? "was never touched: record a press and a push"
                                             : "was never touched: record a press");
   }
   std::size_t left_out = 0;
-  for (const IdentifiedContact& contact : result.contacts) {
+  for (const Contact& contact : result.contacts) {
     if (contact.left_out.empty() || ++left_out > kMaxContactNotes) continue;
     const std::string owner =
         contact.object ? input.objects[*contact.object].name : std::string("no object");
-    result.notes.push_back("the contact at " + at_time(contact.episode.begin) + " (" + owner +
+    result.notes.push_back("the contact at " + at_time(contact.begin) + " (" + owner +
                            ") is not used: " + contact.left_out);
   }
   if (left_out <= kMaxContactNotes) return;
@@ -117,10 +117,10 @@ std::string content_of(const IdentificationInput& input) {
 }
 
 /// Puts an object's contacts, with what each showed, where they are in order of time.
-void replace_contacts(std::vector<IdentifiedContact>&& found, std::size_t object,
-                      std::vector<IdentifiedContact>& contacts) {
+void replace_contacts(std::vector<Contact>&& found, std::size_t object,
+                      std::vector<Contact>& contacts) {
   auto next = std::make_move_iterator(found.begin());
-  for (IdentifiedContact& contact : contacts) {
+  for (Contact& contact : contacts) {
     if (contact.object == object) contact = *next++;
   }
 }
@@ -173,16 +173,16 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
   result.goal = goal;
   result.known = input.known;
   result.left_out = input.left_out;
-  result.inputs = examine_inputs(
-      series_of(input), options.inputs,
-      [&result](AttributedContact&& contact) { result.contacts.push_back({std::move(contact)}); });
+  result.inputs = examine_inputs(series_of(input), options.inputs, [&result](Contact&& contact) {
+    result.contacts.push_back({std::move(contact)});
+  });
   if (result.inputs.fault) return result.inputs.fault->error;
   if (result.inputs.no_contact) return *result.inputs.no_contact;
   result.notes = input.notes;
   result.notes.insert(result.notes.end(), result.inputs.notes.begin(), result.inputs.notes.end());
   result.warnings = result.inputs.warnings;
-  for (IdentifiedContact& contact : result.contacts) {
-    contact.tip_std = tip_std_of(input, contact.episode);
+  for (Contact& contact : result.contacts) {
+    contact.tip_std = tip_std_of(input, contact);
   }
   const TipPath clean = clean_tip_path(input.t_tool, input.p_base_tip, options.inputs);
 
@@ -195,7 +195,7 @@ Expected<Identification> identify(const IdentificationInput& input, Identificati
                                 input.tool_radius, goal, options);
     identifier.set_suspected_turn(result.inputs.suspected_turn);
     const std::vector<TrackedPose> tracked = on_clock(object.tracked, result.inputs.camera_shift());
-    for (auto& contact : observed_contacts(result.contacts, i, clean, tracked)) {
+    for (auto& contact : contacts_with_motion(result.contacts, i, clean, tracked)) {
       identifier.add(std::move(contact));
     }
     ObjectIdentifier::Result found = identifier.result();

@@ -83,12 +83,12 @@ ReportTable press_lines_table(const Identification& found, std::size_t object) {
       .title = "Pushes beside the press's law [paper C, figure 5]",
       .columns = {"breakaway at (s)", "force at its peak (N)", "stiffness, push over press",
                   "force where it leaves the press's line (N)"}};
-  for (const IdentifiedContact& contact : found.contacts) {
+  for (const Contact& contact : found.contacts) {
     if (contact.object != object || !contact.press_line) continue;
     const PressLine& line = *contact.press_line;
     if (!line.ratio.is_excited) continue;
-    table.rows.push_back({fixed(contact.episode.breakaway.t, 2),
-                          readable(contact.episode.breakaway.force), text_of(line.ratio),
+    table.rows.push_back({fixed(contact.breakaway.t, 2), readable(contact.breakaway.force),
+                          text_of(line.ratio),
                           line.t_mutation ? readable(line.force) : "does not leave it"});
   }
   return table;

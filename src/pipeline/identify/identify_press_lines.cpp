@@ -16,20 +16,20 @@ constexpr double kBefore = 0.05;  // [s] of the figure before the touch
 constexpr double kAfter = 0.30;   // of the rise, after the breakaway
 constexpr std::size_t kMaxFigurePoints = 1000;
 
-/// The line that find_breakaway fitted to the push, in the episode's coordinate of the tool, which
+/// The line that find_breakaway fitted to the push, in the contact's coordinate of the tool, which
 /// is along the face's normal by now: a least squares line passes through its samples' mean.
-std::vector<double> push_line_force(const ContactEpisode& episode, double guard) {
-  const Breakaway& breakaway = episode.breakaway;
+std::vector<double> push_line_force(const Contact& contact, double guard) {
+  const Breakaway& breakaway = contact.breakaway;
   double count = 0.0, tool = 0.0, force = 0.0;
-  for (std::size_t i = 0; i < episode.t.size(); ++i) {
+  for (std::size_t i = 0; i < contact.t.size(); ++i) {
     const bool is_fitted =
-        episode.t[i] >= breakaway.t_contact && episode.t[i] <= breakaway.t_alarm - guard;
-    if (is_fitted) count += 1.0, tool += episode.tool[i], force += episode.force[i];
+        contact.t[i] >= breakaway.t_contact && contact.t[i] <= breakaway.t_alarm - guard;
+    if (is_fitted) count += 1.0, tool += contact.tool[i], force += contact.force[i];
   }
-  std::vector<double> line(episode.t.size(), 0.0);
+  std::vector<double> line(contact.t.size(), 0.0);
   if (count == 0.0) return line;
   for (std::size_t i = 0; i < line.size(); ++i) {
-    line[i] = force / count + breakaway.stiffness * (episode.tool[i] - tool / count);
+    line[i] = force / count + breakaway.stiffness * (contact.tool[i] - tool / count);
   }
   return line;
 }
@@ -37,30 +37,29 @@ std::vector<double> push_line_force(const ContactEpisode& episode, double guard)
 }  // namespace
 
 std::optional<ForceLines> force_lines(const Identification& found, std::size_t object) {
-  const auto push = std::find_if(
-      found.contacts.begin(), found.contacts.end(), [object](const IdentifiedContact& contact) {
+  const auto push =
+      std::find_if(found.contacts.begin(), found.contacts.end(), [object](const Contact& contact) {
         return contact.object == object && contact.left_out.empty() &&
-               contact.episode.kind != ContactKind::press && contact.episode.breakaway.is_found;
+               contact.kind != ContactKind::press && contact.breakaway.is_found;
       });
   if (push == found.contacts.end()) return std::nullopt;
-  const ContactEpisode& episode = push->episode;
-  const Breakaway& breakaway = episode.breakaway;
+  const Breakaway& breakaway = push->breakaway;
   const double from = breakaway.t_contact - kBefore;
   const double to = breakaway.t + kAfter * (breakaway.t - breakaway.t_contact);
   const std::optional<HuntCrossley> law = contact_law_of(found.objects[object].parameters);
   const bool has_press = law && push->press_line && push->press_line->ratio.is_excited;
   const std::vector<double> press =
-      has_press ? press_line_force(episode.series(), push->press_line->surface, *law)
+      has_press ? press_line_force(push->series(), push->press_line->surface, *law)
                 : std::vector<double>{};
-  const std::vector<double> own = push_line_force(episode, BreakawayOptions().guard);
+  const std::vector<double> own = push_line_force(*push, BreakawayOptions().guard);
   const auto count = static_cast<std::size_t>(std::count_if(
-      episode.t.begin(), episode.t.end(), [from, to](double t) { return t >= from && t <= to; }));
+      push->t.begin(), push->t.end(), [from, to](double t) { return t >= from && t <= to; }));
   const std::size_t stride = count / kMaxFigurePoints + 1;
   ForceLines lines{.t_breakaway = breakaway.t, .t_alarm = breakaway.t_alarm};
-  for (std::size_t i = 0; i < episode.t.size(); i += stride) {
-    if (episode.t[i] < from || episode.t[i] > to) continue;
-    lines.t.push_back(episode.t[i]);
-    lines.measured.push_back(episode.force[i]);
+  for (std::size_t i = 0; i < push->t.size(); i += stride) {
+    if (push->t[i] < from || push->t[i] > to) continue;
+    lines.t.push_back(push->t[i]);
+    lines.measured.push_back(push->force[i]);
     lines.push_line.push_back(std::max(0.0, own[i]));
     if (has_press) lines.press_line.push_back(press[i]);
   }

@@ -24,15 +24,15 @@ double critical_from(const LimitingFriction& limit) {
 }
 
 /// [s] for which the force is above `from` [N] before the breakaway.
-double time_above(const ContactEpisode& episode, double from) {
-  const std::vector<SmoothedSample> force = smooth(episode.t, episode.force, episode.t, 0.010);
-  double above_since = episode.breakaway.t;
-  for (std::size_t i = episode.t.size(); i-- > 0;) {
-    if (episode.t[i] > episode.breakaway.t) continue;
-    if (force[i].value < from || episode.t[i] < episode.begin) break;
-    above_since = episode.t[i];
+double time_above(const Contact& contact, double from) {
+  const std::vector<SmoothedSample> force = smooth(contact.t, contact.force, contact.t, 0.010);
+  double above_since = contact.breakaway.t;
+  for (std::size_t i = contact.t.size(); i-- > 0;) {
+    if (contact.t[i] > contact.breakaway.t) continue;
+    if (force[i].value < from || contact.t[i] < contact.begin) break;
+    above_since = contact.t[i];
   }
-  return episode.breakaway.t - above_since;
+  return contact.breakaway.t - above_since;
 }
 
 double median_of(std::vector<double> values) {
@@ -41,15 +41,14 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-void add_bands(const IdentifiedContact& contact, double critical, std::vector<PlotBand>& bands) {
-  const ContactEpisode& episode = contact.episode;
-  const std::vector<SmoothedSample> force = smooth(episode.t, episode.force, episode.t, 0.010);
+void add_bands(const Contact& contact, double critical, std::vector<PlotBand>& bands) {
+  const std::vector<SmoothedSample> force = smooth(contact.t, contact.force, contact.t, 0.010);
   PlotBand* open = nullptr;
-  for (std::size_t i = 0; i < episode.t.size(); ++i) {
-    const double t = episode.t[i];
-    if (t < episode.begin || t > episode.end) continue;
+  for (std::size_t i = 0; i < contact.t.size(); ++i) {
+    const double t = contact.t[i];
+    if (t < contact.begin || t > contact.end) continue;
     const bool slides =
-        std::any_of(episode.slides.begin(), episode.slides.end(),
+        std::any_of(contact.slides.begin(), contact.slides.end(),
                     [t](const SlideInterval& slide) { return t >= slide.begin && t <= slide.end; });
     const int kind = slides ? kSliding : force[i].value >= critical ? kCritical : kStatic;
     if (open == nullptr || (open->kind != kind && open->to - open->from >= kMinPhase)) {
@@ -69,20 +68,19 @@ struct PushSeries {
   PlotSeries tool{.label = "tool", .color = 2, .dashed = true};
   double base = 0.0;  ///< [m] displacement in earlier contacts
 
-  void add(const IdentifiedContact& contact, const std::optional<HuntCrossley>& contact_law) {
-    const ContactEpisode& episode = contact.episode;
-    std::vector<double> penetration(episode.t.size(), 0.0);
-    if (contact_law) penetration = penetration_from_force(episode.t, episode.force, *contact_law);
+  void add(const Contact& contact, const std::optional<HuntCrossley>& contact_law) {
+    std::vector<double> penetration(contact.t.size(), 0.0);
+    if (contact_law) penetration = penetration_from_force(contact.t, contact.force, *contact_law);
     const auto first = static_cast<std::size_t>(
-        std::lower_bound(episode.t.begin(), episode.t.end(), episode.begin) - episode.t.begin());
-    const double zero = episode.tool[first] - penetration[first];
+        std::lower_bound(contact.t.begin(), contact.t.end(), contact.begin) - contact.t.begin());
+    const double zero = contact.tool[first] - penetration[first];
     double displacement = 0.0;
-    for (std::size_t i = 0; i < episode.t.size(); ++i) {
-      const double t = episode.t[i];
-      force.x.push_back(t), force.y.push_back(episode.force[i]);
-      const double tip = episode.tool[i] - zero;
+    for (std::size_t i = 0; i < contact.t.size(); ++i) {
+      const double t = contact.t[i];
+      force.x.push_back(t), force.y.push_back(contact.force[i]);
+      const double tip = contact.tool[i] - zero;
       tool.x.push_back(t), tool.y.push_back(kMillimetres * (base + tip));
-      const bool touches = t >= episode.begin && t <= episode.end;
+      const bool touches = t >= contact.begin && t <= contact.end;
       if (touches) displacement = tip - penetration[i];
       object.x.push_back(t), object.y.push_back(kMillimetres * (base + displacement));
     }
@@ -110,16 +108,15 @@ void add_figures(const std::string& what, const PushSeries& series,
                    .band_labels = labels});
 }
 
-Plot breakaway_plot(const std::vector<const IdentifiedContact*>& pushes,
-                    const LimitingFriction& limit) {
+Plot breakaway_plot(const std::vector<const Contact*>& pushes, const LimitingFriction& limit) {
   Plot plot{.title = "Breakaway of each push", .x_label = "push", .y_label = "force (N)"};
   PlotSeries peak{.label = "measured at the tool", .color = 1, .points = true};
   PlotSeries own{.label = "friction limit without inertia", .color = 0, .points = true};
   double number = 0.0;
-  for (const IdentifiedContact* push : pushes) {
+  for (const Contact* push : pushes) {
     if (!push->limit.is_excited) continue;
     number += 1.0;
-    peak.x.push_back(number), peak.y.push_back(push->episode.breakaway.force);
+    peak.x.push_back(number), peak.y.push_back(push->breakaway.force);
     own.x.push_back(number), own.y.push_back(push->limit.value);
   }
   plot.series = {peak, own};
@@ -152,10 +149,10 @@ ReportTable critical_band_table(const Identification& found, std::size_t object)
       {"here: F_M less the larger of STD and 10 %", critical_from(limit), limit.mean}};
   for (const auto& [name, from, to] : bands) {
     std::vector<double> times;
-    for (const IdentifiedContact& contact : found.contacts) {
+    for (const Contact& contact : found.contacts) {
       const bool counts = contact.object == object && contact.left_out.empty() &&
-                          contact.limit.is_excited && contact.episode.breakaway.is_found;
-      if (counts) times.push_back(time_above(contact.episode, from));
+                          contact.limit.is_excited && contact.breakaway.is_found;
+      if (counts) times.push_back(time_above(contact, from));
     }
     if (times.empty()) continue;
     table.rows.push_back({name, readable(from), readable(to), readable(1e3 * median_of(times)),
@@ -170,9 +167,9 @@ ReportTable critical_band_table(const Identification& found, std::size_t object)
 
 std::vector<Plot> push_plots(const Identification& found, std::size_t object) {
   std::vector<Plot> plots;
-  std::vector<const IdentifiedContact*> pushes;
-  for (const IdentifiedContact& contact : found.contacts) {
-    const bool is_push = contact.episode.kind != ContactKind::press;
+  std::vector<const Contact*> pushes;
+  for (const Contact& contact : found.contacts) {
+    const bool is_push = contact.kind != ContactKind::press;
     if (contact.object == object && is_push && contact.left_out.empty()) {
       pushes.push_back(&contact);
     }
@@ -183,7 +180,7 @@ std::vector<Plot> push_plots(const Identification& found, std::size_t object) {
   const double critical = critical_from(of.limit);
   PushSeries all;
   std::vector<PlotBand> bands;
-  for (const IdentifiedContact* push : pushes) {
+  for (const Contact* push : pushes) {
     all.add(*push, contact_law);
     add_bands(*push, critical, bands);
   }

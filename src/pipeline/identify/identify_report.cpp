@@ -50,8 +50,8 @@ void add_impacts(Json& json, const std::string& key, const ObjectIdentification&
 void add_pushes(Json& json, const std::string& key, const Identification& found,
                 std::size_t object) {
   Json pushes = Json::array();
-  for (const IdentifiedContact& contact : found.contacts) {
-    const Breakaway& breakaway = contact.episode.breakaway;
+  for (const Contact& contact : found.contacts) {
+    const Breakaway& breakaway = contact.breakaway;
     if (contact.object != object || !contact.left_out.empty() || !breakaway.is_found) continue;
     Json push{{"t_breakaway", breakaway.t},
               {"force", breakaway.force},
@@ -151,7 +151,7 @@ std::string format_json(const Identification& found, const std::string& recordin
 
 std::map<std::string, std::size_t> Identification::contacts_left_out() const {
   std::map<std::string, std::size_t> counts;
-  for (const IdentifiedContact& contact : contacts) {
+  for (const Contact& contact : contacts) {
     if (!contact.left_out.empty()) ++counts[contact.left_out];
   }
   return counts;

@@ -18,7 +18,7 @@
 #include "pcavr/physics/object_identification/combine_with_known.hpp"
 #include "pcavr/physics/object_identification/run_scatter.hpp"
 
-#include "observed_contacts.hpp"
+#include "contact_motion.hpp"
 #include "surface_std.hpp"
 
 namespace pcavr {
@@ -197,10 +197,10 @@ ObjectIdentification identify_together(const std::string& name,
     const auto tracked =
         on_clock(data.runs[one.run].input.objects[one.object].tracked, alone.inputs.camera_shift());
     for (const auto& contact :
-         observed_contacts(alone.contacts, one.object, data.tips[one.run], tracked)) {
-      ObservedContact moved = delayed(*contact, data.delays[one.run]);
-      moved.contact.object = 0;
-      identifier.add(std::make_shared<const ObservedContact>(std::move(moved)));
+         contacts_with_motion(alone.contacts, one.object, data.tips[one.run], tracked)) {
+      Contact moved = delayed(*contact, data.delays[one.run]);
+      moved.object = 0;
+      identifier.add(std::make_shared<const Contact>(std::move(moved)));
     }
   }
   return identifier.result().object;
@@ -339,7 +339,7 @@ Expected<PooledIdentification> identify_runs(std::vector<IdentificationRun> runs
       result.warnings.push_back(runs[k].name + ": " + warning);
     for (std::size_t i = 0; i < found->objects.size(); ++i) {
       const bool is_touched = std::ranges::any_of(
-          found->contacts, [i](const IdentifiedContact& contact) { return contact.object == i; });
+          found->contacts, [i](const Contact& contact) { return contact.object == i; });
       if (is_touched) touched[found->objects[i].name].push_back({k, i});
     }
     result.runs.push_back(runs[k].name);

@@ -103,7 +103,7 @@ class WrenchMeans {
 };
 
 /// Mean force of a contact along its direction over [begin, end) [N].
-double mean_force(const ContactEpisode& episode, double begin, double end) {
+double mean_force(const Contact& episode, double begin, double end) {
   double sum = 0.0;
   std::size_t count = 0;
   auto i = std::lower_bound(episode.t.begin(), episode.t.end(), begin) - episode.t.begin();
@@ -120,7 +120,7 @@ class Contacts {
   Contacts(const IdentificationInput& input, const Identification& found,
            const ParameterTable& parameters)
       : input_(input), parameters_(parameters) {
-    for (const IdentifiedContact& contact : found.contacts) {
+    for (const Contact& contact : found.contacts) {
       if (contact.object) contacts_.push_back(&contact);
     }
   }
@@ -128,37 +128,35 @@ class Contacts {
   /// Phase, contact and friction over [begin, end), in frames whose times ascend.
   void describe(double begin, double end, LerobotFrame& frame) {
     const double t = 0.5 * (begin + end);
-    while (next_ + 1 < contacts_.size() && contacts_[next_ + 1]->episode.begin <= t) ++next_;
+    while (next_ + 1 < contacts_.size() && contacts_[next_ + 1]->begin <= t) ++next_;
     frame.mu = frame.mu_std = std::numeric_limits<float>::quiet_NaN();
     if (contacts_.empty()) return;
-    const IdentifiedContact& contact = *contacts_[next_];
+    const Contact& contact = *contacts_[next_];
     const ObjectParameters known = known_of(contact);
     if (const auto& mu = known.sliding_friction_coefficient) {
       frame.mu = static_cast<float>(mu->value);
       if (mu->std) frame.mu_std = static_cast<float>(*mu->std);
     }
-    const ContactEpisode& episode = contact.episode;
-    frame.contact = episode.begin <= t && t < episode.end;
-    if (frame.contact) frame.phase = phase_of(episode, known, begin, end);
+    frame.contact = contact.begin <= t && t < contact.end;
+    if (frame.contact) frame.phase = phase_of(contact, known, begin, end);
   }
 
   /// "push NAME and NAME".
   [[nodiscard]] std::string task() const {
     std::set<std::string> names;
-    for (const IdentifiedContact* contact : contacts_)
-      names.insert(input_.objects[*contact->object].name);
+    for (const Contact* contact : contacts_) names.insert(input_.objects[*contact->object].name);
     std::string text;
     for (const std::string& name : names) text += (text.empty() ? "push " : " and ") + name;
     return text.empty() ? "move the tool" : text;
   }
 
  private:
-  [[nodiscard]] ObjectParameters known_of(const IdentifiedContact& contact) const {
+  [[nodiscard]] ObjectParameters known_of(const Contact& contact) const {
     const auto found = parameters_.find(input_.objects[*contact.object].name);
     return found == parameters_.end() ? ObjectParameters() : found->second;
   }
-  static PhaseIndex phase_of(const ContactEpisode& episode, const ObjectParameters& known,
-                             double begin, double end) {
+  static PhaseIndex phase_of(const Contact& episode, const ObjectParameters& known, double begin,
+                             double end) {
     const double t = 0.5 * (begin + end);
     for (const SlideInterval& slide : episode.slides) {
       if (slide.begin <= t && t < slide.end) return kSliding;
@@ -171,7 +169,7 @@ class Contacts {
 
   const IdentificationInput& input_;
   const ParameterTable& parameters_;
-  std::vector<const IdentifiedContact*> contacts_;
+  std::vector<const Contact*> contacts_;
   std::size_t next_ = 0;
 };
 

@@ -51,8 +51,8 @@ std::optional<ContactSite> site_of(const CadModel& model, const Pose& T_base_obj
 /// robot's base, along the object's own axes.
 Eigen::Vector3d side_of(const PlannedObject& known, const Pose& T_base_object) {
   Eigen::Vector3d chosen = Eigen::Vector3d::Zero();
-  for (const IdentifiedContact* contact : known.contacts) {
-    if (contact->episode.kind == ContactKind::press || !is_centred(contact)) continue;
+  for (const Contact* contact : known.contacts) {
+    if (contact->kind == ContactKind::press || !is_centred(contact)) continue;
     Eigen::Vector3d normal = T_base_object.rotation() * contact->normal_object;
     normal.z() = 0.0;
     if (chosen.isZero() || normal.dot(chosen) > 0.0) chosen += normal;
@@ -162,7 +162,7 @@ void append_presses(const PlannedObject& known, const Pose& T_base_object, Objec
                     PlanPath& path) {
   Eigen::Vector3d outward = Eigen::Vector3d::UnitZ();
   if (!known.object.is_movable && !known.contacts.empty()) {
-    outward = -known.contacts.back()->episode.direction_base;
+    outward = -known.contacts.back()->direction_base;
   }
   const auto site = site_of(known.object.model, T_base_object, outward, std::nullopt);
   if (!site) {

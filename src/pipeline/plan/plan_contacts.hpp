@@ -17,7 +17,7 @@ namespace pcavr {
 struct PlannedObject {
   const IdentifiableObject& object;
   const ObjectIdentification& found;
-  std::vector<const IdentifiedContact*> contacts;
+  std::vector<const Contact*> contacts;
 };
 
 /// Time [s] in which a planned push is loaded until breakaway: quasi-static.

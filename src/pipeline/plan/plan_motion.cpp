@@ -31,8 +31,8 @@ bool is_reached(const PlannedStd& row) { return row.now && row.wished && *row.no
 
 PressNoise press_noise(const IdentificationInput& input, const Identification& found) {
   std::vector<double> tip;
-  for (const IdentifiedContact& contact : found.contacts) {
-    if (contact.episode.tool_noise) tip.push_back(*contact.episode.tool_noise);
+  for (const Contact& contact : found.contacts) {
+    if (contact.tool_noise) tip.push_back(*contact.tool_noise);
   }
   return {mean_interval(input.t_force), found.inputs.force_noise,
           tip.empty() ? kGuessedTipNoise : median(tip)};
@@ -119,9 +119,9 @@ void plan_sliding(const PlannedObject& known, const IdentificationOptions& optio
 }
 
 /// [N] of F_M by one push: the precise ones count most, as the planned pushes are slow and centred.
-double push_std_of(const std::vector<const IdentifiedContact*>& contacts) {
+double push_std_of(const std::vector<const Contact*>& contacts) {
   double information = 0.0, count = 0.0;
-  for (const IdentifiedContact* contact : contacts) {
+  for (const Contact* contact : contacts) {
     if (!contact->limit.is_excited || !(contact->limit.std > 0.0)) continue;
     // Nearly all of a fast push's std is shared: it says little of slow ones.
     information += std::pow(std::hypot(contact->limit.std, contact->limit_shared_std), -2);
@@ -183,7 +183,7 @@ MotionPlan plan_motion(const IdentificationInput& input, const Identification& f
   const PressNoise noise = press_noise(input, found);
   for (std::size_t i = 0; i < input.objects.size(); ++i) {
     PlannedObject known{input.objects[i], found.objects[i], {}};
-    for (const IdentifiedContact& contact : found.contacts) {
+    for (const Contact& contact : found.contacts) {
       if (contact.object == i && contact.left_out.empty()) known.contacts.push_back(&contact);
     }
     ObjectPlan& one = plan.objects.emplace_back();

@@ -66,11 +66,11 @@ TrialResult CorrectionTrial::evaluate(const CorrectionProposal& proposal) {
     const std::optional<double> displayed = displayed_std(*proposal.pose);
     result.rejects_pose = displayed && kGrowthStds * *displayed > proposal.pose_error;
   }
-  for (const CorrectionProposal::Contact& contact : proposal.contacts) {
-    const std::optional<double> error = error_of(contact.recorded, contact.after);
+  for (const TriedContact& tried : proposal.contacts) {
+    const std::optional<double> error = error_of(tried, tried.after);
     // One that can't be noticed is right whatever the error was: a trial less.
     if (!error || *error <= 1.0) continue;
-    if (*error <= kMaxErrorRatio * *error_of(contact.recorded, contact.before)) continue;
+    if (*error <= kMaxErrorRatio * *error_of(tried, tried.before)) continue;
     result.rejects_parameters = true;
     break;
   }
@@ -89,41 +89,40 @@ std::optional<double> CorrectionTrial::displayed_std(const TriedCorrection& trie
                     distance(end_of(tried, 0.0, tried.rotation_std)));
 }
 
-std::optional<double> CorrectionTrial::error_of(const RecordedContact& contact,
+std::optional<double> CorrectionTrial::error_of(const TriedContact& tried,
                                                 const BodyPhysics& physics) {
-  if (!world_ || contact.seen.empty()) return std::nullopt;
+  const Contact& contact = tried.contact;
+  if (!world_ || !contact.object || contact.tracked.empty()) return std::nullopt;
+  const std::size_t object = *contact.object;
   std::vector<BodyState> alone = untouched_;
-  for (std::size_t i = 0; i < alone.size(); ++i) alone[i].is_present = i == contact.object;
+  for (std::size_t i = 0; i < alone.size(); ++i) alone[i].is_present = i == object;
   world_->set_state(alone);
-  world_->set_physics(contact.object, physics);
-  world_->set_pose(contact.object, contact.T_base_start);
+  world_->set_physics(object, physics);
+  world_->set_pose(object, contact.T_base_object);
   RootMeanSquare position, force, measured_force, seen_std;
-  auto seen = contact.seen.begin();
+  auto seen = contact.tracked.begin();
   std::size_t next_force = 0;
-  Eigen::Vector3d before = contact.p_base_tip(contact.begin);
+  Eigen::Vector3d before = tried.p_base_tip(contact.begin);
   const auto steps = static_cast<int>(std::lround((contact.end - contact.begin) / step_));
   for (int k = 1; k <= steps; ++k) {
     const double t = contact.begin + step_ * k;
-    const Eigen::Vector3d after = contact.p_base_tip(t);
+    const Eigen::Vector3d after = tried.p_base_tip(t);
     world_->step(before, after, step_);
     before = after;
-    for (; seen != contact.seen.end() && seen->t <= t; ++seen) {
-      const Pose predicted = world_->T_base_object(contact.object);
+    for (; seen != contact.tracked.end() && seen->t <= t; ++seen) {
+      const Pose predicted = world_->T_base_object(object);
       position.add((predicted.translation() - seen->T_base_object.translation())
                        .dot(contact.direction_base));
       seen_std.add(seen->position_std / std::sqrt(3.0));
     }
-    const double predicted =
-        world_->state()[contact.object].tool_force_base.dot(contact.direction_base);
-    for (; next_force < contact.force.t.size() && contact.force.t[next_force] <= t; ++next_force) {
-      const double measured =
-          (contact.force.clean_base[next_force] - contact.bias_base).dot(contact.direction_base);
-      force.add(predicted - measured);
-      measured_force.add(measured);
+    const double predicted = world_->state()[object].tool_force_base.dot(contact.direction_base);
+    for (; next_force < contact.t.size() && contact.t[next_force] <= t; ++next_force) {
+      force.add(predicted - contact.force[next_force]);
+      measured_force.add(contact.force[next_force]);
     }
   }
   const double noticed = std::max(position_stds_ * seen_std.value(), min_position_error_);
-  const double felt = std::max(force_tolerance_ * measured_force.value(), contact.force_resolution);
+  const double felt = std::max(force_tolerance_ * measured_force.value(), tried.force_resolution);
   return std::hypot(position.value() / noticed, force.value() / felt);
 }
 

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "pcavr/physics/identification/contact.hpp"
 #include "pcavr/physics/prediction/body_physics.hpp"
 #include "pcavr/physics/prediction/predicted_world.hpp"
 #include "pcavr/teleoperation/teleop/run_teleop.hpp"
@@ -32,32 +33,20 @@ struct TriedCorrection {
   std::function<Eigen::Vector3d(double)> p_base_tip;  ///< at any time [s]
 };
 
-/// Measurements of a contact so far. A copy of the samples: a thread uses it.
-struct RecordedContact {
-  struct Force {
-    std::vector<double> t;                    ///< [s]
-    std::vector<Eigen::Vector3d> clean_base;  ///< [N] on the object, bias included
-  };
-  std::size_t object = 0;
-  double begin = 0.0, end = 0.0;                              ///< [s]
-  Pose T_base_start;                                          ///< of the object at the begin
-  Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();  ///< of the push
-  std::vector<TrackedPose> seen;  ///< of the object, on the tool's clock
-  Force force;
-  Eigen::Vector3d bias_base = Eigen::Vector3d::Zero();  ///< [N]
-  double force_resolution = 0.0;                        ///< [N] below it no difference counts
-  std::function<Eigen::Vector3d(double)> p_base_tip;    ///< at any time [s]
+/// A contact up to now, in which a correction's parameters are tried. A copy: a thread uses it.
+struct TriedContact {
+  Contact contact;                ///< `force` less its bias, and the object's first poses
+  double force_resolution = 0.0;  ///< [N] below it no difference counts
+  std::function<Eigen::Vector3d(double)> p_base_tip = {};  ///< at any time [s]
+  BodyPhysics before = {};                                 ///< with the operator's parameters
+  BodyPhysics after = {};                                  ///< with the correction's
 };
 
 /// The parts of one correction that are tried.
 struct CorrectionProposal {
-  struct Contact {
-    RecordedContact recorded;
-    BodyPhysics before, after;  ///< with the operator's parameters, and with the correction's
-  };
   std::optional<TriedCorrection> pose;  ///< empty: it is sent as it is
   double pose_error = 0.0;              ///< [m] of the pose that the operator's site has
-  std::vector<Contact> contacts;        ///< empty: parameters are sent as they are
+  std::vector<TriedContact> contacts;   ///< empty: parameters are sent as they are
 
   [[nodiscard]] bool is_empty() const { return !pose && contacts.empty(); }
 };
@@ -85,7 +74,7 @@ class CorrectionTrial {
   /// position and force along the push together; 1 where either site would notice. Across the push
   /// and in rotation a push at one point is unstable: there, errors grow from those of the pose.
   /// Empty without a copy of the world, or where the object was not tracked.
-  [[nodiscard]] std::optional<double> error_of(const RecordedContact& contact,
+  [[nodiscard]] std::optional<double> error_of(const TriedContact& tried,
                                                const BodyPhysics& physics);
 
  private:

@@ -65,14 +65,14 @@ void ObjectKnowledge::use(const UsedContact& contact) {
 
 void ObjectKnowledge::identify(const Background& background, double t,
                                std::optional<double> ceiling,
-                               std::vector<PendingIdentification::Contact> contacts) {
+                               std::vector<ContactSamples> contacts) {
   current_.set_force_ceiling(ceiling);
   identification_.emplace(background, t, current_, std::move(contacts));
 }
 
 void ObjectKnowledge::identify_again(const Background& background, double t,
                                      std::optional<double> ceiling,
-                                     std::vector<PendingIdentification::Contact> contacts,
+                                     std::vector<ContactSamples> contacts,
                                      OnlineIdentification old) {
   current_ = given_;
   identify(background, t, ceiling, std::move(contacts));

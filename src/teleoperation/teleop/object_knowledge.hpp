@@ -49,7 +49,7 @@ class ObjectKnowledge {
   /// A contact that is used to identify, on the tool's clock.
   struct UsedContact {
     double begin = 0.0, until = 0.0;  ///< [s]
-    OnlineIdentification::ContactFacts facts;
+    ContactFacts facts;
   };
   /// The newest of them.
   [[nodiscard]] const std::deque<UsedContact>& used() const { return used_; }
@@ -57,12 +57,11 @@ class ObjectKnowledge {
   void use(const UsedContact& contact);
   /// Identifies the contacts from what is known. `ceiling` [N]: the force sensor's.
   void identify(const Background& background, double t, std::optional<double> ceiling,
-                std::vector<PendingIdentification::Contact> contacts);
+                std::vector<ContactSamples> contacts);
   /// The same from what is given, where the clock was wrong: `old` is better than nothing until
   /// then.
   void identify_again(const Background& background, double t, std::optional<double> ceiling,
-                      std::vector<PendingIdentification::Contact> contacts,
-                      OnlineIdentification old);
+                      std::vector<ContactSamples> contacts, OnlineIdentification old);
   [[nodiscard]] bool has_identification() const { return identification_.has_value(); }
   [[nodiscard]] bool is_identification_due(double t) const {
     return identification_ && identification_->is_due(t);

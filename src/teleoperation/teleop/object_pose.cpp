@@ -118,15 +118,17 @@ void ObjectPose::record_contact(const TrackedPose& seen) {
   const double begin = monitor_.contact_begin();
   if (tracked_contacts_.empty() || tracked_contacts_.back().begin != begin) {
     // A press shows the law of another face than the pushes after it, with another surface.
-    if (!tracked_contacts_.empty() && tracked_contacts_.back().is_press)
+    if (!tracked_contacts_.empty() && tracked_contacts_.back().kind == ContactKind::press)
       tracked_contacts_.pop_back();
     if (tracked_contacts_.size() == kMaxSeenContacts) tracked_contacts_.pop_front();
-    tracked_contacts_.push_back(
-        {begin, before_contact_.T_base_object, monitor_.direction_base(), monitor_.is_press(), {}});
+    Contact& contact = tracked_contacts_.emplace_back();
+    contact.kind = monitor_.is_press() ? ContactKind::press : ContactKind::push;
+    contact.begin = begin;
+    contact.T_base_object = before_contact_.T_base_object;
   }
-  TrackedContact& contact = tracked_contacts_.back();
+  Contact& contact = tracked_contacts_.back();
   contact.direction_base = monitor_.direction_base();
-  if (seen.t >= begin && seen.t <= begin + kMaxTrackedTime) contact.poses.push_back(seen);
+  if (seen.t >= begin && seen.t <= begin + kMaxTrackedTime) contact.tracked.push_back(seen);
 }
 
 void ObjectPose::remember(const TrackedPose& seen) {

@@ -73,18 +73,10 @@ class ObjectPose {
   /// Current estimate of [vx vy omega].
   [[nodiscard]] Eigen::Vector3d twist() const;
 
-  /// Motion of the object in one of its last contacts, for trials of parameters.
-  struct TrackedContact {
-    double begin = 0.0;  ///< [s]
-    Pose T_base_start;
-    Eigen::Vector3d direction_base = Eigen::Vector3d::UnitX();
-    bool is_press = false;           ///< only while it is the newest contact
-    std::vector<TrackedPose> poses;  ///< of its first kMaxTrackedTime
-  };
+  /// The object's motion in its last contacts, for trials of parameters: begin, pose at touch,
+  /// direction and the poses of the first kMaxTrackedTime; of presses, only the newest contact.
   static constexpr double kMaxTrackedTime = 4.0;  ///< [s] a trial of more would hold up the site
-  [[nodiscard]] const std::deque<TrackedContact>& tracked_contacts() const {
-    return tracked_contacts_;
-  }
+  [[nodiscard]] const std::deque<Contact>& tracked_contacts() const { return tracked_contacts_; }
   void forget_contacts() { tracked_contacts_.clear(); }
   /// The object's tracked poses in [begin, end] [s].
   [[nodiscard]] std::vector<TrackedPose> tracked_between(double begin, double end) const;
@@ -164,8 +156,8 @@ class ObjectPose {
   bool is_seen_moving_ = false;
   TrackedPose before_contact_;  ///< the latest frame before the contact
   bool has_moved_in_contact_ = false;
-  std::deque<TrackedContact> tracked_contacts_;  ///< the newest
-  std::vector<TrackedPose> history_;  ///< of the longest contact that is identified, at least
+  std::deque<Contact> tracked_contacts_;  ///< the newest
+  std::vector<TrackedPose> history_;      ///< of the longest contact that is identified, at least
   SlowSlide slow_slide_;
   std::optional<double> slow_contact_begin_ = {};             ///< [s] of its contact
   Eigen::Vector3d touched_object_ = Eigen::Vector3d::Zero();  ///< [m] at first touch

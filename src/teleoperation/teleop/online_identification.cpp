@@ -63,16 +63,15 @@ HuntCrossley law_of(const ContactFit& fit) {
 /// Whether the tip slides along an inclined face, as in an oblique hole: a press under which the
 /// object moves, or a contact whose force is neither upright nor level. Neither the tip's path nor
 /// the force along it is then that of the contact, or of the support's friction.
-bool is_oblique(const ContactRecord& record, const ContactEpisode& contact,
-                const OnlineIdentification::ContactFacts& facts) {
+bool is_oblique(const ContactSamples& samples, const Contact& contact) {
   constexpr double kMaxTangent = 0.3;  // 17 degrees: level and upright faces give less
   const bool is_press = contact.kind == ContactKind::press;
-  if (is_press && (facts.has_moved || facts.has_slid)) return true;
+  if (is_press && (samples.facts.has_moved || samples.facts.has_slid)) return true;
   double vertical = 0.0, horizontal = 0.0;
-  for (std::size_t i = 0; i < record.t_force.size(); ++i) {
-    if (record.t_force[i] < contact.begin || record.t_force[i] > contact.end) continue;
-    vertical += record.force_base[i].z() * record.force_base[i].z();
-    horizontal += record.force_base[i].head<2>().squaredNorm();
+  for (std::size_t i = 0; i < samples.t_force.size(); ++i) {
+    if (samples.t_force[i] < contact.begin || samples.t_force[i] > contact.end) continue;
+    vertical += samples.force_base[i].z() * samples.force_base[i].z();
+    horizontal += samples.force_base[i].head<2>().squaredNorm();
   }
   const double along = is_press ? vertical : horizontal;
   const double across = is_press ? horizontal : vertical;
@@ -92,115 +91,101 @@ OnlineIdentification::OnlineIdentification(std::shared_ptr<const IdentifiableObj
       known_(given),
       given_(given) {}
 
-bool OnlineIdentification::learn(const ContactRecord& record, double begin,
-                                 const ContactFacts& facts) {
+bool OnlineIdentification::learn(const ContactSamples& samples) {
   has_changed_ = false;
   contradiction_.reset();
-  const Segmentation found = segment_contacts(record.t_force, record.force_base, record.t_tool,
-                                              record.p_base_tip, options_.segmentation);
+  Segmentation found = segment_contacts(samples.t_force, samples.force_base, samples.t_tool,
+                                        samples.p_base_tip, options_.segmentation);
   const auto nearest = std::min_element(
       found.contacts.begin(), found.contacts.end(), [&](const auto& a, const auto& b) {
-        return std::abs(a.begin - begin) < std::abs(b.begin - begin);
+        return std::abs(a.begin - samples.begin) < std::abs(b.begin - samples.begin);
       });
-  if (nearest == found.contacts.end() || !is_usable(*nearest, record, facts)) return false;
-  ContactEpisode episode = *nearest;
-  if (facts.has_slid && !is_press(episode)) check_breakaway(episode);
-  auto contact = observed(record, found, episode, facts);
-  if (!contact->t_tool.empty()) store(std::move(contact), facts.has_slid);
+  if (nearest == found.contacts.end() || !is_usable(*nearest, samples)) return false;
+  if (samples.facts.has_slid && !is_press(*nearest)) check_breakaway(*nearest);
+  auto contact = along_face(samples, std::move(*nearest));
+  if (!contact->t_tool.empty()) store(std::move(contact), samples.facts.has_slid);
   return has_changed_;
 }
 
-bool OnlineIdentification::add(std::shared_ptr<const ObservedContact> contact, bool has_slid) {
+bool OnlineIdentification::add(std::shared_ptr<const Contact> contact, bool has_slid) {
   has_changed_ = false;
   store(std::move(contact), has_slid);
   return has_changed_;
 }
 
-void OnlineIdentification::store(std::shared_ptr<const ObservedContact> contact, bool has_slid) {
-  const ContactEpisode& episode = contact->contact.episode;
-  if (!contacts_.empty() &&
-      std::abs(contacts_.back()->contact.episode.begin - episode.begin) < kSameContact)
+void OnlineIdentification::store(std::shared_ptr<const Contact> contact, bool has_slid) {
+  if (!contacts_.empty() && std::abs(contacts_.back()->begin - contact->begin) < kSameContact)
     contacts_.pop_back();
   contacts_.push_back(contact);
   forget_old_contacts();
   // A press that goes on as a push is no press any more.
-  is_law_of_presses_ &= std::ranges::any_of(
-      contacts_, [this](const auto& one) { return is_press(one->contact.episode); });
-  const bool shows_friction = has_slid && !is_press(episode);
+  is_law_of_presses_ &=
+      std::ranges::any_of(contacts_, [this](const auto& one) { return is_press(*one); });
+  const bool shows_friction = has_slid && !is_press(*contact);
   has_slid_ = has_slid_ || shows_friction;
   is_search_due_ = has_slid_;
   learn_contact();
-  if (shows_friction) assume_friction(episode);
+  if (shows_friction) assume_friction(*contact);
 }
 
-bool OnlineIdentification::is_usable(const ContactEpisode& contact, const ContactRecord& record,
-                                     const ContactFacts& facts) const {
+bool OnlineIdentification::is_usable(const Contact& contact, const ContactSamples& samples) const {
   // Empty: the tool was not recorded meanwhile.
   if (contact.t.empty() || contact.impact) return false;
   if (force_ceiling_ && contact.peak_force >= kSaturatedRatio * *force_ceiling_) return false;
   const bool shows_law =
       contact.peak_force >= options_.min_peak_force && contact.t.size() >= kMinContactSamples;
-  if (!shows_law && (is_press(contact) || !facts.has_slid)) return false;
-  if (facts.has_moved && !facts.has_slid && !is_press(contact)) return false;
-  return !object_->is_movable || !is_oblique(record, contact, facts);
+  if (!shows_law && (is_press(contact) || !samples.facts.has_slid)) return false;
+  if (samples.facts.has_moved && !samples.facts.has_slid && !is_press(contact)) return false;
+  return !object_->is_movable || !is_oblique(samples, contact);
 }
 
 double OnlineIdentification::path_end_before(double begin) const {
   const auto before = std::find_if(contacts_.rbegin(), contacts_.rend(), [&](const auto& contact) {
-    return std::abs(contact->contact.episode.begin - begin) >= kSameContact;
+    return std::abs(contact->begin - begin) >= kSameContact;
   });
   return before == contacts_.rend() ? -std::numeric_limits<double>::infinity()
                                     : (*before)->t_tool.back();
 }
 
-std::shared_ptr<const ObservedContact> OnlineIdentification::observed(
-    const ContactRecord& record, const Segmentation& found, const ContactEpisode& episode,
-    const ContactFacts& facts) const {
-  auto observed = std::make_shared<ObservedContact>();
-  const double from = path_end_before(episode.begin);
-  const auto first = std::upper_bound(record.t_tool.begin(), record.t_tool.end(), from);
-  observed->t_tool.assign(first, record.t_tool.end());
-  observed->p_base_tip.assign(record.p_base_tip.begin() + (first - record.t_tool.begin()),
-                              record.p_base_tip.end());
-  std::copy_if(record.tracked.begin(), record.tracked.end(), std::back_inserter(observed->tracked),
+std::shared_ptr<const Contact> OnlineIdentification::along_face(const ContactSamples& samples,
+                                                                Contact&& contact) const {
+  const double from = path_end_before(contact.begin);
+  const auto first = std::upper_bound(samples.t_tool.begin(), samples.t_tool.end(), from);
+  contact.t_tool.assign(first, samples.t_tool.end());
+  contact.p_base_tip.assign(samples.p_base_tip.begin() + (first - samples.t_tool.begin()),
+                            samples.p_base_tip.end());
+  std::copy_if(samples.tracked.begin(), samples.tracked.end(), std::back_inserter(contact.tracked),
                [from](const TrackedPose& pose) { return pose.t > from; });
-  IdentifiedContact& contact = observed->contact;
-  contact.episode = episode;
   contact.object = 0;
-  if (!facts.has_slid) {
-    contact.episode.breakaway.is_found = false;
-    contact.episode.slides.clear();
-    if (episode.kind == ContactKind::slide) contact.episode.kind = ContactKind::push;
+  if (!samples.facts.has_slid) {
+    contact.breakaway.is_found = false;
+    contact.slides.clear();
+    if (contact.kind == ContactKind::slide) contact.kind = ContactKind::push;
   }
-  const auto at = std::lower_bound(record.t_force.begin(), record.t_force.end(), episode.t.front());
-  const auto force = found.force_base.begin() + (at - record.t_force.begin());
-  contact.force_base.assign(force, force + std::ssize(episode.t));
-  const PathView tip(record.t_tool, record.p_base_tip);
-  const bool is_tracked = !record.tracked.empty();
-  const Pose T_base_object =
-      is_tracked ? pose_at(record.tracked, episode.begin) : object_->T_base_object;
+  const PathView tip(samples.t_tool, samples.p_base_tip);
+  const bool is_tracked = !samples.tracked.empty();
+  contact.T_base_object =
+      is_tracked ? pose_at(samples.tracked, contact.begin) : object_->T_base_object;
   // Of an object that may be anywhere, the contacts along one direction are on one face.
   contact.normal_object =
-      is_tracked ? identifier_.surface()
-                       .touch(T_base_object, tip.at(episode.begin), tool_radius_)
-                       .normal_object
-                 : Eigen::Vector3d(T_base_object.rotation().inverse() * -episode.direction_base);
+      is_tracked
+          ? identifier_.surface()
+                .touch(contact.T_base_object, tip.at(contact.begin), tool_radius_)
+                .normal_object
+          : Eigen::Vector3d(contact.T_base_object.rotation().inverse() * -contact.direction_base);
   std::vector<Eigen::Vector3d> directions_base;
   for (const auto& other : contacts_) {
-    if (std::abs(other->contact.episode.begin - episode.begin) >= kSameContact)
-      directions_base.push_back(other->contact.episode.direction_base);
+    if (std::abs(other->begin - contact.begin) >= kSameContact)
+      directions_base.push_back(other->direction_base);
   }
-  align_with_face(T_base_object, object_->model.centre_of_mass_object, tip, directions_base,
-                  contact);
+  align_with_face(object_->model.centre_of_mass_object, tip, directions_base, contact);
   if (!is_tracked) contact.lever = 0.0;
-  return observed;
+  return std::make_shared<const Contact>(std::move(contact));
 }
 
 void OnlineIdentification::forget_old_contacts() {
-  const bool presses = is_press(contacts_.back()->contact.episode);
-  const auto is_same_kind = [&](const auto& contact) {
-    return is_press(contact->contact.episode) == presses;
-  };
+  const bool presses = is_press(*contacts_.back());
+  const auto is_same_kind = [&](const auto& contact) { return is_press(*contact) == presses; };
   if (std::ranges::count_if(contacts_, is_same_kind) > options_.max_fitted_contacts)
     contacts_.erase(std::ranges::find_if(contacts_, is_same_kind));
 }
@@ -240,7 +225,7 @@ ObjectParameters OnlineIdentification::conservative_estimate() const {
   return estimate;
 }
 
-bool OnlineIdentification::is_press(const ContactEpisode& contact) const {
+bool OnlineIdentification::is_press(const Contact& contact) const {
   return !object_->is_movable || contact.kind == ContactKind::press;
 }
 
@@ -288,7 +273,7 @@ bool OnlineIdentification::is_given_law_confirmed(const HuntCrossley& law,
                                                   double relative_std) const {
   const std::optional<HuntCrossley> given = contact_law_of(given_);
   if (!given) return false;
-  const double force = contacts_.back()->contact.episode.peak_force;
+  const double force = contacts_.back()->peak_force;
   const double penetration = static_penetration(law, force);
   const double combined_std = std::hypot(options_.default_relative_std, relative_std);
   return std::abs(static_penetration(*given, force) - penetration) <
@@ -300,7 +285,7 @@ ObjectIdentification OnlineIdentification::identify_law() const {
   forget_law(without_law);
   ObjectIdentifier of_presses = identifier_.with(without_law, IdentificationGoal::contact);
   for (const auto& contact : contacts_) {
-    if (is_press(contact->contact.episode)) of_presses.add(contact);
+    if (is_press(*contact)) of_presses.add(contact);
   }
   if (of_presses.size() > 0) {
     ObjectIdentification found = of_presses.result().object;
@@ -310,7 +295,7 @@ ObjectIdentification OnlineIdentification::identify_law() const {
 }
 
 void OnlineIdentification::learn_contact() {
-  const bool is_push = !is_press(contacts_.back()->contact.episode);
+  const bool is_push = !is_press(*contacts_.back());
   if (is_push && is_law_of_presses_) return;  // pushes change nothing in it
   const ObjectIdentification found = identify_law();
   const double max_force = found.penetration.max_force;
@@ -321,7 +306,7 @@ void OnlineIdentification::learn_contact() {
   const bool is_preliminary =
       !std_of_fit && !contact_law_of(known_) && found.presses.hunt_crossley.is_valid;
   if (is_preliminary) {
-    fit = preliminary_law(found.presses, contacts_.back()->contact.episode.peak_force);
+    fit = preliminary_law(found.presses, contacts_.back()->peak_force);
     std_of_fit = usable_std(fit, false, max_force);
   }
   if (!std_of_fit || is_given_law_confirmed(law_of(fit), *std_of_fit)) return;

@@ -19,14 +19,22 @@
 
 namespace pcavr {
 
-/// The samples of a contact up to now, with some time without contact before it. Stamps [s] on the
-/// tool's clock.
-struct ContactRecord {
+/// Facts about a contact beside its force and motion.
+struct ContactFacts {
+  bool has_slid = false;   ///< by force and motion
+  bool has_moved = false;  ///< by tracking
+};
+
+/// The samples of a contact up to now, with some time without contact before it, to be segmented.
+/// Stamps [s] on the tool's clock.
+struct ContactSamples {
   std::vector<double> t_force;
   std::vector<Eigen::Vector3d> force_base;  ///< [N]
   std::vector<double> t_tool;
   std::vector<Eigen::Vector3d> p_base_tip;  ///< [m]
   std::vector<TrackedPose> tracked = {};    ///< the object's poses; empty: not tracked
+  double begin = 0.0;                       ///< [s] of the contact
+  ContactFacts facts = {};
 };
 
 /// Online identification of one object's parameters, contact by contact. Every value is a result of
@@ -45,18 +53,13 @@ class OnlineIdentification {
                        const ObjectParameters& given, double tool_radius,
                        const LearningOptions& options = {});
 
-  /// Facts about a contact beside its force and motion.
-  struct ContactFacts {
-    bool has_slid = false;   ///< by force and motion
-    bool has_moved = false;  ///< by tracking
-  };
-  /// Adds a contact that began at `begin` [s], in place of the last one if that began then. A
-  /// contact in which the object has not slid yet has no information on friction: a tool that stops
-  /// looks like a breakaway. A push that moved the object although no slide was found in it has
-  /// none at all: a slow slide looks like a soft contact; nor one along an inclined face. True if
-  /// the contact law has changed, or a preliminary value. Friction follows by `next_search`.
-  bool learn(const ContactRecord& record, double begin, const ContactFacts& facts);
-  bool add(std::shared_ptr<const ObservedContact> contact, bool has_slid);
+  /// Adds a contact, in place of the last one if that began at the same time. A contact in which
+  /// the object has not slid yet has no information on friction: a tool that stops looks like a
+  /// breakaway. A push that moved the object although no slide was found in it has none at all: a
+  /// slow slide looks like a soft contact; nor one along an inclined face. True if the contact law
+  /// has changed, or a preliminary value. Friction follows by `next_search`.
+  bool learn(const ContactSamples& samples);
+  bool add(std::shared_ptr<const Contact> contact, bool has_slid);
 
   /// Identification of all parameters from the contacts so far, if it would find another result
   /// than the last. Its object must outlive it.
@@ -80,7 +83,7 @@ class OnlineIdentification {
   [[nodiscard]] const ObjectParameters& known() const { return known_; }
   /// The known parameters, with a conservative F_M until a breakaway is observed.
   [[nodiscard]] ObjectParameters conservative_estimate() const;
-  [[nodiscard]] const std::deque<std::shared_ptr<const ObservedContact>>& contacts() const {
+  [[nodiscard]] const std::deque<std::shared_ptr<const Contact>>& contacts() const {
     return contacts_;
   }
 
@@ -88,18 +91,15 @@ class OnlineIdentification {
   /// A result from more data replaces a learned one up to this ratio of their stds.
   static constexpr double kMaxStdRatio = 1.2;
 
-  [[nodiscard]] bool is_press(const ContactEpisode& contact) const;
-  [[nodiscard]] bool is_usable(const ContactEpisode& contact, const ContactRecord& record,
-                               const ContactFacts& facts) const;
+  [[nodiscard]] bool is_press(const Contact& contact) const;
+  [[nodiscard]] bool is_usable(const Contact& contact, const ContactSamples& samples) const;
   /// [s] End of the path of the contacts before one that begins at `begin` [s].
   [[nodiscard]] double path_end_before(double begin) const;
   /// The contact along the touched face, where the object is tracked.
-  [[nodiscard]] std::shared_ptr<const ObservedContact> observed(const ContactRecord& record,
-                                                                const Segmentation& found,
-                                                                const ContactEpisode& episode,
-                                                                const ContactFacts& facts) const;
+  [[nodiscard]] std::shared_ptr<const Contact> along_face(const ContactSamples& samples,
+                                                          Contact&& contact) const;
   /// In place of an earlier state of the same contact.
-  void store(std::shared_ptr<const ObservedContact> contact, bool has_slid);
+  void store(std::shared_ptr<const Contact> contact, bool has_slid);
   void forget_old_contacts();
   /// The identification from the contacts so far.
   [[nodiscard]] ObjectIdentifier identifier(const ObjectParameters& known,
@@ -113,14 +113,14 @@ class OnlineIdentification {
                                                  double max_force) const;
   [[nodiscard]] bool is_given_law_confirmed(const HuntCrossley& law, double relative_std) const;
   /// Assumes mu and B by the push's own slides and the prior of B, until a search has found them.
-  void assume_friction(const ContactEpisode& push);
+  void assume_friction(const Contact& push);
   /// Assumes F_M by the prior of its excess over Coulomb friction [N], until a search has found it:
   /// pushes off the centre do not show it.
   void assume_limit(double coulomb);
   /// A breakaway below what the push then slides under is no breakaway, but the load of a tip that
   /// slipped, or left and came again, before the object slides at all. Discards a learned F_M, too,
   /// that is below it.
-  void check_breakaway(ContactEpisode& push);
+  void check_breakaway(Contact& push);
   void note_contradiction(double limit, double sliding);  ///< [N]
   void accept_limit(const ObjectIdentification& found);
   /// Whether the force under which the newest push slid contradicts the known sliding friction;
@@ -147,7 +147,7 @@ class OnlineIdentification {
   std::optional<double> force_ceiling_;
   std::optional<double> conservative_limit_;  ///< [N]
   std::optional<std::string> contradiction_;
-  std::deque<std::shared_ptr<const ObservedContact>> contacts_;
+  std::deque<std::shared_ptr<const Contact>> contacts_;
   bool has_slid_ = false;  ///< in any contact
   bool is_law_of_presses_ = false;
   bool is_search_due_ = false;   ///< the contacts or the suspected turn have changed since the last

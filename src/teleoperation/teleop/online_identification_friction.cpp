@@ -23,7 +23,7 @@ double expected_viscous(const FrictionPriors& priors) { return 0.5 * priors.max_
 /// Coulomb friction by a push's own slides: the median force along the push, less the viscous
 /// share, of which only the prior is known. Its std has a tenth for inertia and for a force that
 /// does not go through the centre; not excited without a slide.
-IdentifiedParameter friction_in(const ContactEpisode& contact, const FrictionPriors& priors) {
+IdentifiedParameter friction_in(const Contact& contact, const FrictionPriors& priors) {
   constexpr double kForceError = 0.1;
   constexpr double kMinPath = 5e-4;  // [m] of the tip: over less, the force still settles
   std::vector<double> forces;
@@ -80,7 +80,7 @@ ParameterValue sliding_force(const ObjectParameters& known, double weight, doubl
 
 }  // namespace
 
-void OnlineIdentification::assume_friction(const ContactEpisode& push) {
+void OnlineIdentification::assume_friction(const Contact& push) {
   const bool has_friction = known_.sliding_friction_coefficient && !is_friction_assumed_;
   if (!known_.mass || has_friction) return;
   const IdentifiedParameter coulomb = friction_in(push, options_.friction_priors);
@@ -109,14 +109,13 @@ std::optional<ObjectIdentifier> OnlineIdentification::next_search() {
 bool OnlineIdentification::accept(const ObjectIdentifier::Result& result) {
   has_changed_ = false;
   const ObjectIdentification& found = result.object;
-  const auto newest =
-      std::find_if(result.contacts.rbegin(), result.contacts.rend(), [this](const auto& contact) {
-        return !is_press(contact.episode) && !contact.episode.slides.empty();
-      });
+  const auto newest = std::find_if(
+      result.contacts.rbegin(), result.contacts.rend(),
+      [this](const auto& contact) { return !is_press(contact) && !contact.slides.empty(); });
   // The inertia of a fast push is still in its peak without the sliding friction.
-  const bool is_inertial = !found.friction.is_valid && newest != result.contacts.rend() &&
-                           is_inertial_peak(newest->episode.breakaway,
-                                            friction_in(newest->episode, options_.friction_priors));
+  const bool is_inertial =
+      !found.friction.is_valid && newest != result.contacts.rend() &&
+      is_inertial_peak(newest->breakaway, friction_in(*newest, options_.friction_priors));
   if (!is_inertial) accept_limit(found);
   accept_sliding(found);
   accept_radius(found);
@@ -130,7 +129,7 @@ void OnlineIdentification::note_contradiction(double limit, double sliding) {
       limit, sliding);
 }
 
-void OnlineIdentification::check_breakaway(ContactEpisode& push) {
+void OnlineIdentification::check_breakaway(Contact& push) {
   const IdentifiedParameter sliding = friction_in(push, options_.friction_priors);
   const auto contradicts = [&](double limit, double std) {
     if (limit_above_sliding({limit, std, true}, sliding).is_excited) return false;

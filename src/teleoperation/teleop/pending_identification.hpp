@@ -20,26 +20,19 @@ class PendingIdentification {
   static constexpr double kDuration =
       0.010;  ///< [s] of the data for each, until the result applies
 
-  struct Contact {
-    ContactRecord record;
-    double begin = 0.0;  ///< [s]
-    OnlineIdentification::ContactFacts facts;
-  };
-
   /// Finds what `knowledge` would find at `t` [s], from copies of it and of the contacts, which are
   /// in order; at least one.
   PendingIdentification(const Background& background, double t,
-                        const OnlineIdentification& knowledge, std::vector<Contact> contacts)
+                        const OnlineIdentification& knowledge, std::vector<ContactSamples> contacts)
       : begin_(contacts.back().begin),
-        result_(
-            background, kTask, t + kDuration * static_cast<double>(contacts.size()),
-            [knowledge = OnlineIdentification(knowledge),
-             contacts = std::move(contacts)]() mutable {
-              for (const Contact& contact : contacts) {
-                static_cast<void>(knowledge.learn(contact.record, contact.begin, contact.facts));
-              }
-              return std::make_shared<OnlineIdentification>(std::move(knowledge));
-            }) {}
+        result_(background, kTask, t + kDuration * static_cast<double>(contacts.size()),
+                [knowledge = OnlineIdentification(knowledge),
+                 contacts = std::move(contacts)]() mutable {
+                  for (const ContactSamples& contact : contacts) {
+                    static_cast<void>(knowledge.learn(contact));
+                  }
+                  return std::make_shared<OnlineIdentification>(std::move(knowledge));
+                }) {}
 
   [[nodiscard]] bool is_due(double t) const { return result_.is_due(t); }
   [[nodiscard]] bool would_wait(double t) const { return result_.would_wait(t); }

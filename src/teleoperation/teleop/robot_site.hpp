@@ -95,8 +95,8 @@ class RobotSite {
   [[nodiscard]] double stored_time() const;  ///< [s] of samples that may be requested again
   void learn_again(double offset_change);
   /// The samples of a contact, copied.
-  [[nodiscard]] PendingIdentification::Contact copy_of(
-      const RobotObject& object, const ObjectKnowledge::UsedContact& contact) const;
+  [[nodiscard]] ContactSamples copy_of(const RobotObject& object,
+                                       const ObjectKnowledge::UsedContact& contact) const;
   /// Applies from now on what was identified of the object. Waits for the thread.
   void apply_identification(RobotObject& object);
   /// Uses what was found of friction when it is due, and begins the next search.
@@ -135,8 +135,8 @@ class RobotSite {
   [[nodiscard]] double resting_noise(const RobotObject& object, const TouchSample& sample,
                                      const SiteComparison& seen) const;
   /// The last contacts, which must not be predicted worse with these parameters.
-  [[nodiscard]] std::vector<CorrectionProposal::Contact> tried_contacts(
-      std::size_t index, const ObjectParameters& parameters) const;
+  [[nodiscard]] std::vector<TriedContact> tried_contacts(std::size_t index,
+                                                         const ObjectParameters& parameters) const;
   /// Whether the contact of an object that the tool is kept off was identified.
   [[nodiscard]] static bool is_release_due(const RobotObject& object, double t);
   void send_release(std::size_t index, double t);

@@ -229,38 +229,36 @@ double RobotSite::resting_noise(const RobotObject& object, const TouchSample& sa
          (sample.p_base_tip - tip_.at(object.pose().latest().t)).norm();
 }
 
-std::vector<CorrectionProposal::Contact> RobotSite::tried_contacts(
-    std::size_t index, const ObjectParameters& parameters) const {
-  std::vector<CorrectionProposal::Contact> contacts;
+std::vector<TriedContact> RobotSite::tried_contacts(std::size_t index,
+                                                    const ObjectParameters& parameters) const {
+  std::vector<TriedContact> contacts;
   const RobotObject& object = objects_[index];
   if (is_empty(parameters) || object.is_shared() || !has_force(now_)) return contacts;
   ObjectParameters next = object.corrections().acknowledged();
   overwrite(next, parameters);
   const BodyPhysics before = object.physics_with(object.corrections().acknowledged());
-  BodyPhysics after = object.physics_with(next);
-  const Eigen::Vector3d offset = after.surface_offset;
+  const BodyPhysics after = object.physics_with(next);
   const double smoothing = std::max(kTipSmoothing, kMinSmoothedIntervals * tip_.interval());
-  for (const ObjectPose::TrackedContact& seen : object.pose().tracked_contacts()) {
-    const double end = std::min(seen.begin + ObjectPose::kMaxTrackedTime, processed_);
-    if (seen.begin < tip_.t().front() || seen.poses.empty()) continue;
-    const ForceStream::Record force = force_.between(seen.begin, end);
-    RecordedContact recorded{
-        .object = index,
-        .begin = seen.begin,
-        .end = end,
-        .T_base_start = seen.T_base_start,
-        .direction_base = seen.direction_base,
-        .seen = seen.poses,
-        .force = {{force.t.begin(), force.t.end()},
-                  {force.clean_base.begin(), force.clean_base.end()}},
-        .bias_base = bias_base_,
-        .force_resolution = sensors_.enter_force,
-        .p_base_tip = [smoothing, path = TriedPath(tip_, seen.begin - smoothing, end + smoothing)](
-                          double t) { return path.smooth_at(t, smoothing); }};
+  for (const Contact& tracked : object.pose().tracked_contacts()) {
+    const double end = std::min(tracked.begin + ObjectPose::kMaxTrackedTime, processed_);
+    if (tracked.begin < tip_.t().front() || tracked.tracked.empty()) continue;
+    TriedContact& tried = contacts.emplace_back();
+    tried.contact = tracked;
+    tried.contact.object = index;
+    tried.contact.end = end;
+    const ForceStream::Record force = force_.between(tracked.begin, end);
+    tried.contact.t.assign(force.t.begin(), force.t.end());
+    for (const Eigen::Vector3d& clean : force.clean_base) {
+      tried.contact.force.push_back((clean - bias_base_).dot(tracked.direction_base));
+    }
+    tried.force_resolution = sensors_.enter_force;
+    const TriedPath path(tip_, tracked.begin - smoothing, end + smoothing);
+    tried.p_base_tip = [smoothing, path](double t) { return path.smooth_at(t, smoothing); };
+    tried.before = before;
+    tried.after = after;
     // The surface is measured on the face that is touched now: another one's need not change.
-    const bool is_newest = &seen == &object.pose().tracked_contacts().back();
-    after.surface_offset = is_newest ? offset : before.surface_offset;
-    contacts.push_back({std::move(recorded), before, after});
+    const bool is_newest = &tracked == &object.pose().tracked_contacts().back();
+    if (!is_newest) tried.after.surface_offset = before.surface_offset;
   }
   return contacts;
 }

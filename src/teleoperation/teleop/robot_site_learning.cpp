@@ -117,7 +117,7 @@ void RobotSite::identify(RobotObject& object, double t) {
   const ObjectKnowledge::UsedContact contact{
       begin, t, {object.monitor().has_slid(), object.pose().has_moved_in_contact()}};
   object.knowledge().use(contact);
-  std::vector<PendingIdentification::Contact> contacts;
+  std::vector<ContactSamples> contacts;
   contacts.push_back(copy_of(object, contact));
   object.knowledge().identify(background_, t, force_.ceiling(), std::move(contacts));
 }
@@ -129,8 +129,8 @@ const UnusableInterval* RobotSite::unusable_in(double begin, double end) const {
   return nullptr;
 }
 
-PendingIdentification::Contact RobotSite::copy_of(
-    const RobotObject& object, const ObjectKnowledge::UsedContact& contact) const {
+ContactSamples RobotSite::copy_of(const RobotObject& object,
+                                  const ObjectKnowledge::UsedContact& contact) const {
   const ForceStream::Record force = force_.between(contact.begin - kBefore, contact.until);
   const std::span<const double> t = tip_.t();
   const auto from = std::lower_bound(t.begin(), t.end(), contact.begin - kBefore);
@@ -138,11 +138,11 @@ PendingIdentification::Contact RobotSite::copy_of(
   const auto first = static_cast<std::size_t>(from - t.begin());
   const auto count = static_cast<std::size_t>(to - from);
   const std::span<const Eigen::Vector3d> p_base = tip_.p_base().subspan(first, count);
-  return {{{force.t.begin(), force.t.end()},
-           {force.clean_base.begin(), force.clean_base.end()},
-           {from, to},
-           {p_base.begin(), p_base.end()},
-           object.pose().tracked_between(contact.begin - kBefore, contact.until)},
+  return {{force.t.begin(), force.t.end()},
+          {force.clean_base.begin(), force.clean_base.end()},
+          {from, to},
+          {p_base.begin(), p_base.end()},
+          object.pose().tracked_between(contact.begin - kBefore, contact.until),
           contact.begin,
           contact.facts};
 }
@@ -159,7 +159,7 @@ void RobotSite::learn_again(double offset_change) {
     const std::deque<ObjectKnowledge::UsedContact> contacts = knowledge.used();
     const OnlineIdentification old = knowledge.current();
     object.forget_learned();
-    std::vector<PendingIdentification::Contact> again;
+    std::vector<ContactSamples> again;
     for (ObjectKnowledge::UsedContact contact : contacts) {
       contact.begin -= offset_change;
       contact.until -= offset_change;

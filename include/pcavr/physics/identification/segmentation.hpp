@@ -3,66 +3,18 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "pcavr/physics/identification/breakaway.hpp"
-#include "pcavr/physics/identification/parameter.hpp"
+#include "pcavr/physics/identification/contact.hpp"
 #include "pcavr/physics/identification/signals.hpp"
 
 namespace pcavr {
 
 struct OptionSection;  // core/options.hpp
-
-enum class ContactKind {
-  press,  ///< mostly along z, against the support
-  push,   ///< along the plane; the object stayed at rest
-  slide   ///< along the plane; the object broke loose and slid
-};
-
-/// An interval in which the object slid.
-struct SlideInterval {
-  double begin = 0.0;  ///< [s]
-  double end = 0.0;    ///< [s]
-};
-
-/// A contact so short that the tool's motion before and after it shows the restitution: an impact.
-/// Along the contact's direction, in which the tool pushes.
-struct ImpactMotion {
-  IdentifiedParameter approach;    ///< [m/s] speed of the tool before, > 0
-  IdentifiedParameter separation;  ///< [m/s] of the tool after, backwards; < 0: it moves on
-  /// separation / approach, with their correlation in its std.
-  IdentifiedParameter speed_ratio;
-  IdentifiedParameter mass;   ///< [kg] effective, of the tool: impulse over change of speed
-  double impulse = 0.0;       ///< [N s] > 0
-  double width = 0.0;         ///< [s] std of the force's distribution over time
-  double width_std = 0.0;     ///< [s] of `width`, by the force's noise
-  double sample_width = 0.0;  ///< [s] the part of `width` that is due to the sensor's averaging
-};
-
-/// One contact, from first touch to separation; its series are at the force's timestamps.
-struct ContactEpisode {
-  ContactKind kind = ContactKind::push;
-  double begin = 0.0;                                        ///< [s] extrapolated to the surface
-  double end = 0.0;                                          ///< [s] likewise
-  Eigen::Vector3d direction_base = Eigen::Vector3d::Zero();  ///< unit, of the mean force
-  double peak_force = 0.0;                                   ///< [N] smoothed
-  Breakaway breakaway;                                       ///< pushes and slides only
-  std::vector<SlideInterval> slides;
-  /// An impact's begin and end are where the force passes its threshold; of the fields above it has
-  /// no breakaway and no slides.
-  std::optional<ImpactMotion> impact = {};
-  /// The series along `direction_base`, with some free time before and after. Bias and drift are
-  /// removed.
-  std::vector<double> t, tool, force;
-  std::optional<double> tool_noise = {};  ///< [m] std of `tool`, from the tip's own samples
-  std::optional<double> tip_noise = {};   ///< [m] of these: interpolation averages two of them
-
-  [[nodiscard]] ForceMotion series() const { return {t, tool, force, tool_noise}; }
-};
 
 struct SegmentationOptions {
   SegmentationOptions();
@@ -88,7 +40,7 @@ struct SegmentationOptions {
 [[nodiscard]] OptionSection section_of(SegmentationOptions& options);
 
 struct Segmentation {
-  std::vector<ContactEpisode> contacts;     ///< by time; between them the tool is free
+  std::vector<Contact> contacts;            ///< by time; between them the tool is free
   std::vector<Eigen::Vector3d> force_base;  ///< [N] despiked, bias and drift removed, per stamp
   std::vector<Eigen::Vector3d> bias_base;   ///< [N] what was subtracted
   std::size_t spikes = 0;                   ///< single samples replaced, all axes

@@ -18,7 +18,7 @@
 namespace pcavr {
 
 /// Receives the contacts in order of time, on the tool's clock.
-using ContactSink = std::function<void(AttributedContact&&)>;
+using ContactSink = std::function<void(Contact&&)>;
 
 /// Decides sign, axes and unit of force and tool, saturation, clock offsets, jumps, and which body
 /// each contact belongs to, from a stream of samples. It stores one window of samples and the

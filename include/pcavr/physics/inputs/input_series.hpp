@@ -14,7 +14,7 @@
 #include "pcavr/base/geometry/pose.hpp"
 #include "pcavr/base/geometry/tracked_pose.hpp"
 #include "pcavr/base/model/cad_model.hpp"
-#include "pcavr/physics/identification/segmentation.hpp"
+#include "pcavr/physics/identification/contact.hpp"
 
 namespace pcavr {
 
@@ -41,20 +41,5 @@ struct InputSeries {
   std::span<const double> t_force = {};
   std::span<const Eigen::Vector3d> force_base = {};  ///< that the tool exerts [N]
 };
-
-/// One contact and the body that it belongs to.
-struct AttributedContact {
-  ContactEpisode episode;                        ///< series along `episode.direction_base`
-  std::optional<std::size_t> object = {};        ///< index of the body
-  std::vector<Eigen::Vector3d> force_base = {};  ///< [N] at the stamps of `episode.t`
-  std::string left_out = {};                     ///< why it is not usable; empty where it is
-  double gap = 0.0;  ///< [m] between tip and the object's surface at touch
-  Eigen::Vector3d normal_object = Eigen::Vector3d::Zero();  ///< of the face touched, outward
-  double lever = 0.0;  ///< [m] signed lever arm of the force about the centre of mass, in the plane
-};
-
-/// The object's displacement in this contact [m] at `t` [s], along its direction: the tip's
-/// displacement less the contact's compression, over the slides.
-[[nodiscard]] double displacement_at(const ContactEpisode& episode, double t);
 
 }  // namespace pcavr

@@ -15,14 +15,13 @@
 #include "pcavr/physics/friction/limit_surface_fit.hpp"
 #include "pcavr/physics/identification/breakaway.hpp"
 #include "pcavr/physics/identification/breakaway_motion.hpp"
+#include "pcavr/physics/identification/contact.hpp"
 #include "pcavr/physics/identification/contact_fit.hpp"
 #include "pcavr/physics/identification/estimator.hpp"
 #include "pcavr/physics/identification/friction_posterior.hpp"
 #include "pcavr/physics/identification/limit_of_pushes.hpp"
 #include "pcavr/physics/identification/motion_plan.hpp"
 #include "pcavr/physics/identification/path_view.hpp"
-#include "pcavr/physics/identification/press_line.hpp"
-#include "pcavr/physics/identification/segmentation.hpp"
 #include "pcavr/physics/identification/sliding.hpp"
 #include "pcavr/physics/inputs/input_options.hpp"
 #include "pcavr/physics/inputs/input_series.hpp"
@@ -63,18 +62,6 @@ struct ContactCompliance {
 struct KnownSupport {
   std::optional<double> friction_radius = {};  ///< [m]
   std::optional<double> weight = {};           ///< [N]
-};
-
-/// One contact of an object, and what was identified from it.
-struct IdentifiedContact : AttributedContact {
-  IdentifiedParameter limit = {};  ///< [N] friction limit, less inertia where possible
-  double limit_shared_std = 0.0;   ///< [N] ... and its std that the object's pushes have in common
-  double breakaway_lever = 0.0;    ///< [m] of the force then; 0 where the object was not tracked
-  double breakaway_turning = 0.0;  ///< [rad/m] of the object's first travel; 0 likewise
-  /// [m] std of the episode's `tool` by a cause that all samples share; empty: none.
-  std::vector<double> tip_std = {};
-  /// The line of a push, where a press gave the object's contact law; its ratio may be not excited.
-  std::optional<PressLine> press_line = {};
 };
 
 /// One estimator run online over an object's recorded presses [paper C, figures 8 and 9].
@@ -201,23 +188,22 @@ inline constexpr double kExponentStdOfPushes = 0.289;  // 1 / sqrt(12)
 [[nodiscard]] const FaceContact* face_of_law(const ObjectIdentification& found);
 
 /// The usable contacts of one kind (presses or pushes) with an object.
-[[nodiscard]] std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& contacts,
-                                                          std::size_t object, bool presses);
+[[nodiscard]] std::vector<Contact*> contacts_of(std::vector<Contact>& contacts, std::size_t object,
+                                                bool presses);
 
 /// A push with a larger lever arm about the centre meets less friction, because the object also
 /// rotates: 1.5 % at a friction radius of 60 mm. Its limit is less certain by far:
 /// excess_hidden_by_turning.
 inline constexpr double kMaxCentredLever = 0.010;  // [m]
-[[nodiscard]] bool is_centred(const IdentifiedContact* push);
+[[nodiscard]] bool is_centred(const Contact* push);
 
 /// Pushes that turn the object, beside its viscous friction [N s/m]; needs tracking.
-void identify_turning_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
-                         const BodyMotion& body, const PathView& tip, double tool_radius,
-                         const ParameterValue& viscous, const IdentificationOptions& options,
-                         ObjectIdentification& result);
+void identify_turning_of(std::vector<Contact>& contacts, std::size_t object, const BodyMotion& body,
+                         const PathView& tip, double tool_radius, const ParameterValue& viscous,
+                         const IdentificationOptions& options, ObjectIdentification& result);
 
 /// Friction between tip and object, where the tip slid along a face.
-void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, std::size_t object,
+void identify_tool_friction_of(const std::vector<Contact>& contacts, std::size_t object,
                                const BodyMotion& body, const BodySurface& surface,
                                const PathView& tip, double tool_radius,
                                ObjectIdentification& result);
@@ -226,7 +212,7 @@ void identify_tool_friction_of(const std::vector<IdentifiedContact>& contacts, s
 /// known parameters and the contact law are used. `given_mass` [kg]: weighed. Where the object was
 /// not tracked, `body` has no poses, and its model does not matter. `tip`: the path over the
 /// contacts.
-void identify_friction_of(std::vector<IdentifiedContact>& contacts, std::size_t object,
+void identify_friction_of(std::vector<Contact>& contacts, std::size_t object,
                           std::optional<double> given_mass, const BodyMotion& body,
                           const PathView& tip, double tool_radius,
                           const IdentificationOptions& options, ObjectIdentification& result);

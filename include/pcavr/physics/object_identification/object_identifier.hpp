@@ -37,19 +37,6 @@ struct IdentifiableObject {
   bool is_movable = true;
 };
 
-/// One contact with an object, and what is needed to identify from it again at any time: the tip's
-/// path and the object's poses, which do not overlap those of the contact before. Stamps [s] on the
-/// tool's clock, base frame.
-struct ObservedContact {
-  IdentifiedContact contact;
-  std::vector<double> t_tool = {};
-  std::vector<Eigen::Vector3d> p_base_tip = {};
-  std::vector<TrackedPose> tracked = {};
-};
-
-/// The contact with `delay` [s] added to all its stamps.
-[[nodiscard]] ObservedContact delayed(ObservedContact contact, double delay);
-
 /// Identifies one object's parameters from its contacts: contact law, friction, turning, with their
 /// standard deviations, and what the motion does not show. Contacts may be added in any order: the
 /// same contacts give the same result, to the last digit. Not thread-safe; copies are cheap, as
@@ -64,7 +51,7 @@ class ObjectIdentifier {
   /// The same contacts with the same object, where something else is known or asked for.
   [[nodiscard]] ObjectIdentifier with(ObjectParameters known, IdentificationGoal goal) const;
 
-  void add(std::shared_ptr<const ObservedContact> contact);
+  void add(std::shared_ptr<const Contact> contact);
   [[nodiscard]] std::size_t size() const { return contacts_.size(); }
   [[nodiscard]] const BodySurface& surface() const { return *surface_; }
 
@@ -73,7 +60,7 @@ class ObjectIdentifier {
 
   struct Result {
     ObjectIdentification object;
-    std::vector<IdentifiedContact> contacts;  ///< in order of time, with what each showed
+    std::vector<Contact> contacts;  ///< in order of time, with what each showed
   };
   [[nodiscard]] Result result() const;
 
@@ -84,9 +71,9 @@ class ObjectIdentifier {
   double tool_radius_;  ///< [m]
   IdentificationGoal goal_;
   IdentificationOptions options_;
-  std::shared_ptr<ContactFits> contact_fits_;                     ///< of `options_`
-  double suspected_turn_ = 0.0;                                   ///< [rad]
-  std::vector<std::shared_ptr<const ObservedContact>> contacts_;  ///< by their begin
+  std::shared_ptr<ContactFits> contact_fits_;             ///< of `options_`
+  double suspected_turn_ = 0.0;                           ///< [rad]
+  std::vector<std::shared_ptr<const Contact>> contacts_;  ///< by their begin
 };
 
 }  // namespace pcavr

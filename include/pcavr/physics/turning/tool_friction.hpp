@@ -17,7 +17,7 @@ namespace pcavr {
 /// Friction coefficients between tip and object over parts of a contact in which the tip slid along
 /// one flat face, as in a slot, an oblique hole or a push beside the centre, at any speed: the
 /// force along the slip over that along the face's normal. Needs tracking.
-[[nodiscard]] std::vector<double> tool_friction_samples(const AttributedContact& contact,
+[[nodiscard]] std::vector<double> tool_friction_samples(const Contact& contact,
                                                         const BodyMotion& body,
                                                         const BodySurface& surface,
                                                         const PathView& tip, double tool_radius);

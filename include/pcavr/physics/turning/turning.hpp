@@ -19,9 +19,8 @@ namespace pcavr {
 /// pressure. A push as slow as the noise of the tip's speed counts where tracking shows that it
 /// moved the object. The pressure's centre follows from the push's height and the object's weight
 /// [N].
-[[nodiscard]] std::vector<PushSample> turning_samples(const AttributedContact& push,
-                                                      const BodyMotion& body, const PathView& tip,
-                                                      double tool_radius,
+[[nodiscard]] std::vector<PushSample> turning_samples(const Contact& push, const BodyMotion& body,
+                                                      const PathView& tip, double tool_radius,
                                                       const std::optional<double>& weight);
 
 /// The samples of some pushes, by the push that they are from.

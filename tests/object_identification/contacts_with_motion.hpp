@@ -17,26 +17,20 @@
 
 namespace pcavr {
 
-using Contacts = std::vector<std::shared_ptr<const ObservedContact>>;
+using Contacts = std::vector<std::shared_ptr<const Contact>>;
 
 /// The contacts with object `index`, each with the path and the poses around it.
-inline Contacts observed(const std::vector<IdentifiedContact>& contacts, std::size_t index,
-                         const std::vector<double>& t_tool,
-                         const std::vector<Eigen::Vector3d>& p_base_tip,
-                         const std::vector<TrackedPose>& tracked) {
+inline Contacts with_motion(const std::vector<Contact>& contacts, std::size_t index,
+                            const std::vector<double>& t_tool,
+                            const std::vector<Eigen::Vector3d>& p_base_tip,
+                            const std::vector<TrackedPose>& tracked) {
   constexpr double kMargin = 0.3;  // [s] of the path before and after a contact
   Contacts result;
-  for (const IdentifiedContact& contact : contacts) {
+  for (const Contact& contact : contacts) {
     if (contact.object != index) continue;
-    auto one = std::make_shared<ObservedContact>();
-    one->contact.episode = contact.episode;
-    one->contact.object = contact.object;
-    one->contact.force_base = contact.force_base;
-    one->contact.left_out = contact.left_out;
-    one->contact.normal_object = contact.normal_object;
-    one->contact.lever = contact.lever;
+    auto one = std::make_shared<Contact>(contact);
     const auto is_near = [&](double t) {
-      return t >= contact.episode.begin - kMargin && t <= contact.episode.end + kMargin;
+      return t >= contact.begin - kMargin && t <= contact.end + kMargin;
     };
     const double from = result.empty() ? 0.0 : result.back()->t_tool.back();
     for (std::size_t i = 0; i < t_tool.size(); ++i) {

@@ -30,12 +30,12 @@ std::optional<ParameterValue> damping_of(const ContactFit& fit) {
   return ParameterValue{std::max(damping.std, damping.value), damping.std};
 }
 
-std::vector<IdentifiedContact*> contacts_of(std::vector<IdentifiedContact>& contacts,
-                                            std::size_t object, bool presses) {
-  std::vector<IdentifiedContact*> chosen;
-  for (IdentifiedContact& contact : contacts) {
-    const bool is_press = contact.episode.kind == ContactKind::press;
-    const bool is_usable = contact.left_out.empty() && !contact.episode.impact;
+std::vector<Contact*> contacts_of(std::vector<Contact>& contacts, std::size_t object,
+                                  bool presses) {
+  std::vector<Contact*> chosen;
+  for (Contact& contact : contacts) {
+    const bool is_press = contact.kind == ContactKind::press;
+    const bool is_usable = contact.left_out.empty() && !contact.impact;
     if (contact.object == object && is_usable && is_press == presses) {
       chosen.push_back(&contact);
     }
@@ -60,7 +60,7 @@ void add_recordings(const std::vector<std::string>& recordings, ObjectIdentifica
   }
 }
 
-bool is_centred(const IdentifiedContact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
+bool is_centred(const Contact* push) { return std::abs(push->lever) <= kMaxCentredLever; }
 
 double curvature_std(const ContactIdentification& presses, const ContactFit& fit, double force) {
   const ContactFit& curved = presses.hunt_crossley;

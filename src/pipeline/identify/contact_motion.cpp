@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "observed_contacts.hpp"
+#include "contact_motion.hpp"
 
 #include <limits>
 #include <span>
@@ -25,24 +25,25 @@ std::vector<TrackedPose> on_clock(std::vector<TrackedPose> tracked, double offse
   return tracked;
 }
 
-std::vector<std::shared_ptr<const ObservedContact>> observed_contacts(
-    const std::vector<IdentifiedContact>& contacts, std::size_t object, const TipPath& tip,
+std::vector<std::shared_ptr<const Contact>> contacts_with_motion(
+    const std::vector<Contact>& contacts, std::size_t object, const TipPath& tip,
     const std::vector<TrackedPose>& tracked) {
-  std::vector<std::shared_ptr<const ObservedContact>> result;
-  std::vector<const IdentifiedContact*> own;
-  for (const IdentifiedContact& contact : contacts) {
+  std::vector<std::shared_ptr<const Contact>> result;
+  std::vector<const Contact*> own;
+  for (const Contact& contact : contacts) {
     if (contact.object == object) own.push_back(&contact);
   }
   std::size_t row = 0, points = 0, pose = 0;
   for (std::size_t i = 0; i < own.size(); ++i) {
-    const double end = i + 1 < own.size() ? 0.5 * (own[i]->episode.end + own[i + 1]->episode.begin)
+    const double end = i + 1 < own.size() ? 0.5 * (own[i]->end + own[i + 1]->begin)
                                           : std::numeric_limits<double>::infinity();
     const auto time_of_row = [&](std::size_t k) { return tip.t[k]; };
-    result.push_back(std::make_shared<ObservedContact>(ObservedContact{
-        *own[i], next_part(tip.t, end, time_of_row, row),
-        next_part(tip.p_base, end, time_of_row, points),
-        next_part(
-            std::span(tracked), end, [&](std::size_t k) { return tracked[k].t; }, pose)}));
+    auto contact = std::make_shared<Contact>(*own[i]);
+    contact->t_tool = next_part(tip.t, end, time_of_row, row);
+    contact->p_base_tip = next_part(tip.p_base, end, time_of_row, points);
+    contact->tracked = next_part(
+        std::span(tracked), end, [&](std::size_t k) { return tracked[k].t; }, pose);
+    result.push_back(std::move(contact));
   }
   return result;
 }

@@ -13,8 +13,8 @@ namespace pcavr {
 
 /// The contacts with an object, each with the path and the poses up to the middle of the time until
 /// the next. `tracked` on the tool's clock.
-[[nodiscard]] std::vector<std::shared_ptr<const ObservedContact>> observed_contacts(
-    const std::vector<IdentifiedContact>& contacts, std::size_t object, const TipPath& tip,
+[[nodiscard]] std::vector<std::shared_ptr<const Contact>> contacts_with_motion(
+    const std::vector<Contact>& contacts, std::size_t object, const TipPath& tip,
     const std::vector<TrackedPose>& tracked);
 
 /// The poses of an object on the tool's clock, which is `offset` [s] behind theirs.
