@@ -40,6 +40,7 @@ struct ServeArguments {
   std::string tracked;
   std::string damping_law;  ///< empty: the file's damping
   std::string identified;   ///< report of identify robot
+  std::string tiles;        ///< folder of 3D Tiles; empty: the levels of detail
   bool is_torque_driven = false;
   double time_scale = 0.0;  ///< 0: not given
   OutputOption record;      ///< folder of the recording; empty: none
@@ -98,8 +99,10 @@ Expected<ServeInputs> read_inputs(const ServeArguments& arguments,
 
 Expected<ServedContent> make_content(const ServeInputs& inputs, const ServeArguments& arguments,
                                      const Configuration& configuration, const Observer& observer) {
-  Expected<SceneContent> scene = SceneContent::create(inputs.scene, inputs.parameters, observer,
-                                                      Parallelism::max(), configuration.content);
+  ContentOptions content = configuration.content;
+  content.tiles = arguments.tiles;
+  Expected<SceneContent> scene =
+      SceneContent::create(inputs.scene, inputs.parameters, observer, Parallelism::max(), content);
   if (!scene) return scene.error();
   if (!inputs.recording) return ServedContent(std::move(*scene), {});
   ReplayOptions options;
@@ -341,6 +344,9 @@ void add_serve(CLI::App& app, Configuration& configuration, Action& action) {
   command->add_option("--parameters", arguments->page.parameters,
                       "Parameter file from pcavr identify");
   add_damping_law(*command, arguments->damping_law, "--parameters");
+  command->add_option("--tiles", arguments->tiles,
+                      "Folder from pcavr export --to 3dtiles: the page loads of the scan what is "
+                      "seen, for scenes too large to load whole");
   add_network_options(*command, configuration.network, arguments->page);
   command
       ->add_option(

@@ -27,5 +27,6 @@ function carriesFiles(): Plugin {
 // A replay in one file, into which the C++ library writes the files of scene and replay.
 export default defineConfig({
   plugins: [carriesFiles(), licenses({ isInlined: true }), viteSingleFile()],
+  define: { IS_ONE_FILE: 'true' },
   build: { target: 'es2022', modulePreload: { polyfill: false }, outDir: 'dist/replay' },
 });

@@ -23,5 +23,7 @@ void bind_robot_identification(pybind11::module_& module);
 void bind_calibration(pybind11::module_& module);
 void bind_camera_calibration(pybind11::module_& module);
 void bind_tag_calibration(pybind11::module_& module);
+void bind_depth_calibration(pybind11::module_& module);
+void bind_object_calibration(pybind11::module_& module);
 
 }  // namespace pcavr::python

@@ -7,11 +7,14 @@
 
 #include "pcavr/base/core/check.hpp"
 
+#include "option_names.hpp"
+
 namespace pcavr::python {
 namespace py = pybind11;
 namespace {
 
-void set_error(const Error& error) {
+void set_error(const Error& of_command) {
+  const Error error = with_argument_names(of_command);
   const py::object type = py::module_::import("pcavr._errors").attr("Error");
   const py::object instance =
       type(text_of(error.to_string()), text_of(error.message), text_of(error.file), error.line,

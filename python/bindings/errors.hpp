@@ -12,7 +12,7 @@
 
 namespace pcavr::python {
 
-/// Raises pcavr.Error. The caller has the GIL.
+/// Raises pcavr.Error, with arguments named in place of options. The caller has the GIL.
 [[noreturn]] void raise_error(const Error& error);
 
 /// The value; raises the Error otherwise.

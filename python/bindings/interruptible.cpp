@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "option_names.hpp"
+
 namespace pcavr::python {
 namespace py = pybind11;
 
@@ -44,7 +46,8 @@ Observer Callbacks::observer() {
                 call_python([&] {
                   const py::object category =
                       py::module_::import("pcavr._errors").attr("DataWarning");
-                  if (PyErr_WarnEx(category.ptr(), std::string(line).c_str(), 1) != 0) {
+                  const std::string text = with_argument_names(std::string(line));
+                  if (PyErr_WarnEx(category.ptr(), text.c_str(), 1) != 0) {
                     throw py::error_already_set();
                   }
                 });

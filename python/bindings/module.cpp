@@ -23,4 +23,6 @@ PYBIND11_MODULE(_pcavr, module) {
   bind_calibration(module);
   bind_camera_calibration(module);
   bind_tag_calibration(module);
+  bind_depth_calibration(module);
+  bind_object_calibration(module);
 }

@@ -17,6 +17,7 @@
 #include "bindings.hpp"
 #include "errors.hpp"
 #include "interruptible.hpp"
+#include "option_names.hpp"
 
 namespace pcavr::python {
 namespace py = pybind11;
@@ -156,7 +157,9 @@ void bind_calibrated_tags(py::module_& module) {
           "{name: list of CalibratedTag} of objects; that of the base is ''.")
       .def_property_readonly("verdict", &describe_tags,
                              "A sentence: what has moved, or that all agree.")
-      .def_readonly("notes", &CalibratedTags::notes, "Lines for the user.")
+      .def_property_readonly(
+          "notes", [](const CalibratedTags& self) { return with_argument_names(self.notes); },
+          "Lines for the user.")
       .def("text", &text_of_tags, py::arg("format") = "pcavr",
            R"(The text of a file of the tags.
 

@@ -114,6 +114,11 @@ Expected<void> make_occupancy(Item& item, const std::filesystem::path& file,
   return {};
 }
 
+/// Levels of detail that the page gets: none where it gets tiles.
+std::size_t level_count(const SceneManifest& scene, const ContentOptions& options) {
+  return options.tiles.empty() ? scene.levels_of_detail.size() : 0;
+}
+
 /// Levels of detail first, then cloud, occupancy, unseen support, the objects and the arm's links.
 std::vector<Item> items_of(const SceneManifest& scene, const ContentOptions& options) {
   std::vector<Item> items;
@@ -122,7 +127,7 @@ std::vector<Item> items_of(const SceneManifest& scene, const ContentOptions& opt
                        return make(item, file, options);
                      }});
   };
-  for (std::size_t level = 0; level < scene.levels_of_detail.size(); ++level) {
+  for (std::size_t level = 0; level < level_count(scene, options); ++level) {
     add("/scene/lod/" + std::to_string(level) + ".glb", scene.levels_of_detail[level], make_level);
   }
   add("/scene/cloud.bin", kCloudFile, make_cloud);
@@ -155,9 +160,9 @@ std::string texture_path(const Item& item) {
 
 SceneFile scene_file(const Item& item) { return {item.path, item.bytes, item.count}; }
 
-SceneFiles scene_files(const std::vector<Item>& items, const SceneManifest& scene) {
+SceneFiles scene_files(const std::vector<Item>& items, const SceneManifest& scene,
+                       std::size_t levels) {
   SceneFiles files;
-  const std::size_t levels = scene.levels_of_detail.size();
   for (std::size_t i = 0; i < levels; ++i) {
     if (items[i].content) files.mesh.push_back(scene_file(items[i]));
   }
@@ -201,6 +206,12 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
   if (!camera) return camera.error();
   const Expected<std::optional<SceneArm>> arm = read_scene_arm(scene);
   if (!arm) return arm.error();
+  SceneContent content;
+  if (!options.tiles.empty()) {
+    Expected<TilesContent> tiles = TilesContent::create(options.tiles);
+    if (!tiles) return tiles.error();
+    content.tiles_ = std::move(*tiles);
+  }
   std::vector<Item> items = items_of(scene, options);
   parallel_for(parallelism, items.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -209,11 +220,13 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
     }
   });
   if (const auto checked = check(items, observer); !checked) return checked.error();
-  SceneContent content;
   Expected<nlohmann::ordered_json> guards = guards_json(scene);
   if (!guards) return guards.error();
-  nlohmann::ordered_json json =
-      scene_json(scene, scene_files(items, scene), *arm, parameters, *camera);
+  SceneFiles files = scene_files(items, scene, level_count(scene, options));
+  if (content.tiles_) {
+    files.tiles = {TilesContent::kTilesetPath, content.tiles_->bytes(), content.tiles_->tiles()};
+  }
+  nlohmann::ordered_json json = scene_json(scene, files, *arm, parameters, *camera);
   json["guards"] = std::move(*guards);
   const std::string text = json_text(json);
   content.contents_["/api/scene.json"] =
@@ -230,6 +243,10 @@ Expected<SceneContent> SceneContent::create(const SceneManifest& scene,
 }
 
 Expected<std::shared_ptr<const Content>> SceneContent::find(std::string_view path) const {
+  if (tiles_) {
+    Expected<std::shared_ptr<const Content>> tile = tiles_->find(path);
+    if (!tile || *tile) return tile;
+  }
   auto found = contents_.find(path);
   if (found == contents_.end()) found = contents_.find(percent_decoded(path));
   return found == contents_.end() ? nullptr : found->second;

@@ -165,6 +165,8 @@ Json scene_json(const SceneManifest& scene, const SceneFiles& files,
                {"up", vector_json(scene.up_base)}};
   json["mesh"] = Json::array();
   for (const SceneFile& level : files.mesh) json["mesh"].push_back(file_json(level, "triangles"));
+  json["tiles"] = nullptr;
+  if (files.tiles) json["tiles"] = file_json(*files.tiles, "tiles");
   json["cloud"] = file_json(files.cloud, "points");
   json["occupancy"] = file_json(files.occupancy, "cells");
   json["occupancy"]["edge"] = files.occupancy_edge;

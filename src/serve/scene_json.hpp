@@ -28,7 +28,8 @@ struct SceneFile {
 
 /// The files that a page loads for a scene.
 struct SceneFiles {
-  std::vector<SceneFile> mesh;  ///< finest first
+  std::vector<SceneFile> mesh;     ///< finest first
+  std::optional<SceneFile> tiles;  ///< the tileset, and bytes and number of its tiles
   SceneFile cloud;
   SceneFile occupancy;
   double occupancy_edge = 0.0;  ///< [m]

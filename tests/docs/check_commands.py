@@ -22,6 +22,7 @@ RUN_BY = {
     "docs/bags.md": "parsed here; tests/e2e/import_bag_test.cpp runs the like on its own bags",
     "docs/calibrate.md": "parsed here; tests/e2e/calibrate_test.cpp runs the like on its own rigs",
     "docs/export.md": "parsed here; tests/e2e/export_command_test.cpp runs the like",
+    "docs/page.md": "tests/browser: tiles",
     "docs/record.md": "parsed here; tests/e2e/record_test.cpp runs the like",
     "docs/configuration.md": "parsed here; tests/e2e/configuration_test.cpp runs the like",
     "docs/doctor.md": "parsed here; tests/e2e/consistency_command_test.cpp runs the like",

@@ -365,3 +365,14 @@ def test_walks_that_can_not_be(walk):
         pcavr.TagDetection("tag99h1", 1, np.zeros((4, 2)))
     with pytest.raises(pcavr.Error, match="corner_std"):
         pcavr.TagDetection("tag36h11", 1, np.zeros((4, 2)), corner_std=-1.0)
+
+
+def test_messages_name_arguments_and_no_options(walk):
+    """Of the command's options the arguments are named."""
+    for changed, named in [({"tags": stated()[:1]}, "size"), ({"fixed": [9]}, "fixed 9")]:
+        with pytest.raises(pcavr.Error, match=named) as raised:
+            pcavr.calibrate_tags(**{"walk": walk, "camera": TAG_CAMERA, "tags": stated(), **changed})
+        assert "--" not in str(raised.value) + raised.value.hint
+    found = pcavr.calibrate_tags(walk, TAG_CAMERA, stated()[:2])
+    (note,) = [note for note in found.notes if "not known" in note]
+    assert "--" not in note and "size takes them" in note

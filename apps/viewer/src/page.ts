@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import type { App } from './app';
+import { triangleBudget } from './budgets';
 import { DesktopTool } from './input/desktop_tool';
 import { FollowTool } from './input/follow_tool';
 import { Navigation } from './input/navigation';
@@ -9,9 +10,10 @@ import type { ReplayPlayer } from './replay/replay';
 import { makeCloud, makeOccupancy } from './scene/cells';
 import { SceneLoader, type Progress } from './scene/loading';
 import type { LayerName } from './scene/layers';
+import type { TileStream } from './scene/tile_stream';
 import { addMarks } from './scene/marks';
 import type { ViewSide } from './scene/view';
-import { fetchBytes, type SceneModel, type SessionInfo } from './scene/scene_model';
+import { fetchBytes, hasScan, type SceneModel, type SessionInfo } from './scene/scene_model';
 import { Measured, type Comparison } from './session/measured';
 import { RestartCheck } from './session/restart';
 import { TestHook } from './test_hook';
@@ -41,9 +43,9 @@ import { ViewVideo } from './ui/view_video';
 
 const statsSeconds = 0.25; // between updates of the displayed numbers, so that they can be read
 const vibrationMs = 30;
-// Triangles of the scan that render at full frame rate: on a GPU, a headset or phone, a software
-// renderer.
-const triangleBudgets = { gpu: 2_000_000, mobile: 280_000, software: 50_000 };
+
+/// A page in one file has no server, and no tiles: it does without their code.
+declare const IS_ONE_FILE: boolean;
 
 /// The page around the 3D view: panels, navigation, tool, session.
 export class Page {
@@ -66,6 +68,7 @@ export class Page {
   private linkPanel: LinkPanel | null = null;
   private robotPicture: RobotPicture | null = null;
   private replay: ReplayPlayer | null = null;
+  private tiles: TileStream | null = null;
   private plot: LivePlot | null = null;
   private makePlot: ((hasRobot: boolean) => void) | null = null;
   private lastStats = -Infinity; // [ms]
@@ -104,7 +107,7 @@ export class Page {
     this.restart = new RestartCheck((text) => messages.show({ level: 'warning', text }));
     addMarks(view, model);
     // Without a scan only the support planes show what the bodies stand on.
-    if (model.mesh.length === 0) view.layers.show('planes', true);
+    if (!hasScan(model)) view.layers.show('planes', true);
     this.enableLayer = fillLayersPanel(view.layers, presentLayers(model, this.isReplay));
     view.layers.onChange(() => app.invalidate());
     this.showDetail = fillDetail(model, (level) => void this.loader.choose(level));
@@ -124,7 +127,11 @@ export class Page {
   }
 
   async load(): Promise<void> {
-    const loading = this.loader.load(this.triangleBudget());
+    const { tiles } = this.model;
+    const loading = Promise.all([
+      this.loader.load(triangleBudget(this.app.isSoftwareRendered)),
+      tiles ? this.streamTiles(tiles.path) : undefined,
+    ]);
     if (this.isReplay) await this.loadReplay();
     else await this.addTool();
     new PlotGrip();
@@ -137,12 +144,17 @@ export class Page {
     new ResizeObserver(() => this.frameAtFirst()).observe(byId('stage', HTMLElement));
   }
 
-  private triangleBudget(): number {
-    const requested = Number(new URLSearchParams(location.search).get('triangles'));
-    if (requested > 0) return requested;
-    if (this.app.isSoftwareRendered) return triangleBudgets.software;
-    const isMobile = /Android|Mobile|Quest/i.test(navigator.userAgent);
-    return isMobile ? triangleBudgets.mobile : triangleBudgets.gpu;
+  /// Loads of a tiled scan what is seen, from now on.
+  private async streamTiles(path: string): Promise<void> {
+    if (!IS_ONE_FILE) {
+      const { streamTiles } = await import('./scene/tile_stream');
+      this.tiles = this.hook.tiles = streamTiles(
+        this.app,
+        path,
+        () => this.partLoaded(),
+        (text) => this.messages.show({ level: 'error', text }),
+      );
+    }
   }
 
   private async loadReplay(): Promise<void> {
@@ -314,8 +326,9 @@ export class Page {
 
   private partLoaded(): void {
     // Without a scan the first frame shows the bodies.
-    const hasScan = this.model.mesh.length > 0;
-    const isLoaded = hasScan ? this.loader.level >= 0 : this.loader.objectsLoaded > 0;
+    const hasLevels = this.model.mesh.length > 0;
+    const hasParts = this.loader.objectsLoaded > 0 || (this.tiles?.stats.visible ?? 0) > 0;
+    const isLoaded = hasLevels ? this.loader.level >= 0 : hasParts;
     if (!this.hasFirstFrame && isLoaded) {
       this.hasFirstFrame = true;
       this.frameAll();

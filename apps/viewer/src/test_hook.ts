@@ -3,6 +3,7 @@
 import type { App } from './app';
 import type { ReplayPlayer } from './replay/replay';
 import type { SceneLoader } from './scene/loading';
+import type { TileStream } from './scene/tile_stream';
 
 declare global {
   interface Window {
@@ -14,6 +15,7 @@ declare global {
 export class TestHook {
   firstFrameTime = NaN; // [ms] from the start of the page to the first frame with content
   replay: ReplayPlayer | null = null;
+  tiles: TileStream | null = null; // of a tiled scan
   vr: unknown = null; // the VrMode, set by src/vr
 
   constructor(

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -20,6 +21,9 @@ struct ContentOptions {
   double min_point_step;   ///< [m] quantization of the cloud
   double packing_timeout;  ///< [s] of gltfpack, for one mesh
   int max_cached_frames;   ///< augmented images in memory
+  /// Folder with the scan as 3D Tiles, which a page gets in place of the levels of detail; empty:
+  /// it gets these.
+  std::filesystem::path tiles;
 };
 [[nodiscard]] OptionSection section_of(ContentOptions& options);
 

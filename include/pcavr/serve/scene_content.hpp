@@ -14,6 +14,7 @@
 #include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/physics/object/object_parameters.hpp"
 #include "pcavr/serve/content.hpp"
+#include "pcavr/serve/tiles_content.hpp"
 
 namespace pcavr {
 
@@ -22,7 +23,8 @@ namespace pcavr {
 
 /// A scene as a page loads it (docs/live-protocol.md): /api/scene.json, the static mesh's levels of
 /// detail, the CAD bodies, the cloud and the occupied cells, all compressed once and kept in
-/// memory. Only these paths exist: no other file of the disk is served. Const and thread-safe.
+/// memory, or the scan as 3D Tiles, read as they are requested. Only these paths exist: no other
+/// file of the disk is served. Const and thread-safe.
 class SceneContent : public ContentSource {
  public:
   /// Reads and compresses the whole scene; an Error if a file is missing or invalid. If gltfpack is
@@ -38,6 +40,7 @@ class SceneContent : public ContentSource {
 
  private:
   std::map<std::string, std::shared_ptr<const Content>, std::less<>> contents_;
+  std::optional<TilesContent> tiles_;
 };
 
 }  // namespace pcavr

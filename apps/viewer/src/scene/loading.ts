@@ -1,20 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-import {
-  DoubleSide,
-  Mesh,
-  MeshBasicMaterial,
-  MeshLambertMaterial,
-  type Color,
-  type Group,
-  type Material,
-  type Texture,
-} from 'three';
+import type { Group, Material, Mesh, Texture } from 'three';
 import { count } from '../ui/format';
 import { readGlb, type GlbPart } from './glb';
 import { fetchBytes, type MeshLevel } from './scene_model';
+import { scanMesh } from './scan_mesh';
 import { fetchTexture } from './scan_texture';
-import { seeThrough } from './see_through';
 import type { SceneView } from './view';
 
 export interface Progress {
@@ -27,13 +18,6 @@ export interface Progress {
 export function levelWithin(levels: readonly MeshLevel[], triangles: number): number {
   const index = levels.findIndex((level) => level.triangles <= triangles);
   return index >= 0 ? index : levels.length - 1;
-}
-
-/// Scanned colours contain the light already (unlit material); a plain surface needs shading.
-function scanMaterial(hasColors: boolean, color: Color | null, map: Texture | null): Material {
-  if (map) return seeThrough(new MeshBasicMaterial({ map, side: DoubleSide }));
-  if (hasColors) return seeThrough(new MeshBasicMaterial({ vertexColors: true, side: DoubleSide }));
-  return seeThrough(new MeshLambertMaterial({ color: color ?? '#b8bec6', side: DoubleSide }));
 }
 
 const texturePath = '/scene/texture.jpg';
@@ -122,13 +106,7 @@ export class SceneLoader {
   private replaceScan(layer: 'mesh' | 'unseen', parts: GlbPart[], maps: (Texture | null)[]): void {
     const group: Group = this.view.layers.group(layer);
     const old = [...group.children] as Mesh[];
-    for (const [i, { geometry, matrix, color }] of parts.entries()) {
-      const material = scanMaterial(geometry.hasAttribute('color'), color, maps[i] ?? null);
-      const mesh = new Mesh(geometry, material);
-      mesh.matrixAutoUpdate = false;
-      mesh.matrix.copy(matrix);
-      group.add(mesh);
-    }
+    for (const [i, part] of parts.entries()) group.add(scanMesh(part, maps[i] ?? null));
     for (const mesh of old) {
       group.remove(mesh);
       mesh.geometry.dispose();

@@ -38,6 +38,7 @@ export interface SceneModel {
   protocol: number;
   up: Vector; // opposite to gravity, in base; (0, 0, 1) unless base is an arbitrary world frame
   mesh: MeshLevel[]; // finest first
+  tiles: { path: string; tiles: number; bytes: number } | null; // in place of `mesh`
   cloud: { path: string; points: number; bytes: number } | null;
   occupancy: { path: string; cells: number; edge: number; bytes: number } | null;
   unseen_support: { path: string; triangles: number; bytes: number } | null;
@@ -47,6 +48,11 @@ export interface SceneModel {
   support_planes: { outline: Vector[] }[];
   guards: { name: string; vertices_mm: number[]; triangles: number[] }[];
   cameras: { position: Vector; quaternion: Quaternion }[];
+}
+
+/// Whether there is a scan, in levels of detail or tiles.
+export function hasScan({ mesh, tiles }: SceneModel): boolean {
+  return mesh.length > 0 || tiles !== null;
 }
 
 /// Whether the base frame is a robot's: the world frame of a scan without bodies, tags and arm is none.
@@ -79,6 +85,7 @@ export async function fetchScene(): Promise<SceneModel> {
     protocol: protocolVersion,
     up: scene.up ?? [0, 0, 1],
     mesh: scene.mesh ?? [],
+    tiles: scene.tiles ?? null,
     cloud: scene.cloud ?? null,
     occupancy: scene.occupancy ?? null,
     unseen_support: scene.unseen_support ?? null,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 import { layerHints, layerNames, layerTitles, type LayerName, type Layers } from '../scene/layers';
-import { hasRobotBase, type SceneModel } from '../scene/scene_model';
+import { hasRobotBase, hasScan, type SceneModel } from '../scene/scene_model';
 import { byId, create } from './dom';
 import { count } from './format';
 
@@ -35,7 +35,7 @@ export function fillLayersPanel(
 /// The layers for which the scene has data.
 export function presentLayers(model: SceneModel, isReplay: boolean): LayerName[] {
   const has: Record<LayerName, boolean> = {
-    mesh: model.mesh.length > 0,
+    mesh: hasScan(model),
     unseen: model.unseen_support !== null,
     cloud: (model.cloud?.points ?? 0) > 0,
     occupancy: (model.occupancy?.cells ?? 0) > 0,
