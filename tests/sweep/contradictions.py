@@ -214,19 +214,25 @@ def faults_of(pcavr, recording, wrong, outcome):
     return found
 
 
-def draw(rng, family, pools):
+def kinds_of(family, only):
+    """What can be wrong, by group of recordings; `only` that of a name where one is given."""
+    return [{name: kind for name, kind in kinds.items() if only in (None, name)} for kinds in FAMILIES[family]]
+
+
+def draw(rng, family, only, pools):
     """A sound recording, and the function that makes it wrong with its name; none in some trials."""
-    group = rng.choices(range(3), [share if kinds else 0.0 for share, kinds in zip(SHARES, FAMILIES[family])])[0]
+    groups = kinds_of(family, only)
+    group = rng.choices(range(3), [share if kinds else 0.0 for share, kinds in zip(SHARES, groups)])[0]
     base = rng.choice(pools[group])
-    kinds = FAMILIES[family][group]
+    kinds = groups[group]
     name = rng.choices(list(kinds), [weight for weight, _ in kinds.values()])[0]
     return (base, "nothing", None) if rng.random() < LEFT_AS_IT_IS else (base, name, kinds[name][1])
 
 
-def make_wrong(rng, family, pools, recording):
+def make_wrong(rng, family, only, pools, recording):
     """A private copy of a sound recording; changed, in most trials."""
     while True:
-        base, name, change = draw(rng, family, pools)
+        base, name, change = draw(rng, family, only, pools)
         shutil.copytree(base.path, recording, copy_function=shutil.copyfile)
         if not change:
             return base, name, None
@@ -275,7 +281,7 @@ def run_one(arguments, pools, work, number):
     private = work / str(number)
     private.mkdir()
     recording = private / "recording"
-    base, name, wrong = make_wrong(rng, family, pools, recording)
+    base, name, wrong = make_wrong(rng, family, arguments.kind, pools, recording)
     outcome = run_command(arguments.pcavr.resolve(), base, recording, private)
     faults = faults_of(arguments.pcavr.resolve(), recording, wrong, outcome)
     if arguments.only is None:
@@ -298,11 +304,15 @@ def main():
                         help="all: those that are wrong, one after the other")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--kind", help="what is wrong in all trials, as the lines name it: 'low pass'")
     parser.add_argument("--only", type=int, help="run this trial alone and keep its files")
     parser.add_argument("--work", type=pathlib.Path, help="folder for files; default: temporary")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
+    known = [name for kinds in FAMILIES.get(arguments.family, ()) for name in kinds]
+    if arguments.kind and arguments.kind not in known:
+        parser.error(f"--kind: the family {arguments.family} has {', '.join(sorted(set(known)))}")
 
     work = arguments.work or pathlib.Path(tempfile.mkdtemp(prefix="pcavr-contradictions-"))
     sound = work / "sound"

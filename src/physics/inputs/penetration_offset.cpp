@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -21,7 +22,6 @@ constexpr double kLoading = 0.015;  // [s] a force may lag the penetration witho
 /// Error of meshes, poses and the tip's radius together [m]. Divided by the speed of the approach,
 /// it is an error of the time of touch: some tenths of a second in slow pushes.
 constexpr double kSurfaceError = 0.001;
-constexpr std::size_t kApproachSamples = 10;  // [grid steps] of the approach before a touch
 constexpr double kMinApproachSpeed = 1e-4;    // [m/s]
 constexpr double kMaxStd = 0.05;              // [s] of an offset that is known
 
@@ -59,17 +59,37 @@ Penetrations penetrations_of(const InputSeries& series, const PathView& tip,
   return result;
 }
 
-/// Median speed at which the tip approaches the bodies before it touches them [m/s].
+/// Speed from the last time that the tip was kSurfaceError away until it is half as deep as it goes
+/// in the contact that begins at `touch` [m/s]: one that slows down before it touches shows its
+/// time of touch as badly as one that is slow all the way. Nothing where the approach is not there.
+std::optional<double> approach_speed(const Penetrations& tip, std::size_t touch) {
+  constexpr double kFree = kContactMargin + kSurfaceError;
+  std::size_t before = touch;
+  while (tip.gaps[before] < kFree) {
+    if (before == 0 || !tip.is_known[before]) return std::nullopt;
+    --before;
+  }
+  double deepest = tip.gaps[touch];
+  for (std::size_t k = touch; k < tip.gaps.size() && tip.gaps[k] < kFree; ++k) {
+    deepest = std::min(deepest, tip.gaps[k]);
+  }
+  const double half = 0.5 * (kContactMargin + deepest);
+  std::size_t after = touch;
+  while (tip.gaps[after] > half) ++after;
+  return (tip.gaps[before] - tip.gaps[after]) * kPenetrationRate /
+         static_cast<double>(after - before);
+}
+
+/// Median over the contacts [m/s]; 0 without one.
 double approach_speed(const Penetrations& tip) {
   std::vector<double> speeds;
-  std::size_t free = 0;
+  bool is_free = true;
   for (std::size_t k = 0; k < tip.gaps.size(); ++k) {
-    const bool touches = tip.gaps[k] < kContactMargin;
-    if (touches && free >= kApproachSamples) {
-      speeds.push_back((tip.gaps[k - kApproachSamples] - tip.gaps[k]) * kPenetrationRate /
-                       static_cast<double>(kApproachSamples));
+    if (is_free && tip.gaps[k] < kContactMargin) {
+      if (const std::optional<double> speed = approach_speed(tip, k)) speeds.push_back(*speed);
+      is_free = false;
     }
-    free = touches || !tip.is_known[k] ? 0 : free + 1;
+    is_free = is_free || tip.gaps[k] > kContactMargin + kSurfaceError;
   }
   return speeds.empty() ? 0.0 : median(std::move(speeds));
 }
