@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/physics/inputs/input_monitor.hpp"
+
+#include "inputs/simulated_series.hpp"
 #include "physics/inputs/clock_offsets.hpp"
 
 namespace pcavr {
@@ -98,6 +102,17 @@ TEST(ForceOffset, IsNoneOfHeldPushes) {
     ASSERT_TRUE(offset.is_known);
     EXPECT_NEAR(offset.offset, shift, std::max(3.0 * offset.std, 1e-3));
     EXPECT_LT(offset.std, 0.005);
+  }
+}
+
+/// The tip slows down before the face and creeps through what is uncertain of its place, and the
+/// recording ends during the push: the time of touch is not known to a tenth of a second.
+TEST(ForceOffset, IsNotSaidOfAPushThatWasCut) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const IdentificationInput input = identified_case(ToolTask::push, seed, 2.0).input;
+    const InputFindings findings = examine_inputs(series_view(input), {});
+    EXPECT_FALSE(findings.is_force_offset_applied)
+        << seed << ": " << findings.tool_to_force.offset << " s";
   }
 }
 

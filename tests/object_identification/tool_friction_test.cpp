@@ -38,8 +38,12 @@ PushState slow_push(double t, double share, double friction) {
   return {Pose(Eigen::Quaterniond::Identity(), moved), share * path, friction};
 }
 
-/// Friction that is found from pushes, each of which lasts `duration` [s].
-std::optional<ParameterValue> found_from(const std::vector<Push>& pushes, double duration) {
+/// What is found from pushes, each of which lasts `duration` [s]. `turn` [rad]: of the tracked
+/// frame against the block's, about z.
+ObjectIdentification identified_from(const std::vector<Push>& pushes, double duration,
+                                     double turn = 0.0) {
+  const Pose T_object_tracked(Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ())),
+                              Eigen::Vector3d::Zero());
   const CadModel model =
       make_cad_model(test::box_mesh({0.1F, 0.1F, 0.05F}), "block", "test").value();
   Random random(5);
@@ -56,8 +60,9 @@ std::optional<ParameterValue> found_from(const std::vector<Push>& pushes, double
     for (double t = 0.0; t < duration; t += kTrackedStep) {
       const Pose T = pushes[k](t).T_base_object;
       const Eigen::Vector3d noise(random.normal(), random.normal(), random.normal());
-      tracked.push_back(
-          {begin + t, Pose(T.rotation(), T.translation() + 1e-4 * noise), 1e-4, 1e-3});
+      tracked.push_back({begin + t,
+                         Pose(T.rotation(), T.translation() + 1e-4 * noise) * T_object_tracked,
+                         1e-4, 1e-3});
     }
     for (double t = 0.0; t < duration; t += kForceStep) {
       const PushState now = pushes[k](t);
@@ -71,7 +76,10 @@ std::optional<ParameterValue> found_from(const std::vector<Push>& pushes, double
   ObjectIdentification result;
   identify_tool_friction_of(contacts, 0, {model, tracked}, BodySurface(model),
                             PathView(t_tool, p_base_tip), kRadius, result);
-  return result.parameters.tool_friction_coefficient;
+  return result;
+}
+std::optional<ParameterValue> found_from(const std::vector<Push>& pushes, double duration) {
+  return identified_from(pushes, duration).parameters.tool_friction_coefficient;
 }
 
 void expect_value(const std::optional<ParameterValue>& found, double truth) {
@@ -125,6 +133,20 @@ TEST(IdentifyToolFriction, IsNotFoundWhereItOpposesTheSlipInSomePushesOnly) {
   const Push opposing = [](double t) { return slow_push(t, 0.8, 0.4); };
   const Push driving = [](double t) { return slow_push(t, 0.8, -0.4); };
   EXPECT_FALSE(found_from({opposing, opposing, driving}, 6.0));
+}
+
+// The tip's path in the object's frame shows the turn: it is not along the mesh's face.
+TEST(IdentifyToolFriction, DoubtsTheDirectionOfATurnedTrackedFrame) {
+  constexpr double kTurn = 0.1;  // [rad]
+  const Push push = [](double t) { return slow_push(t, 0.8, 0.4); };
+  const ObjectIdentification found = identified_from({push, push, push}, 6.0, kTurn);
+  const std::optional<ParameterValue>& friction = found.parameters.tool_friction_coefficient;
+  ASSERT_TRUE(friction);
+  EXPECT_GT(std::abs(friction->value - 0.4), 0.8 * kTurn) << "or there is nothing to doubt";
+  EXPECT_NEAR(friction->value, 0.4, 2.0 * *friction->std);
+  ASSERT_EQ(found.notes.size(), 1U);
+  EXPECT_NE(found.notes[0].find("the tracked frame may be turned"), std::string::npos);
+  EXPECT_TRUE(identified_from({push, push, push}, 6.0).notes.empty());
 }
 
 }  // namespace

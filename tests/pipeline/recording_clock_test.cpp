@@ -117,6 +117,22 @@ TEST(RecordingClock, StampsSince1970ReplayTheSamePrediction) {
   EXPECT_GT(moved, 0.01);
 }
 
+TEST(RecordingClock, InMillisecondsIsNoClockOfContacts) {
+  Chain chain(ToolTask::push, kOnePush, Stamp{});
+  for (WrenchSample& sample : chain.recording.wrench) {
+    sample.stamp = Stamp::from_seconds(1e3 * sample.stamp.seconds());
+  }
+  std::vector<TimedPose> poses = chain.recording.tool.poses();
+  for (TimedPose& timed : poses) timed.stamp = Stamp::from_seconds(1e3 * timed.stamp.seconds());
+  chain.recording.tool = Trajectory(std::move(poses));
+  const auto input = identification_input(chain.recording, {.tracked = chain.tracked()});
+  ASSERT_FALSE(input.has_value());
+  EXPECT_NE(input.error().to_string().find("tool.csv: one row in 2 s: too few to show a contact"),
+            std::string::npos)
+      << input.error().to_string();
+  EXPECT_NE(input.error().hint.find("milliseconds"), std::string::npos);
+}
+
 TEST(RecordingClock, ThatDiffersIsReportedByEachCommand) {
   Chain chain(ToolTask::push, kOnePush, Stamp{});
   const SceneManifest scene = chain.scene();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 
 #include "physics/inputs/clock_offsets.hpp"
 #include "physics/inputs/stream_gaps.hpp"
@@ -17,33 +18,33 @@ namespace {
 constexpr double kContactMargin = 5e-4;  // [m] a tip this near counts as in contact: by tracking
 constexpr double kNear = 0.02;           // [m] within it, the force is along the direction inward
 constexpr double kPenetrationRate = 200.0;  // [1/s] samples: enough for clocks
+constexpr double kPerToolSample = 2.0;  // of a slow tool, between whose samples nothing is known
 constexpr double kLoading = 0.015;  // [s] a force may lag the penetration without a clock offset
 
 /// Error of meshes, poses and the tip's radius together [m]. Divided by the speed of the approach,
 /// it is an error of the time of touch: some tenths of a second in slow pushes.
 constexpr double kSurfaceError = 0.001;
-constexpr double kMinApproachSpeed = 1e-4;    // [m/s]
-constexpr double kMaxStd = 0.05;              // [s] of an offset that is known
+constexpr double kMinApproachSpeed = 1e-4;  // [m/s]
+constexpr double kMaxStd = 0.05;            // [s] of an offset that is known
 
-/// The tip against the bodies' surfaces, on a grid of kPenetrationRate from `begin` on.
+/// The tip against the bodies' surfaces, on a grid from `begin` on.
 struct Penetrations {
   double begin = 0.0;        ///< [s]
+  double rate = 0.0;         ///< [1/s]
   std::vector<double> gaps;  ///< [m]
   std::vector<Eigen::Vector3d> inward_base;
   std::vector<bool> is_known;  ///< not between samples of the tool that lie far apart
 
-  [[nodiscard]] double t(std::size_t k) const {
-    return begin + static_cast<double>(k) / kPenetrationRate;
-  }
+  [[nodiscard]] double t(std::size_t k) const { return begin + static_cast<double>(k) / rate; }
 };
 
 Penetrations penetrations_of(const InputSeries& series, const PathView& tip,
                              const BodyPoses& poses) {
   const std::span<const double> t_tool = series.t_tool;
   const std::vector<StreamGap> tool_gaps = stream_gaps(t_tool);
-  Penetrations result{t_tool.front(), {}, {}, {}};
-  const auto count =
-      static_cast<std::size_t>((t_tool.back() - t_tool.front()) * kPenetrationRate) + 1;
+  const double rate = std::min(kPenetrationRate, kPerToolSample / mean_interval(t_tool));
+  Penetrations result{t_tool.front(), rate, {}, {}, {}};
+  const auto count = static_cast<std::size_t>((t_tool.back() - t_tool.front()) * rate) + 1;
   for (std::size_t k = 0; k < count; ++k) {
     const double t = result.t(k);
     result.is_known.push_back(!is_in_gap(tool_gaps, t));
@@ -76,8 +77,7 @@ std::optional<double> approach_speed(const Penetrations& tip, std::size_t touch)
   const double half = 0.5 * (kContactMargin + deepest);
   std::size_t after = touch;
   while (tip.gaps[after] > half) ++after;
-  return (tip.gaps[before] - tip.gaps[after]) * kPenetrationRate /
-         static_cast<double>(after - before);
+  return (tip.gaps[before] - tip.gaps[after]) * tip.rate / static_cast<double>(after - before);
 }
 
 /// Median over the contacts [m/s]; 0 without one.
@@ -103,7 +103,7 @@ bool is_significant(const TimeOffset& offset, double min_offset, const InputOpti
 
 TimeOffset penetration_offset(const InputSeries& series, const PathView& tip,
                               const BodyPoses& poses) {
-  if (series.bodies.empty() || series.t_tool.empty()) return {};
+  if (series.bodies.empty() || series.t_tool.size() < 2) return {};
   const Penetrations found = penetrations_of(series, tip, poses);
   std::vector<double> t, penetration;
   for (std::size_t k = 0; k < found.gaps.size(); ++k) {
@@ -113,7 +113,7 @@ TimeOffset penetration_offset(const InputSeries& series, const PathView& tip,
   }
   std::vector<double> t_force, along;
   for (std::size_t i = 0; i < series.t_force.size(); ++i) {
-    const double index = (series.t_force[i] - found.begin) * kPenetrationRate;
+    const double index = (series.t_force[i] - found.begin) * found.rate;
     const bool is_beyond = index < 0.0 || index >= static_cast<double>(found.gaps.size());
     const auto k = is_beyond ? 0 : static_cast<std::size_t>(index);
     if (!is_beyond && !found.is_known[k]) continue;

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
+
+#include <fmt/core.h>
 
 #include "pcavr/physics/object_identification/object_identification.hpp"
 #include "pcavr/physics/turning/support.hpp"
@@ -10,6 +14,11 @@
 #include "pcavr/physics/turning/turning.hpp"
 
 namespace pcavr {
+namespace {
+
+constexpr double kToDegrees = 180.0 / std::numbers::pi;
+
+}  // namespace
 
 void identify_turning_of(std::vector<Contact>& contacts, std::size_t object, const BodyMotion& body,
                          const PathView& tip, double tool_radius, const ParameterValue& viscous,
@@ -42,14 +51,20 @@ void identify_tool_friction_of(const std::vector<Contact>& contacts, std::size_t
                                const BodyMotion& body, const BodySurface& surface,
                                const PathView& tip, double tool_radius,
                                ObjectIdentification& result) {
-  std::vector<std::vector<double>> samples;
+  std::vector<std::vector<RubbedPart>> parts;
   for (const Contact& contact : contacts) {
     if (contact.object != object || !contact.left_out.empty() || contact.impact) continue;
-    samples.push_back(tool_friction_samples(contact, body, surface, tip, tool_radius));
+    parts.push_back(rubbed_parts(contact, body, surface, tip, tool_radius));
   }
-  const std::optional<ToolFriction> found = tool_friction_of(samples, body.tracked);
+  const std::optional<ToolFriction> found = tool_friction_of(parts, body.tracked);
   if (!found) return;
   result.parameters.tool_friction_coefficient = found->coefficient;
+  if (found->turn.doubt() > 0.0) {
+    result.notes.push_back(fmt::format(
+        "the tip slides at {:.2g} +- {:.2g} degrees to the mesh's faces: the tracked frame may be "
+        "turned against the mesh's, and the friction of the tool is uncertain by that angle",
+        kToDegrees * std::abs(found->turn.turn), kToDegrees * found->turn.std));
+  }
   result.tool_friction_contacts = found->contacts;
   result.parameters.sources.pushes["tool_friction_coefficient"] = found->contacts;
 }

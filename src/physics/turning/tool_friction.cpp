@@ -33,6 +33,9 @@ constexpr double kMinOpposing = 0.75;
 /// Share by which friction differs from contact to contact at least: repeated ones differ by 2 to
 /// 5 %.
 constexpr double kFrictionScatter = 0.02;
+constexpr double kMinRise = 5e-5;  // [m] std by which a path leaves its face: that of good tracking
+/// Stds of a face's turn up to which it is chance, and from which on all of it is doubted.
+constexpr double kUsualStds = 1.5, kDoubtfulStds = 3.0;
 
 /// The tip's centre at a tracked pose.
 struct TipAtPose {
@@ -47,14 +50,14 @@ class Rubbing {
   Rubbing(const BodyMotion& body, const PathView& tip, const BodySurface& surface, double radius)
       : body_(body), tip_(tip), surface_(surface), radius_(radius) {}
 
-  void add(const Contact& contact, std::vector<double>& coefficients) const {
+  void add(const Contact& contact, std::vector<RubbedPart>& parts) const {
     const std::vector<TipAtPose> tips = tips_during(contact);
     std::size_t from = 0;
     for (std::size_t to = 0; to < tips.size(); ++to) {
       while ((tips[to].p_base - tips[from].p_base).norm() > kMaxPath) ++from;
       if (!has_slipped(tips[from], tips[to])) continue;
-      if (const auto coefficient = during(contact, std::span(tips).subspan(from, to - from + 1)))
-        coefficients.push_back(*coefficient);
+      if (const auto part = during(contact, std::span(tips).subspan(from, to - from + 1)))
+        parts.push_back(*part);
       from = to;
     }
   }
@@ -88,8 +91,8 @@ class Rubbing {
   }
 
   /// The work of the force's parts over the slip: so a pause has no weight.
-  [[nodiscard]] std::optional<double> during(const Contact& contact,
-                                             std::span<const TipAtPose> tips) const {
+  [[nodiscard]] std::optional<RubbedPart> during(const Contact& contact,
+                                                 std::span<const TipAtPose> tips) const {
     const TipAtPose &from = tips.front(), &to = tips.back();
     const Eigen::Vector3d normal = normal_between(from, to);
     const Eigen::Vector3d path = slip_between(from, to, normal).normalized();
@@ -110,7 +113,10 @@ class Rubbing {
     if (pressed < kMinNormalForce) return std::nullopt;
     if (across > kMaxAcross * pressed) return std::nullopt;
     if (across < kMinAcross * pressed) across = 0.0;
-    return force.dot(path) / (pressed + across);
+    const Eigen::Vector3d up = from.R_base_object.inverse() * Eigen::Vector3d::UnitZ();
+    return RubbedPart{.coefficient = force.dot(path) / (pressed + across),
+                      .slip_about_z = slip * path.dot(up.cross(normal)),
+                      .rise = gap_at(to.p_object) - gap_at(from.p_object)};
   }
 
   [[nodiscard]] Eigen::Vector3d normal_between(const TipAtPose& from, const TipAtPose& to) const {
@@ -118,6 +124,9 @@ class Rubbing {
   }
   [[nodiscard]] Eigen::Vector3d normal_at(const Eigen::Vector3d& p_object) const {
     return surface_.touch(Pose(), p_object, radius_).normal_object;
+  }
+  [[nodiscard]] double gap_at(const Eigen::Vector3d& p_object) const {
+    return surface_.touch(Pose(), p_object, radius_).gap;
   }
 
   /// The mean force in the object's frame; that of the next sample where none lies between.
@@ -147,22 +156,44 @@ double normal_std(std::span<const TrackedPose> tracked) {
   return median(std::move(stds));
 }
 
-}  // namespace
-
-std::vector<double> tool_friction_samples(const Contact& contact, const BodyMotion& body,
-                                          const BodySurface& surface, const PathView& tip,
-                                          double tool_radius) {
-  std::vector<double> coefficients;
-  Rubbing(body, tip, surface, tool_radius).add(contact, coefficients);
-  return coefficients;
+/// The turn about z [rad] that makes the tip's path one along the faces, by least squares.
+FaceTurn face_turn(std::span<const std::vector<RubbedPart>> contacts) {
+  double information = 0.0, sum = 0.0, squares = 0.0, count = 0.0;
+  for (const std::vector<RubbedPart>& contact : contacts) {
+    for (const RubbedPart& part : contact) {
+      information += part.slip_about_z * part.slip_about_z;
+      sum += part.slip_about_z * part.rise;
+      squares += part.rise * part.rise;
+      count += 1.0;
+    }
+  }
+  if (!(information > 0.0) || count < 2.0) return {};
+  const double turn = sum / information;
+  const double variance = std::max(0.0, squares - turn * sum) / (count - 1.0);
+  return {turn, std::sqrt(std::max(variance, kMinRise * kMinRise) / information)};
 }
 
-std::optional<ToolFriction> tool_friction_of(std::span<const std::vector<double>> contacts,
+}  // namespace
+
+double FaceTurn::doubt() const {
+  const double share = (std::abs(turn) / std - kUsualStds) / (kDoubtfulStds - kUsualStds);
+  return std > 0.0 ? std::abs(turn) * std::clamp(share, 0.0, 1.0) : 0.0;
+}
+
+std::vector<RubbedPart> rubbed_parts(const Contact& contact, const BodyMotion& body,
+                                     const BodySurface& surface, const PathView& tip,
+                                     double tool_radius) {
+  std::vector<RubbedPart> parts;
+  Rubbing(body, tip, surface, tool_radius).add(contact, parts);
+  return parts;
+}
+
+std::optional<ToolFriction> tool_friction_of(std::span<const std::vector<RubbedPart>> contacts,
                                              std::span<const TrackedPose> tracked) {
   std::vector<double> coefficients;
   int count = 0;
-  for (const std::vector<double>& contact : contacts) {
-    coefficients.insert(coefficients.end(), contact.begin(), contact.end());
+  for (const std::vector<RubbedPart>& contact : contacts) {
+    for (const RubbedPart& part : contact) coefficients.push_back(part.coefficient);
     count += contact.empty() ? 0 : 1;
   }
   if (coefficients.size() < kMinSamples) return std::nullopt;
@@ -180,9 +211,9 @@ std::optional<ToolFriction> tool_friction_of(std::span<const std::vector<double>
                          std::sqrt(static_cast<double>(count));
   // The few contacts that there usually are agree by chance.
   const double least = kFrictionScatter * middle / std::sqrt(static_cast<double>(count));
-  const double std =
-      std::hypot(std::max(scatter, least), normal_std(tracked) * (1.0 + middle * middle));
-  return ToolFriction{{middle, std}, count};
+  const FaceTurn turn = face_turn(contacts);
+  const double direction = std::hypot(normal_std(tracked), turn.doubt()) * (1.0 + middle * middle);
+  return ToolFriction{{middle, std::hypot(std::max(scatter, least), direction)}, count, turn};
 }
 
 }  // namespace pcavr

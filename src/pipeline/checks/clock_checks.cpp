@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clock_checks.hpp"
 
+#include <string>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "pcavr/recordings/recording/stamp_units.hpp"
 #include "pcavr/recordings/recording/stream_clocks.hpp"
@@ -12,6 +15,8 @@ namespace pcavr {
 namespace {
 
 constexpr char kImages[] = "depth.txt";
+/// [s] Contacts last for a second or some: a tool or a force that is sampled so slowly shows none.
+constexpr double kMaxInterval = 1.0;
 
 void warn_of(const ClockConflict& conflict, const Observer& observer) {
   observer.on_warning(conflict.message + "; put both on one clock");
@@ -36,6 +41,21 @@ std::optional<Error> check_clocks(const Recording& recording, ImageUse images,
     const bool is_used = images == ImageUse::tracking || !has_images;
     if (conflict.is_disjoint && is_used) return clock_error(conflict, recording.folder);
     warn_of(conflict, observer);
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> check_rates(const Recording& recording) {
+  using Kind = StreamPace::Kind;
+  for (const StreamPace& pace : paces_of(recording)) {
+    const bool is_used = pace.kind == Kind::tool || pace.kind == Kind::force;
+    if (!is_used || pace.interval <= kMaxInterval) continue;
+    const std::optional<std::string> unit = unit_of_interval(pace.interval);
+    return Error{
+        .message = fmt::format("one row in {:.3g} s: too few to show a contact", pace.interval),
+        .file = (recording.folder / pace.name).string(),
+        .hint = unit ? "write the stamps in seconds: they may be in " + *unit
+                     : "record the stream at 10 rows a second or more"};
   }
   return std::nullopt;
 }

@@ -20,6 +20,9 @@ enum class ImageUse { none, tracking };
 [[nodiscard]] std::optional<Error> check_clocks(const Recording& recording, ImageUse images,
                                                 const Observer& observer);
 
+/// An Error where the tool or the force has rows too far apart to show a contact.
+[[nodiscard]] std::optional<Error> check_rates(const Recording& recording);
+
 /// All conflicts as warnings: for commands that need only one of the streams.
 void warn_of_clocks(const Recording& recording, const Observer& observer);
 

@@ -188,6 +188,7 @@ Expected<IdentificationInput> identification_input(const Recording& recording,
   const auto conflict =
       check_clocks(recording, is_tracked_in_images ? ImageUse::tracking : ImageUse::none, observer);
   if (conflict) return *conflict;
+  if (auto slow = check_rates(recording)) return *slow;
   if (auto error = missing_streams(input)) {
     error->file = (recording.folder / error->file).string();
     return *error;
