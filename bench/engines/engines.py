@@ -5,6 +5,7 @@
 
     bench/engines/engines.py --data DATA/plants --pcavr build/test/apps/pcavr/pcavr
                              [--engines mujoco,physx,rapier,bullet,ode,dart] [--only REGEX] [--tests N]
+                             [--experiments push driven ...] [--settings export ...]
                              [--work out/engine-table] [--json FILE]
 
 Below DATA as for pushes.py. Parameters are identified, each test is built and exported, and each
@@ -27,10 +28,13 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 sys.path.insert(0, str(HERE.parent))
 from command import recordings_parser, run  # noqa: E402
+from driven import DrivenBody, rows_by_law  # noqa: E402
 from experiments import FIGURES, MIN_SAMPLES, RecordedPush, canonical, push_experiment  # noqa: E402
 from pushes import Bench, cases_in  # noqa: E402
 from sdf_world import BEST, DEFAULTS, EXPORT, MU_ALONE, read_world, with_setting  # noqa: E402
 
+LAW_ALONE = ("none", "identified law")  # what an engine with exactly this friction would give
+EXPERIMENTS = ["push", "driven", *FIGURES]
 SETTINGS = [DEFAULTS, MU_ALONE, EXPORT, BEST]
 # Options of an engine's program by setting; none: its library's defaults.
 GAZEBO = {"quick": True, "iterations": 50}
@@ -97,13 +101,17 @@ class Engines(Bench):
         push = RecordedPush(test, manifest["bodies"][0]["name"])
         if len(push.samples) < MIN_SAMPLES:
             raise RuntimeError("the body hardly slides")
-        experiments = {"push": push_experiment(sdf), "driven": push.wrench_experiment(world)}
+        experiments = {"push": push_experiment(sdf), "driven": DrivenBody(push, world).experiment()}
         if has_canonical:
             experiments.update(canonical(world, manifest))
+        experiments = {name: what for name, what in experiments.items() if name in self.arguments.experiments}
         found = {}
+        if "driven" in experiments:
+            rows = rows_by_law(experiments["driven"], world, manifest["bodies"][0])
+            found[LAW_ALONE] = {"driven": push.slid_error(rows)}
         for engine in self.programs:
             jobs = []
-            for setting in SETTINGS:
+            for setting in self.arguments.settings:
                 options = (mujoco_options(setting, mjcf) if engine == "mujoco"
                            else OPTIONS[engine].get(setting, {}))
                 for name, what in experiments.items():
@@ -173,6 +181,8 @@ def main():
     parser = recordings_parser(__doc__, "out/engine-table")
     parser.add_argument("--engines", default="mujoco,physx,rapier,bullet,ode,dart")
     parser.add_argument("--tests", type=int, default=None, help="maximum number of tests of a case")
+    parser.add_argument("--experiments", nargs="+", choices=EXPERIMENTS, default=EXPERIMENTS)
+    parser.add_argument("--settings", nargs="+", choices=SETTINGS, default=SETTINGS)
     parser.add_argument("--json", type=pathlib.Path, help="file for the results, written after each test")
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)

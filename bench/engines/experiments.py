@@ -14,8 +14,6 @@ WINDOW = 0.4  # [s] over which the tracked body's speed is taken
 BIAS_TIME = 0.5  # [s] without contact at a recording's start
 MIN_FORCE_SHARE = 0.3  # of the maximum: the tool is in contact
 MIN_SAMPLES = 20
-FORCE_WINDOW = 10  # samples of force that are averaged
-FREE_FORCE = 0.3  # [N] below, the tool is free
 # Columns of the engines' rows.
 T, X, Y, Z, YAW, VX, VY, WZ, FX, FY, FZ = range(11)
 
@@ -193,35 +191,6 @@ class RecordedPush:
         b = next((row for row in self.track if row[0] >= t + WINDOW / 2), None)
         return bool(a and b and b[0] > a[0]
                     and math.hypot(b[1] - a[1], b[2] - a[2]) / (b[0] - a[0]) > SLIDING_SPEED)
-
-    def wrench_experiment(self, world):
-        """The recorded force, without a tool, on the free body: at the tip, about the tracked centre of mass."""
-        rows = read_csv(self.recording / "wrench.csv")
-        tool = [[row[key] for key in ("t", "x", "y", "z")] for row in read_csv(self.recording / "tool.csv")]
-        bias = [statistics.median(row[axis] for row in rows if row["t"] < rows[0]["t"] + BIAS_TIME)
-                for axis in ("fx", "fy", "fz")]
-        radius, table = FORCE_WINDOW // 2, []
-        for i in range(radius, len(rows) - radius, radius):
-            part = rows[i - radius:i + radius + 1]
-            force = [statistics.fmean(row[axis] for row in part) - zero
-                     for axis, zero in zip(("fx", "fy", "fz"), bias)]
-            if math.hypot(*force) < FREE_FORCE:
-                force = [0.0] * 3  # the sensor's noise does not move a free body
-            t = rows[i]["t"]
-            tip, arm = at_time(tool, t)[1:], self.centre(world["body"], t)
-            arm = [a - b for a, b in zip(tip, arm)]
-            torque = [arm[1] * force[2] - arm[2] * force[1], arm[2] * force[0] - arm[0] * force[2],
-                      arm[0] * force[1] - arm[1] * force[0]]
-            table.append([t - self.start, *force, *torque])
-        return experiment(table[-1][0], wrench=table)
-
-    def centre(self, body, t):
-        """[m] The tracked centre of mass, base."""
-        _, x, y, yaw = at_time(self.track, t)
-        cx, cy, cz = rotate(body["quaternion"], body["centre_of_mass"])
-        turn = yaw - self.track[0][3]
-        return [x + math.cos(turn) * cx - math.sin(turn) * cy, y + math.sin(turn) * cx + math.cos(turn) * cy,
-                body["position"][2] + cz]
 
     def slid_error(self, rows):
         """Distance from begin to end, against the tracked one."""
