@@ -11,6 +11,7 @@
 #include "pcavr/base/core/gravity.hpp"
 
 #include "calibration/random_rig.hpp"
+#include "support/std_coverage.hpp"
 
 namespace pcavr {
 namespace {
@@ -95,8 +96,7 @@ TEST(CalibrateForceSensor, FindsAxesLoadAndBiasOf60NoisyPosesInAnyAxes) {
 }
 
 TEST(CalibrateForceSensor, StatesStdsThatHoldOn200RandomRigs) {
-  int within = 0, all = 0;
-  double largest = 0.0;
+  std::vector<double> ratios;
   for (std::uint64_t seed = 1001; seed <= 1200; ++seed) {
     const ForceRig rig(seed, {.poses = 10 + static_cast<int>(seed % 50),
                               .axes = seed % 2 == 0 ? ForceAxes::sensor : ForceAxes::base});
@@ -105,22 +105,14 @@ TEST(CalibrateForceSensor, StatesStdsThatHoldOn200RandomRigs) {
     const Pose found_turn(found->R_sensor_flange, Eigen::Vector3d::Zero());
     const Pose true_turn(Eigen::Quaterniond(rig.R_sensor_flange), Eigen::Vector3d::Zero());
     const Vector6d turn = (found_turn.inverse() * true_turn).log();
-    std::vector<double> ratios{(found->mass - rig.mass) / found->mass_std};
+    ratios.push_back((found->mass - rig.mass) / found->mass_std);
     for (int axis = 0; axis < 3; ++axis) {
       ratios.push_back((found->force_bias - rig.bias)[axis] / found->force_bias_std[axis]);
       ratios.push_back(turn[3 + axis] / found->rotation_std[axis]);
       ratios.push_back((*found->centre - rig.centre)[axis] / found->centre_std[axis]);
     }
-    for (const double ratio : ratios) {
-      within += std::abs(ratio) < 1.0 ? 1 : 0;
-      largest = std::max(largest, std::abs(ratio));
-      ++all;
-    }
   }
-  const double share = 100.0 * within / all;
-  std::printf("  within one std: %.1f %%, largest error %.2f std\n", share, largest);
-  EXPECT_NEAR(share, 68.0, 8.0);
-  EXPECT_LT(largest, 5.0);
+  expect_stds_cover(ratios, 8.0);
 }
 
 TEST(CalibrateForceSensor, ShowsCrossTalkOnlyWhereThereIsSome) {

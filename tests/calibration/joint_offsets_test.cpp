@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <gtest/gtest.h>
 
 #include "calibration/random_rig.hpp"
+#include "support/std_coverage.hpp"
 
 namespace pcavr {
 namespace {
@@ -127,13 +127,11 @@ TEST(JointOffsets, AreFoundAndUnseenViewsFitBetter) {
 }
 
 TEST(JointOffsets, HaveStdsThatHoldOnRandomArms) {
-  int within = 0, all = 0;
-  double largest = 0.0;
+  std::vector<double> ratios;
   for (std::uint64_t seed = 101; seed <= 112; ++seed) {
     const OffsetRig rig(seed, 20 + static_cast<int>(seed % 15), 0.3 * kDegree);
     const auto found = rig.found(0);
     ASSERT_TRUE(found) << seed << ' ' << found.error().to_string();
-    std::vector<double> ratios;
     for (Eigen::Index i = 1; i < 5; ++i) {
       const JointOffset& offset = found->offsets[static_cast<std::size_t>(i)];
       ratios.push_back((offset.value - rig.offsets[i]) / offset.std);
@@ -143,18 +141,10 @@ TEST(JointOffsets, HaveStdsThatHoldOnRandomArms) {
     for (Eigen::Index i = 0; i < 6; ++i) {
       ratios.push_back(error[i] / std::sqrt(camera.covariance(i, i)));
     }
-    for (const double ratio : ratios) {
-      within += std::abs(ratio) < 1.0 ? 1 : 0;
-      largest = std::max(largest, std::abs(ratio));
-      ++all;
-    }
   }
-  const double share = 100.0 * within / all;
-  std::printf("  within one std: %.1f %%, largest error %.2f std\n", share, largest);
   // Of ten values of each of twelve arms, which share their errors; bench/calibration_stds.py draws
   // more.
-  EXPECT_NEAR(share, 68.0, 14.0);
-  EXPECT_LT(largest, 5.0);
+  expect_stds_cover(ratios, 14.0);
 }
 
 TEST(JointOffsets, OfASoundArmAreNone) {

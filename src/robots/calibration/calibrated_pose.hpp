@@ -18,8 +18,12 @@ namespace pcavr {
     const Rig& at_point, const Matrix6d& covariance, const Eigen::Vector3d& best_point,
     const std::optional<Eigen::Vector3d>& unobservable_world);
 
-/// Moves the board's frame by `shift` in it.
-void move_board(const Eigen::Vector3d& shift, std::vector<RigView>& views);
+/// Moves the board's frame by `shift` in it, of HandEyeViews or RigViews.
+template <typename View>
+void move_board(const Eigen::Vector3d& shift, std::vector<View>& views) {
+  const Pose T_board_point = Pose::from_translation(shift);
+  for (View& view : views) view.T_camera_board = view.T_camera_board * T_board_point;
+}
 
 /// The views that one of the random splits fits, sorted, and those that it judges.
 struct ViewSplit {

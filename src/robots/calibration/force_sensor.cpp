@@ -13,7 +13,8 @@
 #include "pcavr/base/core/gravity.hpp"
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/base/core/solvers.hpp"
-#include "pcavr/base/geometry/pose.hpp"
+
+#include "robots/calibration/force_fit.hpp"
 
 namespace pcavr {
 namespace {
@@ -27,18 +28,6 @@ constexpr double kMaxOutlierRatio = 5.0;
 /// A load below this does not show how a sensor is turned, over the noise of its readings.
 constexpr double kMinWeightRatio = 3.0;
 constexpr double kUnclearRatio = 1.2;  ///< of the residuals in the two axes: the choice is unclear
-constexpr int kFitIterations = 20;
-
-using Vector7d = Eigen::Matrix<double, 7, 1>;
-using Matrix7d = Eigen::Matrix<double, 7, 7>;
-
-/// A reading as the sensor has it, and gravity in the flange.
-struct ForceSample {
-  Eigen::Vector3d force, gravity_flange;
-  std::optional<Eigen::Vector3d> torque = {};
-  bool is_used = true;
-};
-using ForceSamples = std::vector<ForceSample>;
 
 struct Hypothesis {
   ForceAxes axes = ForceAxes::sensor;
@@ -59,112 +48,6 @@ ForceSamples force_samples_of(const std::vector<ForceReading>& readings,
     samples.push_back(std::move(sample));
   }
   return samples;
-}
-
-std::size_t used_count(const ForceSamples& samples) {
-  return static_cast<std::size_t>(std::count_if(
-      samples.begin(), samples.end(), [](const ForceSample& one) { return one.is_used; }));
-}
-
-/// Least squares of reading = bias + matrix gravity.
-struct LinearFit {
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();  ///< of gravity in the flange, summed
-  double squares = 0.0;                               ///< [N^2]
-};
-
-LinearFit linear_fit(const ForceSamples& samples) {
-  const double n = static_cast<double>(used_count(samples));
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), gravity = Eigen::Vector3d::Zero();
-  for (const ForceSample& sample : samples) {
-    if (!sample.is_used) continue;
-    force += sample.force / n;
-    gravity += sample.gravity_flange / n;
-  }
-  LinearFit fit;
-  Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
-  for (const ForceSample& sample : samples) {
-    if (!sample.is_used) continue;
-    const Eigen::Vector3d g = sample.gravity_flange - gravity;
-    fit.scatter += g * g.transpose();
-    mixed += g * (sample.force - force).transpose();
-  }
-  fit.matrix = fit.scatter.ldlt().solve(mixed).transpose();
-  fit.bias = force - fit.matrix * gravity;
-  for (const ForceSample& sample : samples) {
-    if (!sample.is_used) continue;
-    fit.squares += (sample.force - fit.bias - fit.matrix * sample.gravity_flange).squaredNorm();
-  }
-  return fit;
-}
-
-/// reading = bias + sign mass R gravity, with a rotation R.
-struct RigidFit {
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();
-  double sign = 1.0, mass = 0.0;
-  Eigen::Matrix3d R_sensor_flange = Eigen::Matrix3d::Identity();
-  double squares = 0.0;                 ///< [N^2] of the used samples
-  Matrix7d inverse = Matrix7d::Zero();  ///< of the normal equations: bias, mass, rotation
-  std::size_t used = 0;
-
-  [[nodiscard]] Eigen::Vector3d weight(const ForceSample& sample) const {
-    return sign * mass * (R_sensor_flange * sample.gravity_flange);
-  }
-  /// Its derivatives by mass and rotation.
-  [[nodiscard]] Eigen::Matrix<double, 3, 4> weight_slope(const ForceSample& sample) const {
-    Eigen::Matrix<double, 3, 4> slope;
-    slope.col(0) = sign * (R_sensor_flange * sample.gravity_flange);
-    slope.rightCols<3>() = -sign * mass * R_sensor_flange * skew(sample.gravity_flange);
-    return slope;
-  }
-  [[nodiscard]] Eigen::Vector3d residual(const ForceSample& sample) const {
-    return sample.force - bias - weight(sample);
-  }
-  [[nodiscard]] double freedoms() const {
-    return std::max(1.0, 3.0 * static_cast<double>(used) - 7.0);
-  }
-};
-
-RigidFit start_of(const LinearFit& linear) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(linear.matrix,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d orthogonal = svd.matrixU() * svd.matrixV().transpose();
-  RigidFit fit{.bias = linear.bias};
-  fit.sign = orthogonal.determinant() < 0.0 ? -1.0 : 1.0;
-  fit.R_sensor_flange = fit.sign * orthogonal;
-  fit.mass = svd.singularValues().mean();
-  return fit;
-}
-
-/// Gauss-Newton from the start; the readings are linear in all but the rotation.
-RigidFit rigid_fit(const ForceSamples& samples, RigidFit fit) {
-  for (int i = 0; i < kFitIterations; ++i) {
-    Matrix7d matrix = Matrix7d::Zero();
-    Vector7d gradient = Vector7d::Zero();
-    for (const ForceSample& sample : samples) {
-      if (!sample.is_used) continue;
-      Eigen::Matrix<double, 3, 7> J;
-      J.leftCols<3>() = Eigen::Matrix3d::Identity();
-      J.rightCols<4>() = fit.weight_slope(sample);
-      matrix += J.transpose() * J;
-      gradient += J.transpose() * fit.residual(sample);
-    }
-    const Vector7d step = matrix.ldlt().solve(gradient);
-    fit.inverse = matrix.ldlt().solve(Matrix7d::Identity());
-    fit.bias += step.head<3>();
-    fit.mass += step[3];
-    Vector6d turn = Vector6d::Zero();
-    turn.tail<3>() = step.tail<3>();
-    fit.R_sensor_flange = fit.R_sensor_flange * Pose::exp(turn).rotation_matrix();
-    if (step.norm() < 1e-12 * (1.0 + fit.mass)) break;
-  }
-  fit.squares = 0.0;
-  fit.used = used_count(samples);
-  for (const ForceSample& sample : samples) {
-    if (sample.is_used) fit.squares += fit.residual(sample).squaredNorm();
-  }
-  return fit;
 }
 
 void mark_outliers(ForceSamples& samples, const RigidFit& fit) {

@@ -247,11 +247,6 @@ HandEyeResult result_of(const std::vector<HandEyeView>& named, const ChosenFit& 
 
 }  // namespace
 
-void move_board(const Eigen::Vector3d& shift, std::vector<RigView>& views) {
-  const Pose T_board_point = Pose::from_translation(shift);
-  for (RigView& view : views) view.T_camera_board = view.T_camera_board * T_board_point;
-}
-
 CalibratedPose calibrated(const Pose& T_a_b, const Matrix6d& covariance,
                           const std::optional<Eigen::Vector3d>& unobservable) {
   CalibratedPose pose{.T_a_b = T_a_b, .covariance = covariance};

@@ -208,13 +208,6 @@ ArmFit start_of(const HandEyeResult& found, Eigen::Index joints) {
   return arm;
 }
 
-std::vector<HandEyeView> at_point(std::vector<HandEyeView> views, const Eigen::Vector3d& point) {
-  for (HandEyeView& view : views) {
-    view.T_camera_board = view.T_camera_board * Pose::from_translation(point);
-  }
-  return views;
-}
-
 /// rms [m] of the board's position in views that were not fitted, over the splits.
 std::optional<double> held_out(const ArmViews& input, const ArmFit& arm,
                                const HandEyeOptions& options) {
@@ -228,6 +221,14 @@ std::optional<double> held_out(const ArmViews& input, const ArmFit& arm,
     }
   }
   return judged > 0.0 ? std::optional(std::sqrt(sum / judged)) : std::nullopt;
+}
+
+/// The fit of the same views with all offsets held at 0.
+ArmFit without_offsets(const ArmViews& input, ArmFit arm) {
+  arm.offsets.setZero();
+  arm.is_held.assign(arm.is_held.size(), true);
+  refine(input, std::vector<std::size_t>(arm.fit.used), arm);
+  return arm;
 }
 
 /// Poses and stds of the fit in the place of those of the corrected arm alone.
@@ -281,7 +282,8 @@ Expected<ArmHandEyeResult> calibrate_hand_eye_and_arm(const std::vector<HandEyeV
   // Which views fit, and the board's scale, are looked at again with the arm corrected.
   for (int round = 0; round < 2; ++round) {
     if (found->unobservable) return one_axis();
-    const std::vector<HandEyeView> moved_views = at_point(views, found->best_point_board);
+    std::vector<HandEyeView> moved_views = views;
+    move_board(found->best_point_board, moved_views);
     const ArmViews input{moved_views,
                          arm_model,
                          {.mount = options.mount, .with_scale = found->is_board_scale_used},
@@ -292,7 +294,10 @@ Expected<ArmHandEyeResult> calibrate_hand_eye_and_arm(const std::vector<HandEyeV
     const ArmViews plain{views, arm_model, input.options, offset_options.std};
     const std::vector<HandEyeView> corrected = placed_views(plain, arm_poses(plain, arm.offsets));
     const bool is_last = round > 0;
-    if (is_last) result.hand_eye.held_out_rms = held_out(input, arm, options);
+    if (is_last) {
+      result.hand_eye.held_out_rms = held_out(input, arm, options);
+      result.without.held_out_rms = held_out(input, without_offsets(input, arm), options);
+    }
     const Eigen::Vector3d best_point = found->best_point_board;
     found = calibrate_hand_eye(corrected, options);
     if (!found) return found.error();

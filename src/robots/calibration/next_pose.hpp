@@ -10,8 +10,8 @@
 namespace pcavr {
 
 /// The turn of the camera about the board, from a view that there is, that would reduce the largest
-/// std of the camera's position most; the board stays in view. nullopt where none would reduce it
-/// by a twentieth.
+/// std of the camera's position most; the board stays in view, and the flange near where it was in
+/// the fitted views. nullopt where none would reduce it by a twentieth.
 [[nodiscard]] std::optional<NextPose> plan_next_pose(const std::vector<RigView>& views,
                                                      const std::vector<HandEyeView>& named,
                                                      const RigFit& fit,

@@ -10,6 +10,8 @@
 
 #include "pcavr/base/core/solvers.hpp"
 
+#include "robots/calibration/student.hpp"
+
 namespace pcavr {
 namespace {
 
@@ -61,12 +63,6 @@ double squares_of(const std::vector<TouchedPoint>& points, const Centred& sums,
         (point.p_base - sums.base - R_base_world * (point.p_world - sums.world)).squaredNorm();
   }
   return squares;
-}
-
-/// The number of stds of Student's distribution within which 68 % lie, over those of the normal
-/// one [Abramowitz & Stegun, 26.7.5].
-double student_factor(double freedoms) {
-  return 1.0 + 0.5 / freedoms + 0.25 / (freedoms * freedoms);
 }
 
 std::optional<Error> degenerate(const Centred& sums, std::size_t count) {

@@ -43,7 +43,8 @@ struct ArmHandEyeResult {
   /// With the arm's poses by the offsets; the covariances contain what is not known of these.
   HandEyeResult hand_eye = {};
   std::vector<JointOffset> offsets = {};  ///< from the base on
-  HandEyeResult without = {};             ///< as the arm has its poses
+  /// As the arm has its poses; its held_out_rms is of the views that `hand_eye` fits.
+  HandEyeResult without = {};
 };
 
 /// Does what calibrate_hand_eye does, with the offsets of the arm's revolute joints as more
