@@ -3,6 +3,8 @@
 """Calibrations from arrays."""
 import functools
 import json
+import os
+import signal
 import struct
 import zlib
 
@@ -259,6 +261,24 @@ def test_pictures_that_can_not_be(board_pictures, tmp_path):
                            ({"lens": "fisheye", "k3": True}, "k3"), ({"threads": -1}, "threads")]:
         with pytest.raises(pcavr.Error, match=named):
             pcavr.calibrate_camera(pictures, **{"board": BOARD_TEXT, **changed})  # type: ignore[arg-type]
+
+
+def test_forked_process_calibrates_the_same_with_threads(board_pictures):
+    """The parent's worker threads are not in the child, which must not wait for them."""
+    pictures, _ = board_pictures
+    expected = pcavr.calibrate_camera(pictures, BOARD_TEXT, threads=2).camera.fx
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        signal.alarm(60)
+        try:
+            os.write(writer, repr(pcavr.calibrate_camera(pictures, BOARD_TEXT, threads=2).camera.fx).encode())
+        finally:
+            os._exit(0)  # the tests are the parent's; without a value it fails
+    os.close(writer)
+    with os.fdopen(reader) as pipe:
+        assert float(pipe.read()) == expected
+    os.waitpid(child, 0)
 
 
 def test_hand_eye_of_calibrated_pictures(board_pictures):

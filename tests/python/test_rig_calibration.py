@@ -67,7 +67,8 @@ def test_distances_that_can_not_be(distances):
 
 def test_depth_of_a_recording_as_the_command_finds_it(tmp_path, command):
     folder = tmp_path / "recording"
-    pcavr.simulate("tabletop", folder, seed=1)
+    done = command("simulate", "tabletop", "-o", folder, "--duration", "2", "--frames-per-second", "6")
+    assert done.returncode == 0, done.stderr
     done = command("calibrate", "depth", folder, "-o", tmp_path / "depth.yaml", "--frames", "60", "--json")
     assert done.returncode == 0, done.stderr
     stages = set()
