@@ -24,6 +24,7 @@ from command import run
 
 SAMPLES = 5  # recordings by single commands
 MAX_FACTOR = 1.5
+MAX_RATIO = 1.1  # of the time of a recording in a plan to that of single commands
 
 
 def timed(*words):
@@ -107,7 +108,8 @@ def main():
         passed, processor = timed(arguments.pcavr, "run", plan, "--jobs", jobs, "--threads", 1)
         print(f"--jobs {jobs}: {made['tasks']} tasks in {passed:.1f} s; a recording against single commands: "
               f"{jobs * passed / len(recordings) / single[0]:.3f} of the time, "
-              f"{processor / len(recordings) / single[1]:.3f} of the processor's", flush=True)
+              f"{processor / len(recordings) / single[1]:.3f} of the processor's (target: at most {MAX_RATIO})",
+              flush=True)
     print_estimates(plan)
     again, _ = timed(arguments.pcavr, "run", plan)
     gathered, _ = timed(arguments.pcavr, "gather", plan, "-o", arguments.work / "summary", "--force", "--jobs",

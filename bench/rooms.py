@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The pcavr authors
 # SPDX-License-Identifier: Apache-2.0
-"""Eight copies of a simulated room in a row, with exact poses: built at once and by tiles.
+"""Copies of a simulated room in a row, with exact poses: built at once and by tiles.
 
-    bench/rooms.py --pcavr build/bench/apps/pcavr/pcavr [--voxel 0.005] [--tiles 4] [--rate 5]
+    bench/rooms.py --pcavr build/bench/apps/pcavr/pcavr [--rooms 8] [--voxel 0.005] [--tiles 4] [--rate 5]
                    [--occupancy 0.05] [--work out/rooms]
 
 Prints the largest distance between the two meshes' vertices, times and peak memory; exit code 1 where it exceeds
@@ -19,7 +19,6 @@ import numpy as np
 
 import hall
 
-ROOMS = 8
 SPACING = 12.0  # m, along x: no room sees another
 PAUSE = 1.0     # s, between the visits
 
@@ -33,8 +32,8 @@ def shifted(rows, base, offset):
     return [[f"{float(row[0]) - base + offset:.6f}", *row[1:]] for row in rows]
 
 
-def write_rooms(pcavr, folder, seconds, rate):
-    """One room's images at eight places: poses are moved, files are linked."""
+def write_rooms(pcavr, folder, rooms, seconds, rate):
+    """One room's images at several places: poses are moved, files are linked."""
     room = folder.parent / "room"
     subprocess.run([pcavr, "simulate", "room", "--seed", "3", "--duration", str(seconds), "--frames-per-second",
                     str(rate), "-o", room, "--force"], check=True, stdout=subprocess.DEVNULL)
@@ -47,10 +46,10 @@ def write_rooms(pcavr, folder, seconds, rate):
     base = float(poses[0][0])
     period = float(poses[-1][0]) - base + PAUSE
     for name, rows in lists.items():
-        copies = [row for i in range(ROOMS) for row in shifted(rows, base, i * period)]
+        copies = [row for i in range(rooms) for row in shifted(rows, base, i * period)]
         (folder / f"{name}.txt").write_text("".join(" ".join(row) + "\n" for row in copies))
     moved = [[row[0], str(float(row[1]) + i * SPACING), *row[2:]]
-             for i in range(ROOMS) for row in shifted(poses, base, i * period)]
+             for i in range(rooms) for row in shifted(poses, base, i * period)]
     (folder / "groundtruth.txt").write_text("".join(" ".join(row) + "\n" for row in moved))
     manifest = (room / "recording.yaml").read_text().splitlines()
     kept, is_camera = ["format: pcavr-recording/1"], False
@@ -86,6 +85,7 @@ def largest_distance(a, b):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pcavr", required=True)
+    parser.add_argument("--rooms", type=int, default=8)
     parser.add_argument("--voxel", default="0.005")
     parser.add_argument("--tiles", default="4")
     parser.add_argument("--occupancy", default="0.05", help="cell [m]: one map has the free space of all tiles")
@@ -96,7 +96,7 @@ def main():
     recording = arguments.work / "recording"
     if not (recording / "recording.yaml").exists():
         arguments.work.mkdir(parents=True, exist_ok=True)
-        write_rooms(arguments.pcavr, recording, arguments.seconds, arguments.rate)
+        write_rooms(arguments.pcavr, recording, arguments.rooms, arguments.seconds, arguments.rate)
     figures = {}
     for name, options in (("whole", []), ("tiled", ["--tiles", arguments.tiles])):
         figures[name] = hall.build(arguments.pcavr, recording, arguments.work / name,

@@ -14,14 +14,16 @@ namespace {
 struct BuildArguments {
   SceneArguments scene;
   OutputOption output;
+  std::string survey;
   std::vector<std::string> fused;
 };
 
 Expected<CommandResult> build(const BuildArguments& arguments, Configuration& configuration,
                               const Observer& observer) {
+  limit_retained_memory();
   const SceneArguments& of = arguments.scene;
   // First, so that an output that can't be written fails before the long work.
-  std::vector<std::filesystem::path> inputs{of.recording, of.sensor};
+  std::vector<std::filesystem::path> inputs{of.recording, of.sensor, arguments.survey};
   inputs.insert(inputs.end(), arguments.fused.begin(), arguments.fused.end());
   Expected<OutputFolder> folder = create_output(arguments.output, OutputKind::scene, inputs);
   if (!folder) return folder.error();
@@ -31,6 +33,7 @@ Expected<CommandResult> build(const BuildArguments& arguments, Configuration& co
       read_with_warnings(of.recording, options->skip_bad, configuration, observer);
   if (!recording) return recording.error();
   BuildLimits limits = limits_of(of);
+  limits.survey = arguments.survey;
   limits.fused.assign(arguments.fused.begin(), arguments.fused.end());
   Expected<Scene> scene = build_scene_within(limits, *recording, *options, observer);
   if (!scene) return scene.error();
@@ -55,10 +58,17 @@ void add_build(CLI::App& app, Configuration& configuration, Action& action) {
   add_scene_options(*command, arguments->scene, configuration);
   add_output_option(*command, arguments->output, "Folder for the scene");
   CLI::Option* tiles = add_limits(*command, arguments->scene);
-  command
-      ->add_option("--fused", arguments->fused,
-                   "Files of pcavr fuse, of all parts of these tiles, in the place of fusing them")
-      ->needs(tiles);
+  CLI::Option* survey =
+      command
+          ->add_option("--survey", arguments->survey,
+                       "File of pcavr survey, in the place of placing the frames; with --fused")
+          ->excludes(tiles);
+  CLI::Option* fused = command
+                           ->add_option("--fused", arguments->fused,
+                                        "Files of pcavr fuse, of all parts of the tiles, in the "
+                                        "place of fusing them")
+                           ->needs(survey);
+  survey->needs(fused);
   command->callback([arguments, &configuration, &action] {
     action = [arguments, &configuration](const Observer& observer) {
       return build(*arguments, configuration, observer);

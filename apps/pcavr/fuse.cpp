@@ -1,8 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // The steps of a build by tiles that pcavr plan divides among machines.
+#include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <system_error>
 
 #include <fmt/core.h>
 
@@ -20,7 +23,7 @@ namespace {
 
 struct StepArguments {
   SceneArguments scene;
-  std::string frames;  ///< of fuse
+  std::string survey;  ///< of fuse
   std::string part;    ///< of fuse: "2/8"
   std::string output;
   bool replace = false;
@@ -39,14 +42,16 @@ Expected<TilePart> part_of(const std::string& text) {
                .hint = "give K/N with K from 1 to N, such as 2/8"};
 }
 
-using Step = std::function<Expected<std::string>(const Recording&, const BuildOptions&)>;
+using Step =
+    std::function<Expected<void>(const Recording&, const BuildOptions&, const WriteContent&)>;
 
-/// Writes what a step returns. The output is checked first, before the long work.
+/// Runs a step that writes a file. The output is checked first, before the long work.
 Expected<CommandResult> run_step(const StepArguments& arguments, const Configuration& configuration,
                                  const Observer& observer, const Step& step) {
+  limit_retained_memory();
   const SceneArguments& of = arguments.scene;
   const Expected<void> apart =
-      check_outputs({arguments.output}, {of.recording, of.sensor, arguments.frames});
+      check_outputs({arguments.output}, {of.recording, of.sensor, arguments.survey});
   if (!apart) return apart.error();
   Expected<OutputFile> file =
       OutputFile::create(arguments.output, {.replace = arguments.replace,
@@ -58,32 +63,42 @@ Expected<CommandResult> run_step(const StepArguments& arguments, const Configura
   const Expected<Recording> recording =
       read_with_warnings(of.recording, options->skip_bad, configuration, observer);
   if (!recording) return recording.error();
-  const Expected<std::string> content = step(*recording, *options);
-  if (!content) return content.error();
-  Expected<void> done = file->write(*content);
+  std::size_t bytes = 0;
+  std::ofstream stream(file->path(), std::ios::binary);
+  Expected<void> done = step(*recording, *options, [&](std::string_view content) -> Expected<void> {
+    bytes += content.size();
+    if (stream.write(content.data(), static_cast<std::streamsize>(content.size())).flush())
+      return {};
+    return Error{.message = "can't be written: " + std::system_category().message(errno),
+                 .file = arguments.output,
+                 .place = {},
+                 .hint = "free space, or choose another disk"};
+  });
   if (done) done = file->commit();
   if (!done) return done.error();
   return CommandResult{.summary = fmt::format("wrote {}: {:.1f} MB\n", arguments.output,
-                                              static_cast<double>(content->size()) / 1e6),
-                       .json = {{"file", arguments.output}, {"bytes", content->size()}}};
+                                              static_cast<double>(bytes) / 1e6),
+                       .json = {{"file", arguments.output}, {"bytes", bytes}}};
 }
 
 Expected<CommandResult> survey(const StepArguments& arguments, const Configuration& configuration,
                                const Observer& observer) {
-  return run_step(arguments, configuration, observer,
-                  [&](const Recording& recording, const BuildOptions& options) {
-                    return survey_tiles(limits_of(arguments.scene), recording, options, observer);
-                  });
+  return run_step(
+      arguments, configuration, observer,
+      [&](const Recording& recording, const BuildOptions& options, const WriteContent& write) {
+        return survey_tiles(limits_of(arguments.scene), recording, options, write, observer);
+      });
 }
 
 Expected<CommandResult> fuse(const StepArguments& arguments, const Configuration& configuration,
                              const Observer& observer) {
   const Expected<TilePart> part = part_of(arguments.part);
   if (!part) return part.error();
-  return run_step(arguments, configuration, observer,
-                  [&](const Recording& recording, const BuildOptions& options) {
-                    return fuse_tiles(arguments.frames, *part, recording, options, observer);
-                  });
+  return run_step(
+      arguments, configuration, observer,
+      [&](const Recording& recording, const BuildOptions& options, const WriteContent& write) {
+        return fuse_tiles(arguments.survey, *part, recording, options, write, observer);
+      });
 }
 
 void add_step_output(CLI::App& command, StepArguments& arguments) {
@@ -97,7 +112,7 @@ void add_survey(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "survey", "First step of a build by tiles on several machines: poses of all frames");
   command->footer(
-      "Example:\n  pcavr survey my_hall --tiles 4 -o hall.frames\n\n"
+      "Example:\n  pcavr survey my_hall --tiles 4 -o hall.survey\n\n"
       "pcavr plan --tiles makes these steps tasks of a plan.");
   auto arguments = std::make_shared<StepArguments>();
   add_scene_options(*command, arguments->scene, configuration);
@@ -114,12 +129,12 @@ void add_fuse(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
       "fuse", "Second step of a build by tiles on several machines: the tiles of one part");
   command->footer(
-      "Example:\n  pcavr fuse my_hall --frames hall.frames --part 1/2 -o hall_1.tiles\n"
-      "  pcavr fuse my_hall --frames hall.frames --part 2/2 -o hall_2.tiles\n"
-      "  pcavr build my_hall --tiles 4 --fused hall_1.tiles hall_2.tiles -o my_scene");
+      "Example:\n  pcavr fuse my_hall --survey hall.survey --part 1/2 -o hall_1.tiles\n"
+      "  pcavr fuse my_hall --survey hall.survey --part 2/2 -o hall_2.tiles\n"
+      "  pcavr build my_hall --survey hall.survey --fused hall_1.tiles hall_2.tiles -o my_scene");
   auto arguments = std::make_shared<StepArguments>();
   add_scene_options(*command, arguments->scene, configuration);
-  command->add_option("--frames", arguments->frames, "File of pcavr survey")->required();
+  command->add_option("--survey", arguments->survey, "File of pcavr survey")->required();
   command
       ->add_option("--part", arguments->part,
                    "K/N: part K of N, which has every N-th tile; each is a file of its own")

@@ -185,6 +185,9 @@ TEST_F(ManyRecordings, AreRefusedInOneLine) {
   std::ofstream(changed + "/tool.csv", std::ios::app) << "\n";
   for (const char* command : {"run", "status"})
     expect_refused({command, of_changed}, "has changed since the plan was made");
+  std::filesystem::remove_all(changed);
+  for (const char* command : {"run", "status"})
+    expect_refused({command, of_changed}, "changed: can't be read");
   EXPECT_FALSE(std::filesystem::exists(path("of_changed")));
 }
 

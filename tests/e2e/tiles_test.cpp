@@ -97,6 +97,10 @@ TEST_F(Tiles, AreFusedByTasksOfAPlan) {
   const auto second = run_json({"run", path("plan.json"), "--jobs", "2"});
   EXPECT_EQ(second["were_done"], 1) << "the survey is not repeated: " << second;
   EXPECT_EQ(second["ran"], 3);
+  // The last task needs no solve of its own: poses, masks and bodies are those of the survey.
+  const std::string log = file("plan/hall/room/build.log");
+  EXPECT_EQ(log.find("detecting tags"), std::string::npos) << log;
+  EXPECT_EQ(log.find("tracking objects"), std::string::npos) << log;
   run_json({"build", path("room"), "-o", path("alone"), "--tiles", "1", config[0], config[1]});
   EXPECT_EQ(contents(results + "scene"), contents(path("alone")));
 }
@@ -112,34 +116,56 @@ TEST_F(Tiles, RefuseFilesOfOtherSteps) {
     EXPECT_NE(errors.find(why), std::string::npos) << errors;
   };
   const std::string room = path("room");
-  const std::string frames = path("room.frames");
-  const std::vector<std::string> fuse{"fuse", room, "--voxel", "0.04", "--frames", frames};
+  const std::string survey = path("room.survey");
+  const std::vector<std::string> fuse{"fuse", room, "--voxel", "0.04", "--survey", survey};
   const auto fuse_with = [&](std::vector<std::string> words) {
     words.insert(words.begin(), fuse.begin(), fuse.end());
     return words;
   };
-  run_json({"survey", room, "--voxel", "0.04", "--tiles", "4", "-o", frames});
+  run_json({"survey", room, "--voxel", "0.04", "--tiles", "4", "-o", survey});
   run_json(fuse_with({"--part", "1/2", "-o", path("1.tiles")}));
   refused(
-      {"fuse", room, "--voxel", "0.05", "--frames", frames, "--part", "1/1", "-o", path("none")},
+      {"fuse", room, "--voxel", "0.05", "--survey", survey, "--part", "1/1", "-o", path("none")},
       "is of other options");
   refused(fuse_with({"--part", "3/2", "-o", path("none")}), "is no part");
   refused(fuse_with({"--part", "2/2", "-o", path("room/recording.yaml"), "--force"}), "room");
   const auto build = [&](const std::string& voxel, std::vector<std::string> files) {
-    std::vector<std::string> words{"build", room,      "-o", path("none"), "--voxel",
-                                   voxel,   "--tiles", "4",  "--fused"};
+    std::vector<std::string> words{"build", room,       "-o",   path("none"), "--voxel",
+                                   voxel,   "--survey", survey, "--fused"};
     words.insert(words.end(), files.begin(), files.end());
     return words;
   };
+  // Before any work: no progress is in the way of the one line.
+  const CommandOutcome outcome = run_pcavr(build("0.04", {path("1.tiles")}));
+  EXPECT_EQ(outcome.error_lines(), 1U) << outcome.standard_error;
   refused(build("0.04", {path("1.tiles")}), "is one of 2 parts");
   refused(build("0.04", {path("1.tiles"), path("1.tiles")}), "is part 1 again");
-  refused(build("0.05", {path("1.tiles"), path("1.tiles")}), "was fused from other frames");
-  refused(build("0.04", {frames}), "is no file of this step");
+  refused(build("0.05", {path("1.tiles"), path("1.tiles")}), "is of other options");
+  refused(build("0.04", {survey}), "is no file of this step");
+  run_json({"survey", room, "--voxel", "0.04", "--tiles", "2", "-o", path("other.survey")});
+  std::vector<std::string> of_other = build("0.04", {path("1.tiles"), path("1.tiles")});
+  std::replace(of_other.begin(), of_other.end(), survey, path("other.survey"));
+  refused(of_other, "was fused from another survey");
   std::string damaged = file("1.tiles");
   damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] + 1);
   std::ofstream(path("damaged.tiles"), std::ios::binary) << damaged;
   refused(build("0.04", {path("damaged.tiles"), path("1.tiles")}), "is damaged");
   EXPECT_FALSE(std::filesystem::exists(path("none")));
+}
+
+// The limit takes the place of a full disk: no file may be larger than 64 kB.
+TEST_F(Tiles, LeaveNoPartWhereTheDiskIsFull) {
+  const std::string room = path("room");
+  const std::string survey = path("full.survey");
+  run_json({"survey", room, "--voxel", "0.04", "--tiles", "4", "-o", survey});
+  const CommandOutcome outcome = run_pcavr({"fuse", room, "--voxel", "0.04", "--survey", survey,
+                                            "--part", "1/1", "-o", path("full.tiles")},
+                                           "ulimit -f 128; ");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.standard_error.find("full.tiles: can't be written"), std::string::npos)
+      << outcome.standard_error;
+  for (const auto& entry : std::filesystem::directory_iterator(path(".")))
+    EXPECT_EQ(entry.path().filename().string().find("full.tiles"), std::string::npos) << entry;
 }
 
 TEST_F(Tiles, AreNamedWhereTheMemoryIsTooSmall) {

@@ -137,14 +137,16 @@ TEST(SlurmScripts, WaitForAllPartsOfAScenesTiles) {
   add(TaskStage::survey, {});
   add(TaskStage::fuse, {0});
   add(TaskStage::fuse, {0});
-  add(TaskStage::build, {1, 2});
+  add(TaskStage::build, {0, 1, 2});
   add(TaskStage::identify, {3});
   const auto scripts = slurm_scripts(graph, "/lab/hall.json", "/usr/bin/pcavr");
   ASSERT_EQ(scripts.size(), 5U);
   EXPECT_NE(scripts[1].text.find("#SBATCH --array=0-1\n"), std::string::npos);
   const std::string& submit = scripts[4].text;
   EXPECT_NE(submit.find("--dependency=\"afterany:${job_0%%;*}\" "), std::string::npos) << submit;
-  EXPECT_NE(submit.find("--dependency=\"afterany:${job_1%%;*}\" "), std::string::npos) << submit;
+  EXPECT_NE(submit.find("--dependency=\"afterany:${job_0%%;*},afterany:${job_1%%;*}\" "),
+            std::string::npos)
+      << submit;
   EXPECT_NE(submit.find("--dependency=\"aftercorr:${job_2%%;*}\" "), std::string::npos) << submit;
 }
 

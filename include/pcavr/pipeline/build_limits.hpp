@@ -22,7 +22,10 @@ struct BuildLimits {
   /// The surface is fused by squares of this edge, seen from above, one after the other [m]: the
   /// same mesh in less memory. Empty: at once.
   std::optional<double> tile_size = {};
-  /// Files of fuse_tiles() (tile_steps.hpp), all parts of the tiles, in the place of fusing them.
+  /// The file of survey_tiles() (tile_steps.hpp), which has the tile_size, in the place of placing
+  /// the frames; and the files of fuse_tiles(), all parts of the tiles, in the place of fusing
+  /// them. Both or none.
+  std::filesystem::path survey = {};
   std::vector<std::filesystem::path> fused = {};
   double max_memory = 0.0;  ///< an estimate above it is an Error [bytes]; 0: no limit
 };

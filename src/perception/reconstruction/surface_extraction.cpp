@@ -6,21 +6,18 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <vector>
 
 #include "perception/reconstruction/marching_cubes_table.hpp"
+#include "perception/reconstruction/surface_map.hpp"
 
 namespace pcavr {
 namespace {
 
 constexpr std::size_t kMeshGrainBlocks = 64;  // amortises the scheduling of a task
-constexpr std::int16_t kUnknown = std::numeric_limits<std::int16_t>::min();
 // Minimum distance of a zero crossing from the voxels, in edge lengths: closer, the vertices of
 // several edges would coincide.
 constexpr float kMinFraction = 1.0F / 64.0F;
-
-using Distances = std::array<std::int16_t, kBlockVoxels>;
 
 /// Hits that make a voxel's distance known.
 struct MinHits {
@@ -33,9 +30,9 @@ std::uint32_t to_hits(double weight) {
   return static_cast<std::uint32_t>(std::clamp(std::ceil(weight), 1.0, double{kMaxCount}));
 }
 
-/// The signed distances of a block, or kUnknown. A surface that as many frames observed as free as
-/// measured it is removed (space carving): a negative distance becomes unknown, a positive one
-/// stays.
+/// The signed distances of a block, or kUnknownDistance. A surface that as many frames observed as
+/// free as measured it is removed (space carving): a negative distance becomes unknown, a positive
+/// one stays.
 void decode(const VoxelBlock& block, std::uint32_t block_free_count, const MinHits& min_hits,
             Distances& distances) {
   for (std::size_t i = 0; i < kBlockVoxels; ++i) {
@@ -48,188 +45,8 @@ void decode(const VoxelBlock& block, std::uint32_t block_free_count, const MinHi
     const bool is_known = hits >= needed && !(is_free && steps <= 0);
     // Never exactly zero, so that each vertex belongs to one edge.
     const int distance = steps == 0 ? 1 : std::max(steps, -32767);
-    distances[i] = is_known ? static_cast<std::int16_t>(distance) : kUnknown;
+    distances[i] = is_known ? static_cast<std::int16_t>(distance) : kUnknownDistance;
   }
-}
-
-/// Numbers of the 3x3x3 blocks around a block, x fastest.
-using Neighbours = std::array<std::uint32_t, 27>;
-
-Neighbours neighbours_of(const BlockMap& map, std::uint32_t number) {
-  const BlockCoordinates& coordinates = map.coordinates(number);
-  Neighbours neighbours;
-  std::size_t i = 0;
-  for (int dz = -1; dz <= 1; ++dz) {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        const bool is_self = dx == 0 && dy == 0 && dz == 0;
-        neighbours[i++] =
-            is_self ? number
-                    : map.find({coordinates.x + dx, coordinates.y + dy, coordinates.z + dz});
-      }
-    }
-  }
-  return neighbours;
-}
-
-/// Voxels -1 to 9 of a block on each axis, including its neighbours' voxels.
-class Window {
- public:
-  static constexpr int kSide = kBlockSide + 3;  ///< with neighbours for cubes and gradients
-
-  Window(const std::vector<Distances>& distances, const Neighbours& neighbours) {
-    for (int z = -1; z <= 9; ++z) {
-      for (int y = -1; y <= 9; ++y) copy_row(distances, neighbours, y, z);
-    }
-  }
-  [[nodiscard]] std::int16_t operator()(int x, int y, int z) const {
-    return values_[index(x, y, z)];
-  }
-
- private:
-  static std::size_t index(int x, int y, int z) {
-    return static_cast<std::size_t>(((z + 1) * kSide + y + 1) * kSide + x + 1);
-  }
-  void copy_row(const std::vector<Distances>& distances, const Neighbours& neighbours, int y,
-                int z) {
-    // (v + 8) / 8 is 0, 1, 2 for the block before, this one, the block after.
-    const int side = (z + 8) / 8 * 9 + (y + 8) / 8 * 3;
-    const int row = (((z + 8) % 8) * kBlockSide + (y + 8) % 8) * kBlockSide;
-    const auto copy = [&](int block, int from, int count, int to) {
-      std::int16_t* target = values_.data() + index(to, y, z);
-      const std::uint32_t number = neighbours[static_cast<std::size_t>(side + block)];
-      if (number == BlockHashTable::kNone) {
-        std::fill_n(target, count, kUnknown);
-      } else {
-        std::copy_n(distances[number].data() + row + from, count, target);
-      }
-    };
-    copy(0, 7, 1, -1);
-    copy(1, 0, 8, 0);
-    copy(2, 0, 2, 8);
-  }
-
-  std::array<std::int16_t, kSide * kSide * kSide> values_;
-};
-
-/// Bit masks of a block's edges with a vertex and of its cubes with triangles. Edges belong to the
-/// block of their lower end.
-struct SurfaceMap {
-  std::array<std::array<std::uint64_t, 8>, 3> edges{};   ///< by axis and z; bit 8 y + x
-  std::array<std::array<std::uint16_t, 8>, 3> before{};  ///< number of vertices before that word
-  std::array<std::uint64_t, 8> cubes{};
-  std::uint32_t vertices = 0;
-  std::uint32_t triangles = 0;
-  std::uint32_t first_vertex = 0;
-  std::uint32_t first_triangle = 0;
-};
-
-/// Calls `visit(at, axis, index)` for each vertex of a block, in the order of their indices from
-/// `index` on: it lies on the edge from the voxel `at` of the block along the axis.
-template <typename Visit>
-void for_each_vertex(const SurfaceMap& surface, const Visit& visit) {
-  std::uint32_t next = surface.first_vertex;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (int z = 0; z < 8; ++z) {
-      for (std::uint64_t left = surface.edges[axis][static_cast<std::size_t>(z)]; left != 0;
-           left &= left - 1) {
-        const int bit = std::countr_zero(left);
-        visit(std::array<int, 3>{bit % 8, bit / 8, z}, axis, next++);
-      }
-    }
-  }
-}
-
-/// Signs of the window, one bit per voxel; row and column 0 are voxel -1.
-struct SignRows {
-  std::array<std::array<std::uint32_t, 10>, 10> inside{};
-  std::array<std::array<std::uint32_t, 10>, 10> known{};
-  bool has_inside = false;
-  bool has_outside = false;
-
-  explicit SignRows(const Window& window) {
-    std::uint32_t any_inside = 0;
-    std::uint32_t any_outside = 0;
-    for (int z = 0; z < 10; ++z) {
-      for (int y = 0; y < 10; ++y) {
-        std::uint32_t in = 0;
-        std::uint32_t is_known = 0;
-        for (int x = 0; x < 10; ++x) {
-          const std::int16_t value = window(x - 1, y - 1, z - 1);
-          in |= static_cast<std::uint32_t>(value < 0) << x;
-          is_known |= static_cast<std::uint32_t>(value != kUnknown) << x;
-        }
-        inside[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = in;
-        known[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = is_known;
-        any_inside |= in & is_known;
-        any_outside |= ~in & is_known;
-      }
-    }
-    has_inside = any_inside != 0;
-    has_outside = any_outside != 0;
-  }
-
-  /// Cubes of a row with all corners known and both signs among them.
-  [[nodiscard]] std::uint32_t crossed_cubes(std::size_t y, std::size_t z) const {
-    const auto& k0 = known[z];
-    const auto& k1 = known[z + 1];
-    const std::uint32_t all = k0[y] & k0[y + 1] & k1[y] & k1[y + 1];
-    const std::uint32_t in_any =
-        inside[z][y] | inside[z][y + 1] | inside[z + 1][y] | inside[z + 1][y + 1];
-    const std::uint32_t in_all =
-        inside[z][y] & inside[z][y + 1] & inside[z + 1][y] & inside[z + 1][y + 1];
-    return (all & (all >> 1)) & (in_any | (in_any >> 1)) & ~(in_all & (in_all >> 1)) & 0x1FFU;
-  }
-
-  [[nodiscard]] int cube_case(std::size_t x, std::size_t y, std::size_t z) const {
-    std::uint32_t corners = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint32_t pair = (inside[z + (i >> 1)][y + (i & 1)] >> x) & 3U;
-      corners |= pair << (2 * i);
-    }
-    return static_cast<int>(corners);
-  }
-};
-
-SurfaceMap map_surface(const SignRows& signs) {
-  SurfaceMap map;
-  if (!signs.has_inside || !signs.has_outside) return map;
-  std::array<std::array<std::uint32_t, 9>, 9> cubes{};
-  for (std::size_t z = 0; z < 9; ++z) {
-    for (std::size_t y = 0; y < 9; ++y) cubes[z][y] = signs.crossed_cubes(y, z);
-  }
-  for (std::size_t z = 1; z < 9; ++z) {
-    for (std::size_t y = 1; y < 9; ++y) {
-      // An edge has a vertex where its ends differ and one of the four cubes around it is crossed.
-      const std::uint32_t here = signs.inside[z][y];
-      const std::uint32_t around_x =
-          cubes[z][y] | cubes[z][y - 1] | cubes[z - 1][y] | cubes[z - 1][y - 1];
-      const std::uint32_t below_z = cubes[z][y] | cubes[z - 1][y];
-      const std::uint32_t below_y = cubes[z][y] | cubes[z][y - 1];
-      const std::array<std::uint32_t, 3> crossed = {
-          (here ^ (here >> 1)) & around_x,
-          (here ^ signs.inside[z][y + 1]) & (below_z | (below_z << 1)),
-          (here ^ signs.inside[z + 1][y]) & (below_y | (below_y << 1))};
-      const std::size_t shift = 8 * (y - 1);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        map.edges[axis][z - 1] |= static_cast<std::uint64_t>((crossed[axis] >> 1) & 0xFFU) << shift;
-      }
-      const std::uint32_t own = (cubes[z][y] >> 1) & 0xFFU;
-      map.cubes[z - 1] |= static_cast<std::uint64_t>(own) << shift;
-      for (std::uint32_t left = own; left != 0; left &= left - 1) {
-        const auto x = static_cast<std::size_t>(std::countr_zero(left)) + 1;
-        map.triangles +=
-            marching_cubes_table()[static_cast<std::size_t>(signs.cube_case(x, y, z))].triangles;
-      }
-    }
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t z = 0; z < 8; ++z) {
-      map.before[axis][z] = static_cast<std::uint16_t>(map.vertices);
-      map.vertices += static_cast<std::uint32_t>(std::popcount(map.edges[axis][z]));
-    }
-  }
-  return map;
 }
 
 /// Gradient of the distance field at a voxel [steps]: central differences, one-sided where a
@@ -245,11 +62,11 @@ Eigen::Vector3f gradient_at(const Window& window, const std::array<int, 3>& at) 
     const std::int16_t before = window(low[0], low[1], low[2]);
     const std::int16_t after = window(high[0], high[1], high[2]);
     float slope = 0.0F;
-    if (before != kUnknown && after != kUnknown) {
+    if (before != kUnknownDistance && after != kUnknownDistance) {
       slope = 0.5F * static_cast<float>(after - before);
-    } else if (after != kUnknown) {
+    } else if (after != kUnknownDistance) {
       slope = static_cast<float>(after - centre);
-    } else if (before != kUnknown) {
+    } else if (before != kUnknownDistance) {
       slope = static_cast<float>(centre - before);
     }
     gradient[static_cast<Eigen::Index>(axis)] = slope;

@@ -27,6 +27,8 @@
 #include "scene_texture.hpp"
 #include "surface_builder.hpp"
 #include "survey.hpp"
+#include "tile_files.hpp"
+#include "tile_fusion.hpp"
 #include "widen_stds.hpp"
 
 namespace pcavr {
@@ -41,10 +43,9 @@ OccupancyOptions occupancy_options(const BuildOptions& options) {
 /// What the second pass yields: the static scene, and the tracks of its bodies.
 class SecondPass {
  public:
-  SecondPass(const BuildLimits& limits, const Recording& recording, std::size_t bodies,
-             const BuildOptions& options)
-      : surface(limits.tile_size ? make_tiled_surface(limits, recording, options)
-                                 : make_whole_surface(options)),
+  SecondPass(std::unique_ptr<SurfaceBuilder> builder, const Recording& recording,
+             std::size_t bodies, const BuildOptions& options)
+      : surface(std::move(builder)),
         occupancy(occupancy_options(options)),
         tracks(bodies),
         views(options.texture),
@@ -119,6 +120,34 @@ Error empty_scene_error(const Recording& recording, const Survey& survey, const 
           .hint = cause.hint};
 }
 
+/// What other processes have of a build by tiles.
+struct EarlierSteps {
+  TileSurvey placed;
+  FusedParts parts;
+};
+
+/// Empty where this process does all. Checked before the long work.
+Expected<std::optional<EarlierSteps>> open_earlier_steps(const BuildLimits& limits,
+                                                         const Recording& recording,
+                                                         const BuildOptions& options) {
+  if (limits.survey.empty() && limits.fused.empty()) return std::optional<EarlierSteps>();
+  Expected<TileSurvey> placed = read_tile_survey(limits.survey, recording, options);
+  if (!placed) return placed.error();
+  Expected<FusedParts> parts = FusedParts::open(limits.fused, placed->digest);
+  if (!parts) return parts.error();
+  return std::optional(EarlierSteps{*std::move(placed), *std::move(parts)});
+}
+
+std::unique_ptr<SurfaceBuilder> make_surface(const BuildLimits& limits, const Recording& recording,
+                                             const BuildOptions& options,
+                                             std::optional<EarlierSteps>& earlier) {
+  if (earlier) {
+    return make_fused_surface(earlier->placed.frames.tile_size, std::move(earlier->parts), options);
+  }
+  if (limits.tile_size) return make_tiled_surface(*limits.tile_size, recording, options);
+  return make_whole_surface(options);
+}
+
 /// Objects at the manifest's pose although their tags were detected.
 std::vector<ConsistencyFinding> rejected_tags(const Recording& recording, const Survey& survey,
                                               const std::vector<SceneObject>& objects,
@@ -147,6 +176,8 @@ Expected<Scene> build_scene(const Recording& recording, const BuildOptions& opti
 Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& recording,
                                    const BuildOptions& options, const Observer& observer) {
   warn_of_clocks(recording, observer);
+  Expected<std::optional<EarlierSteps>> earlier = open_earlier_steps(limits, recording, options);
+  if (!earlier) return earlier.error();
   const Expected<std::optional<RecordedArm>> arm = read_recorded_arm(recording, observer);
   if (!arm) return arm.error();
   if (!recording.manifest.camera || recording.frames.empty()) {
@@ -168,17 +199,24 @@ Expected<Scene> build_scene_within(const BuildLimits& limits, const Recording& r
   StageClock clock;
   // Registration: tag detection and the camera's poses in base.
   clock.begin("tags and camera");
-  const Expected<Registration> registration = register_frames(limits, recording, options, observer);
+  BuildLimits with_tiles = limits;
+  if (*earlier) with_tiles.tile_size = (*earlier)->placed.frames.tile_size;
+  const Expected<Registration> registration = register_frames(
+      with_tiles, recording, options, observer,
+      *earlier ? std::optional(std::move((*earlier)->placed.survey)) : std::nullopt);
   if (!registration) return registration.error();
   const auto& [bodies, immovable, survey] = *registration;
 
   // Reconstruction: movable objects are tracked and masked, the rest is fused and meshed (TSDF,
   // marching cubes).
   clock.begin("objects and fusion");
-  SecondPass pass(limits, recording, bodies.size(), options);
-  const Expected<void> followed = follow_objects(
-      recording, bodies, survey, survey_options(options), observer,
-      [&](const FollowedFrame& frame) { pass.add(frame); }, *arm ? &**arm : nullptr);
+  SecondPass pass(make_surface(limits, recording, options, *earlier), recording, bodies.size(),
+                  options);
+  const auto add = [&](const FollowedFrame& frame) { pass.add(frame); };
+  const Expected<void> followed =
+      *earlier ? repeat_frames((*earlier)->placed.frames, recording, options, observer, add)
+               : follow_objects(recording, bodies, survey, survey_options(options), observer, add,
+                                *arm ? &**arm : nullptr);
   if (!followed) return followed.error();
   clock.begin("mesh");
   const SurfaceEvidence evidence = surface_evidence(options, pass.camera_trajectory.size());

@@ -35,7 +35,8 @@ SurveyOptions survey_options(const BuildOptions& options) {
 }
 
 Expected<Registration> register_frames(const BuildLimits& limits, const Recording& recording,
-                                       const BuildOptions& options, const Observer& observer) {
+                                       const BuildOptions& options, const Observer& observer,
+                                       std::optional<Survey> known_survey) {
   Expected<std::vector<DeclaredBody>> bodies =
       load_movable_bodies(recording, options.perception.cad);
   if (!bodies) return bodies.error();
@@ -46,12 +47,14 @@ Expected<Registration> register_frames(const BuildLimits& limits, const Recordin
     for (const DeclaredBody& body : *loaded) report_simplified(body.model, observer);
   }
   // Before the long work where poses are stated, else before the fusion.
-  const bool has_poses = !recording.groundtruth.empty();
+  const bool has_poses = !recording.groundtruth.empty() && !known_survey;
   if (has_poses) {
     if (const auto fits = check_memory(limits, recording, stated_poses(recording), options); !fits)
       return fits.error();
   }
-  Expected<Survey> survey = survey_recording(recording, *bodies, survey_options(options), observer);
+  Expected<Survey> survey =
+      known_survey ? *std::move(known_survey)
+                   : survey_recording(recording, *bodies, survey_options(options), observer);
   if (!survey) return survey.error();
   const std::vector<std::optional<Pose>> found = found_poses(*survey);
   if (!has_poses || count_known(found) > count_known(stated_poses(recording))) {

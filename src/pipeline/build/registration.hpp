@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "pcavr/base/core/expected.hpp"
@@ -19,12 +20,14 @@ struct Registration {
   Survey survey;
 };
 
-/// The first step of a build: loads the bodies, finds tags and the camera's poses, and estimates
-/// the memory that the rest takes, before the long work where poses are stated.
+/// The first step of a build: loads the bodies, finds tags and the camera's poses unless they are
+/// known, and estimates the memory that the rest takes, before the long work where poses are
+/// stated.
 [[nodiscard]] Expected<Registration> register_frames(const BuildLimits& limits,
                                                      const Recording& recording,
                                                      const BuildOptions& options,
-                                                     const Observer& observer);
+                                                     const Observer& observer,
+                                                     std::optional<Survey> known_survey = {});
 
 [[nodiscard]] SurveyOptions survey_options(const BuildOptions& options);
 

@@ -8,12 +8,15 @@
 #include "pcavr/base/core/expected.hpp"
 #include "pcavr/base/core/observer.hpp"
 #include "pcavr/base/geometry/mesh.hpp"
-#include "pcavr/pipeline/build_limits.hpp"
+#include "pcavr/pipeline/build_scene.hpp"
+#include "pcavr/recordings/recording/recording.hpp"
 
 #include "follow_objects.hpp"
 #include "fused_frame.hpp"
 
 namespace pcavr {
+
+class FusedParts;  // tile_files.hpp
 
 /// Makes the static surface of a scene from frames with poses and masks: at once, or by tiles.
 class SurfaceBuilder {
@@ -38,10 +41,13 @@ class SurfaceBuilder {
 
 /// Keeps references to its arguments.
 [[nodiscard]] std::unique_ptr<SurfaceBuilder> make_whole_surface(const BuildOptions& options);
-/// The same surface with the memory of one square of `limits.tile_size` after the other, from the
-/// frames that see it, which are decoded again; or of the files in `limits.fused`.
-[[nodiscard]] std::unique_ptr<SurfaceBuilder> make_tiled_surface(const BuildLimits& limits,
+/// The same surface with the memory of one square of `tile_size` [m] after the other, from the
+/// frames that see it, which are decoded again.
+[[nodiscard]] std::unique_ptr<SurfaceBuilder> make_tiled_surface(double tile_size,
                                                                  const Recording& recording,
+                                                                 const BuildOptions& options);
+/// The same of such squares that other processes fused.
+[[nodiscard]] std::unique_ptr<SurfaceBuilder> make_fused_surface(double tile_size, FusedParts parts,
                                                                  const BuildOptions& options);
 
 }  // namespace pcavr

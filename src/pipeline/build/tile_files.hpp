@@ -4,33 +4,60 @@
 
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "pcavr/base/core/expected.hpp"
+#include "pcavr/pipeline/tile_steps.hpp"
 
+#include "step_file.hpp"
+#include "survey.hpp"
 #include "tile_fusion.hpp"
 
 namespace pcavr {
 
-/// The files between the steps of a build by tiles: numbers as this machine has them, and the
-/// SHA-256 of all before it at the end. What is read is to the bit what was written.
+/// What the first step of a build by tiles finds, for the fusion and for the rest of the scene.
+struct TileSurvey {
+  TileFrames frames;
+  Survey survey;
+  std::string digest = {};  ///< of the file that it was read from
+};
 
-/// With the options of the build, of which the tiles are to be fused.
-[[nodiscard]] std::string format_tile_frames(const TileFrames& frames, const BuildOptions& options);
-/// An Error where the file is none, is damaged, or is of other options.
-[[nodiscard]] Expected<TileFrames> read_tile_frames(const std::filesystem::path& file,
+/// With version and options, of which the tiles are to be fused.
+[[nodiscard]] Expected<void> write_tile_survey(const TileFrames& frames, const Survey& survey,
+                                               const BuildOptions& options,
+                                               const WriteContent& write);
+/// An Error where the file is none, is damaged, or is of another recording, options or version.
+[[nodiscard]] Expected<TileSurvey> read_tile_survey(const std::filesystem::path& file,
+                                                    const Recording& recording,
                                                     const BuildOptions& options);
 
-/// The SHA-256 that a file's content ends with.
-[[nodiscard]] std::string digest_of(std::string_view content);
+/// Writes the tiles of a part one after the other, as they are fused.
+class FusedPartWriter {
+ public:
+  /// `survey` is the digest of the file of survey_tiles(). `write` must outlive this.
+  FusedPartWriter(const TilePart& part, const std::string& survey, const WriteContent& write);
 
-/// `frames` is the digest of the file of frames.
-[[nodiscard]] std::string format_fused_part(const FusedTiles& fused, const TilePart& part,
-                                            const std::string& frames);
-/// All parts of one scene, in any order. An Error where one is missing, is there twice, is damaged,
-/// or was fused from other frames.
-[[nodiscard]] Expected<FusedTiles> read_fused_parts(const std::vector<std::filesystem::path>& files,
-                                                    const std::string& frames);
+  [[nodiscard]] Expected<void> add(const FusedTile& tile);
+  /// Call once, at the end.
+  [[nodiscard]] Expected<void> finish(bool has_agreed_surface);
+
+ private:
+  StepFileWriter file_;
+};
+
+/// The files of all parts of a scene, whose tiles are not read yet.
+class FusedParts {
+ public:
+  /// In any order. An Error where one is missing, is there twice, is damaged, or was fused from
+  /// another survey.
+  [[nodiscard]] static Expected<FusedParts> open(const std::vector<std::filesystem::path>& files,
+                                                 const std::string& survey);
+
+  /// Call once.
+  [[nodiscard]] Expected<FusedTiles> read();
+
+ private:
+  std::vector<StepFileReader> files_;
+};
 
 }  // namespace pcavr

@@ -183,17 +183,25 @@ void TileFrameCollector::add(const FollowedFrame& frame) {
   }
   frames_.frames.push_back({.index = frame.frame.index,
                             .T_base_camera = frame.T_base_camera,
+                            .objects = frame.objects,
                             .is_dynamic = PackedMask(frame.is_dynamic),
                             .reach = finder_->reach_of(depth, frame.T_base_camera)});
 }
 
-Expected<FusedTiles> fuse_part(const TileFrames& frames, const TilePart& part,
-                               const Recording& recording, const BuildOptions& options,
-                               const Observer& observer) {
-  FusedTiles fused;
-  if (frames.frames.empty()) return fused;
+void FusedTiles::add(FusedTile tile) {
+  if (!tile.strict) {
+    for (FusedTile& before : tiles) before.strict.reset();
+  }
+  tiles.push_back(std::move(tile));
+}
+
+Expected<bool> fuse_part(const TileFrames& frames, const TilePart& part, const Recording& recording,
+                         const BuildOptions& options, const Observer& observer,
+                         const std::function<Expected<void>(FusedTile)>& use) {
+  if (frames.frames.empty()) return false;
   const TileGrid grid(frames, *recording.manifest.camera, options);
   const SurfaceEvidence evidence = surface_evidence(options, frames.frames.size());
+  bool has_agreed_surface = !is_weaker(evidence, options);
   const std::size_t count = grid.boxes().size();
   for (std::size_t i = part.number; i < count; i += part.count) {
     const BlockBox& tile = grid.boxes()[i];
@@ -206,21 +214,46 @@ Expected<FusedTiles> fuse_part(const TileFrames& frames, const TilePart& part,
     FusedTile one{.number = i,
                   .surface = fusion.volume.extract_tile(evidence, options.parallelism)};
     if (one.surface.mesh.vertices.empty() && one.surface.mesh.triangles.empty()) continue;
-    if (is_weaker(evidence, options) && !fused.has_agreed_surface) {
+    if (!has_agreed_surface) {
       one.strict =
           fusion.volume.extract_tile({options.min_weight, options.min_weight}, options.parallelism);
-      fused.has_agreed_surface = has_surface(*one.strict, options.min_island);
+      has_agreed_surface = has_surface(*one.strict, options.min_island);
+      if (has_agreed_surface) one.strict.reset();
     }
     // With the points next to the tile, so that those at its border are no outliers.
     one.points =
         points_in(fusion.points_on(one.surface.mesh, evidence), tile, options.fusion.voxel_size);
-    fused.tiles.push_back(std::move(one));
-    if (!fused.has_agreed_surface) continue;
-    for (FusedTile& before : fused.tiles) before.strict.reset();
+    const Expected<void> used = use(std::move(one));
+    if (!used) return used.error();
   }
   observer.on_progress("fusing tiles", count, count);
-  fused.has_agreed_surface = fused.has_agreed_surface || !is_weaker(evidence, options);
-  return fused;
+  return has_agreed_surface;
+}
+
+Expected<void> repeat_frames(const TileFrames& frames, const Recording& recording,
+                             const BuildOptions& options, const Observer& observer,
+                             const std::function<void(const FollowedFrame&)>& use) {
+  using Decoded = Expected<std::optional<FollowedFrame>>;
+  std::size_t next = 0;
+  const auto decode_next = [&]() -> Decoded {
+    if (next == frames.frames.size()) return std::optional<FollowedFrame>();
+    const PlacedFrame& placed = frames.frames[next++];
+    Expected<RgbdFrame> frame = decode_frame(recording, placed.index);
+    if (!frame) return frame.error();
+    return std::optional(FollowedFrame{.frame = *std::move(frame),
+                                       .T_base_camera = placed.T_base_camera,
+                                       .objects = placed.objects,
+                                       .is_dynamic = placed.is_dynamic.unpacked()});
+  };
+  const auto is_last = [](const Decoded& item) { return !item || !*item; };
+  Prefetcher prefetcher(decode_next, options.parallelism);
+  while (true) {
+    const Decoded frame = prefetcher.take(is_last);
+    if (!frame) return frame.error();
+    if (!*frame) return {};
+    use(**frame);
+    observer.on_progress("reading frames", (*frame)->frame.index + 1, recording.frames.size());
+  }
 }
 
 std::pair<TriangleMesh, PointCloud> merge_tiles(FusedTiles fused, const BuildOptions& options) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,6 +26,7 @@ namespace pcavr {
 struct PlacedFrame {
   std::size_t index = 0;  ///< in Recording::frames
   Pose T_base_camera;
+  std::vector<ObjectObservation> objects;  ///< in the order of the bodies
   PackedMask is_dynamic;
   FrameReach reach;
 };
@@ -68,16 +70,27 @@ struct FusedTile {
 /// Tiles of a scene, by their numbers.
 struct FusedTiles {
   std::vector<FusedTile> tiles = {};  ///< without those that have no surface
-  /// Whether enough frames agree on a surface in one of them; where they do, or where the evidence
-  /// is not weaker than min_weight anyway, no tile has `strict`.
+  /// Whether enough frames agree on a surface in one of them; then none of its `strict` is used.
   bool has_agreed_surface = false;
+
+  /// A tile without `strict` shows that those of the others are not needed.
+  void add(FusedTile tile);
 };
 
-/// Fuses the tiles of one part: every `part.count`-th one. One tile after the other, from the
-/// frames that see it, which are decoded again.
-[[nodiscard]] Expected<FusedTiles> fuse_part(const TileFrames& frames, const TilePart& part,
-                                             const Recording& recording,
-                                             const BuildOptions& options, const Observer& observer);
+/// Fuses the tiles of one part, every `part.count`-th one, one after the other, from the frames
+/// that see it, which are decoded again. Calls `use` for each that has a surface, until one fails.
+/// Returns whether enough frames agree on a surface in one of them: from that one on, or where the
+/// evidence is not weaker than min_weight anyway, tiles have no `strict`.
+[[nodiscard]] Expected<bool> fuse_part(const TileFrames& frames, const TilePart& part,
+                                       const Recording& recording, const BuildOptions& options,
+                                       const Observer& observer,
+                                       const std::function<Expected<void>(FusedTile)>& use);
+
+/// The frames of a survey once more, as follow_objects() had them: decodes their images, and calls
+/// `use` for each in order, while the next one is prefetched on a second thread.
+[[nodiscard]] Expected<void> repeat_frames(const TileFrames& frames, const Recording& recording,
+                                           const BuildOptions& options, const Observer& observer,
+                                           const std::function<void(const FollowedFrame&)>& use);
 
 /// The surface of all tiles without islands, which are taken, and their points. Empty where no
 /// frames agree on a surface.

@@ -10,8 +10,9 @@
 
 namespace pcavr {
 
-Expected<std::string> survey_tiles(const BuildLimits& limits, const Recording& recording,
-                                   const BuildOptions& options, const Observer& observer) {
+Expected<void> survey_tiles(const BuildLimits& limits, const Recording& recording,
+                            const BuildOptions& options, const WriteContent& write,
+                            const Observer& observer) {
   PCAVR_REQUIRE(limits.tile_size.has_value());
   if (!recording.manifest.camera || recording.frames.empty() || !recording.has_depth) {
     return Error{.message = "has no depth images, and so no tiles",
@@ -28,24 +29,21 @@ Expected<std::string> survey_tiles(const BuildLimits& limits, const Recording& r
       recording, registration->bodies, registration->survey, survey_options(options), observer,
       [&](const FollowedFrame& frame) { collector.add(frame); }, *arm ? &**arm : nullptr);
   if (!followed) return followed.error();
-  return format_tile_frames(collector.frames(), options);
+  return write_tile_survey(collector.frames(), registration->survey, options, write);
 }
 
-Expected<std::string> fuse_tiles(const std::filesystem::path& frames_file, const TilePart& part,
-                                 const Recording& recording, const BuildOptions& options,
-                                 const Observer& observer) {
+Expected<void> fuse_tiles(const std::filesystem::path& survey_file, const TilePart& part,
+                          const Recording& recording, const BuildOptions& options,
+                          const WriteContent& write, const Observer& observer) {
   PCAVR_REQUIRE(part.number < part.count, part.number, part.count);
-  const Expected<TileFrames> frames = read_tile_frames(frames_file, options);
-  if (!frames) return frames.error();
-  if (!recording.manifest.camera || frames->recording != frames_digest(recording)) {
-    return Error{.message = "is of another recording",
-                 .file = frames_file.string(),
-                 .place = {},
-                 .hint = "run survey of " + recording.folder.string()};
-  }
-  const Expected<FusedTiles> fused = fuse_part(*frames, part, recording, options, observer);
-  if (!fused) return fused.error();
-  return format_fused_part(*fused, part, digest_of(format_tile_frames(*frames, options)));
+  const Expected<TileSurvey> survey = read_tile_survey(survey_file, recording, options);
+  if (!survey) return survey.error();
+  FusedPartWriter file(part, survey->digest, write);
+  const Expected<bool> has_agreed_surface =
+      fuse_part(survey->frames, part, recording, options, observer,
+                [&](const FusedTile& tile) { return file.add(tile); });
+  if (!has_agreed_surface) return has_agreed_surface.error();
+  return file.finish(*has_agreed_surface);
 }
 
 }  // namespace pcavr

@@ -13,23 +13,18 @@
 namespace pcavr {
 namespace {
 
-class TiledSurface final : public SurfaceBuilder {
+/// The surface of tiles, wherever they are from.
+class TiledSurface : public SurfaceBuilder {
  public:
-  TiledSurface(const BuildLimits& limits, const Recording& recording, const BuildOptions& options)
-      : recording_(recording),
-        options_(options),
-        files_(limits.fused),
-        collector_(*limits.tile_size, recording, options) {}
+  TiledSurface(double tile_size, const BuildOptions& options)
+      : options_(options),
+        tile_edge_(tile_blocks(tile_size, options) * kTsdfBlockVoxels * options.fusion.voxel_size) {
+  }
 
   [[nodiscard]] bool needs_fused() const override { return false; }
 
-  void add(const FollowedFrame& frame, const FusedFrame&) override { collector_.add(frame); }
-
   Expected<TriangleMesh> mesh(const SurfaceEvidence&, const Observer& observer) override {
-    const TileFrames& frames = collector_.frames();
-    Expected<FusedTiles> fused =
-        files_.empty() ? fuse_part(frames, {}, recording_, options_, observer)
-                       : read_fused_parts(files_, digest_of(format_tile_frames(frames, options_)));
+    Expected<FusedTiles> fused = take_tiles(observer);
     if (!fused) return fused.error();
     auto [mesh_base, cloud_base] = merge_tiles(*std::move(fused), options_);
     cloud_ = std::move(cloud_base);
@@ -42,29 +37,74 @@ class TiledSurface final : public SurfaceBuilder {
 
   [[nodiscard]] std::vector<TriangleMesh> levels_of_detail(
       const TriangleMesh& mesh_base) const override {
-    const double voxel = options_.fusion.voxel_size;
-    const double edge =
-        tile_blocks(collector_.frames().tile_size, options_) * kTsdfBlockVoxels * voxel;
     std::vector<TriangleMesh> levels{simplified_in_parts(
-        mesh_base, kLevelOfDetailTriangles[0], options_.level_of_detail_error * voxel, edge)};
+        mesh_base, kLevelOfDetailTriangles[0],
+        options_.level_of_detail_error * options_.fusion.voxel_size, tile_edge_)};
     add_coarser_levels(options_, levels);
     return levels;
   }
 
  private:
+  [[nodiscard]] virtual Expected<FusedTiles> take_tiles(const Observer& observer) = 0;
+
+  const BuildOptions& options_;
+  double tile_edge_;  ///< [m]
+  PointCloud cloud_;
+};
+
+/// Fuses the tiles of the frames that are added.
+class CollectedSurface final : public TiledSurface {
+ public:
+  CollectedSurface(double tile_size, const Recording& recording, const BuildOptions& options)
+      : TiledSurface(tile_size, options),
+        recording_(recording),
+        options_(options),
+        collector_(tile_size, recording, options) {}
+
+  void add(const FollowedFrame& frame, const FusedFrame&) override { collector_.add(frame); }
+
+ private:
+  Expected<FusedTiles> take_tiles(const Observer& observer) override {
+    FusedTiles fused;
+    const Expected<bool> has_agreed_surface =
+        fuse_part(collector_.frames(), {}, recording_, options_, observer, [&](FusedTile tile) {
+          fused.add(std::move(tile));
+          return Expected<void>();
+        });
+    if (!has_agreed_surface) return has_agreed_surface.error();
+    fused.has_agreed_surface = *has_agreed_surface;
+    return fused;
+  }
+
   const Recording& recording_;
   const BuildOptions& options_;
-  std::vector<std::filesystem::path> files_;  ///< of the fused parts; empty: none yet
   TileFrameCollector collector_;
-  PointCloud cloud_;
+};
+
+/// Reads tiles that other processes fused.
+class FusedSurface final : public TiledSurface {
+ public:
+  FusedSurface(double tile_size, FusedParts parts, const BuildOptions& options)
+      : TiledSurface(tile_size, options), parts_(std::move(parts)) {}
+
+  void add(const FollowedFrame&, const FusedFrame&) override {}
+
+ private:
+  Expected<FusedTiles> take_tiles(const Observer&) override { return parts_.read(); }
+
+  FusedParts parts_;
 };
 
 }  // namespace
 
-std::unique_ptr<SurfaceBuilder> make_tiled_surface(const BuildLimits& limits,
-                                                   const Recording& recording,
+std::unique_ptr<SurfaceBuilder> make_tiled_surface(double tile_size, const Recording& recording,
                                                    const BuildOptions& options) {
-  return std::make_unique<TiledSurface>(limits, recording, options);
+  return std::make_unique<CollectedSurface>(tile_size, recording, options);
+}
+
+std::unique_ptr<SurfaceBuilder> make_fused_surface(double tile_size, FusedParts parts,
+                                                   const BuildOptions& options) {
+  return std::make_unique<FusedSurface>(tile_size, std::move(parts), options);
 }
 
 }  // namespace pcavr

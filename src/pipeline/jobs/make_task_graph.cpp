@@ -31,7 +31,7 @@ constexpr std::array<StageName, 7> kStages{{{TaskStage::survey, "survey"},
 
 /// The indices of the tasks of one recording, as they are made.
 struct Made {
-  std::optional<std::size_t> frames = {};  ///< of a build by tiles
+  std::optional<std::size_t> survey = {};  ///< of a build by tiles
   std::vector<std::size_t> tiles = {};     ///< by part
   std::optional<std::size_t> scene = {};
   std::optional<std::size_t> parameters = {};
@@ -108,13 +108,13 @@ class GraphBuilder {
 
   void add_survey(std::size_t i) {
     if (at(i).frames == 0) return;  // built from its manifest alone
-    Task made = task(TaskStage::survey, i, "survey", {"frames.tiles"});
+    Task made = task(TaskStage::survey, i, "survey", {"survey.tiles"});
     made.command = {"survey", source(i), "-o", made.outputs[0].string(), "--tiles", tile_size()};
-    made_[i].frames = append(std::move(made), graph_.configuration);
+    made_[i].survey = append(std::move(made), graph_.configuration);
   }
 
   void add_fuse(std::size_t i) {
-    if (!made_[i].frames) return;
+    if (!made_[i].survey) return;
     for (std::size_t part = 1; part <= request_.parts; ++part) {
       const std::string name = fmt::format("fuse-{}", part);
       Task made = task(TaskStage::fuse, i, name, {name + ".tiles"});
@@ -122,7 +122,7 @@ class GraphBuilder {
       made.command = {"fuse",   source(i),
                       "-o",     made.outputs[0].string(),
                       "--part", fmt::format("{}/{}", part, request_.parts)};
-      read_output("--frames", made_[i].frames, made);
+      read_output("--survey", made_[i].survey, made);
       made_[i].tiles.push_back(append(std::move(made), graph_.configuration));
     }
   }
@@ -130,11 +130,13 @@ class GraphBuilder {
   void add_build(std::size_t i) {
     Task made = task(TaskStage::build, i, "build", {"scene"});
     made.command = {"build", source(i), "-o", made.outputs[0].string()};
-    if (made_[i].frames) {
-      made.after = made_[i].tiles;
-      made.command.insert(made.command.end(), {"--tiles", tile_size(), "--fused"});
-      for (const std::size_t part : made_[i].tiles)
+    if (made_[i].survey) {
+      read_output("--survey", made_[i].survey, made);
+      made.command.push_back("--fused");
+      for (const std::size_t part : made_[i].tiles) {
+        made.after.push_back(part);
         made.command.push_back(graph_.tasks[part].outputs.front().string());
+      }
     }
     made_[i].scene = append(std::move(made), graph_.configuration);
   }
