@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pcavr/physics/inputs/input_monitor.hpp"
+#include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
 #include "pipeline/identified_case.hpp"
 

@@ -182,7 +182,8 @@ TEST(OnlineIdentification, LearnsNoLimitFarBelowTheSlidingForce) {
   OnlineIdentification knowledge = knowledge_of_box(given);
   for (const double until : {0.3, 2.0, 3.0}) {
     const LoosePush push(until);
-    learn_with_friction(knowledge, {push.t, push.force, push.t, push.tip}, 0.0, {.has_slid = true});
+    learn_with_friction(knowledge,
+                        {push.t, push.force, push.t, push.tip, {}, 0.0, {.has_slid = true}});
     const auto& limit = knowledge.known().limiting_static_friction;
     if (until < 0.5) continue;
     EXPECT_TRUE(!limit || limit->value > 14.0) << until;
@@ -248,7 +249,8 @@ TEST(OnlineIdentification, LearnsTheFrictionOfASlideWithoutAContactLaw) {
   options.max_fit_error = 0.0;  // no law is good enough
   OnlineIdentification knowledge = knowledge_of_box(given, options);
   const LoosePush push(1.5, 0.02);
-  learn_with_friction(knowledge, {push.t, push.force, push.t, push.tip}, 0.0, {.has_slid = true});
+  learn_with_friction(knowledge,
+                      {push.t, push.force, push.t, push.tip, {}, 0.0, {.has_slid = true}});
   EXPECT_FALSE(knowledge.known().contact_stiffness);
   // One speed fixes the sum of Coulomb and viscous friction.
   const ObjectParameters& known = knowledge.known();
