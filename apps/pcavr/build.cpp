@@ -20,8 +20,8 @@ struct BuildArguments {
 
 Expected<CommandResult> build(const BuildArguments& arguments, Configuration& configuration,
                               const Observer& observer) {
-  limit_retained_memory();
   const SceneArguments& of = arguments.scene;
+  if (of.tile_size > 0.0 || !arguments.survey.empty()) limit_retained_memory();
   // First, so that an output that can't be written fails before the long work.
   std::vector<std::filesystem::path> inputs{of.recording, of.sensor, arguments.survey};
   inputs.insert(inputs.end(), arguments.fused.begin(), arguments.fused.end());
