@@ -93,7 +93,7 @@ def main():
     parser.add_argument("--rate", type=float, default=5.0)
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/rooms"))
     arguments = parser.parse_args()
-    recording = arguments.work / "recording"
+    recording = arguments.work / f"{arguments.rooms}-rooms-{arguments.seconds:g}-s-{arguments.rate:g}-Hz"
     if not (recording / "recording.yaml").exists():
         arguments.work.mkdir(parents=True, exist_ok=True)
         write_rooms(arguments.pcavr, recording, arguments.rooms, arguments.seconds, arguments.rate)

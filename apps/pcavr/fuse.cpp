@@ -110,7 +110,7 @@ void add_step_output(CLI::App& command, StepArguments& arguments) {
 
 void add_survey(CLI::App& app, Configuration& configuration, Action& action) {
   CLI::App* command = app.add_subcommand(
-      "survey", "First step of a build by tiles on several machines: poses of all frames");
+      "survey", "First step of a build by tiles on several machines: frames, bodies and tags");
   command->footer(
       "Example:\n  pcavr survey my_hall --tiles 4 -o hall.survey\n\n"
       "pcavr plan --tiles makes these steps tasks of a plan.");

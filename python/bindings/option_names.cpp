@@ -13,6 +13,7 @@ constexpr std::string_view kCommand = "pcavr ";
 constexpr std::string_view kEndsOfCommand = ";,)'";
 /// Options whose arguments have another name; all others have their own, with _ for -.
 constexpr std::array kOtherNames{std::pair{std::string_view("config"), std::string_view("options")},
+                                 std::pair{std::string_view("force"), std::string_view("replace")},
                                  std::pair{std::string_view("layout"), std::string_view("tags")},
                                  std::pair{std::string_view("robot"), std::string_view("urdf")}};
 

@@ -150,6 +150,16 @@ TEST_F(Tiles, RefuseFilesOfOtherSteps) {
   damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] + 1);
   std::ofstream(path("damaged.tiles"), std::ios::binary) << damaged;
   refused(build("0.04", {path("damaged.tiles"), path("1.tiles")}), "is damaged");
+  std::vector<std::string> trusting = build("0.04", {path("1.tiles"), path("1.tiles")});
+  trusting.push_back("--trust-poses");
+  refused(trusting, "is of other options");
+  // The survey speaks of the camera, tags and objects that the manifest had.
+  const std::string manifest = file("room/recording.yaml");
+  std::string other_scale = manifest;
+  other_scale.insert(manifest.find("depth_scale: ") + std::string("depth_scale: ").size(), "1");
+  std::ofstream(path("room/recording.yaml")) << other_scale;
+  refused(build("0.04", {path("1.tiles"), path("1.tiles")}), "is of another recording");
+  std::ofstream(path("room/recording.yaml")) << manifest;
   EXPECT_FALSE(std::filesystem::exists(path("none")));
 }
 

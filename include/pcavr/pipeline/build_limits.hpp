@@ -17,14 +17,14 @@ namespace pcavr {
 /// Edge of a tile that fits most rooms [m].
 inline constexpr double kDefaultTile = 4.0;
 
-/// What a build may take of the machine.
+/// What a build may take of the machine, and what other processes have done of it.
 struct BuildLimits {
   /// The surface is fused by squares of this edge, seen from above, one after the other [m]: the
   /// same mesh in less memory. Empty: at once.
   std::optional<double> tile_size = {};
   /// The file of survey_tiles() (tile_steps.hpp), which has the tile_size, in the place of placing
   /// the frames; and the files of fuse_tiles(), all parts of the tiles, in the place of fusing
-  /// them. Both or none.
+  /// them. Both or none: else a ContractError.
   std::filesystem::path survey = {};
   std::vector<std::filesystem::path> fused = {};
   double max_memory = 0.0;  ///< an estimate above it is an Error [bytes]; 0: no limit

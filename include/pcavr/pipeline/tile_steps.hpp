@@ -25,9 +25,9 @@ struct TilePart {
 using WriteContent = std::function<Expected<void>(std::string_view)>;
 
 /// A build by tiles whose fusion is shared by several processes: survey_tiles() once, fuse_tiles()
-/// for each part, and build_scene_within() with `BuildLimits::fused`. The scene is to the bit that
-/// of build_scene_within() with the same tiles alone. All steps need the same recording, options
-/// and version, which is checked, and machines of one byte order.
+/// for each part, and build_scene_within() with `BuildLimits::survey` and `fused`. The scene is to
+/// the bit that of build_scene_within() with the same tiles alone. All steps need the same
+/// recording, options and version, which is checked, and machines of one byte order.
 
 /// The first step: places all frames, and finds and masks what moves in them; no later step does
 /// that again. Writes the file for them. `limits` must have a tile_size. An Error for a recording

@@ -41,10 +41,10 @@ constexpr double kMinMotionSpeed = 0.1;  // [m/s] between frames: certainly in m
 class PushedFace {
  public:
   PushedFace(const Contact& contact, const PathView& tip, std::span<const TrackedPose> tracked)
-      : episode_(contact), tip_(tip) {
-    const Eigen::Vector3d& along = episode_.direction_base;
-    const Pose T_base_begin = pose_at(tracked, episode_.begin);
-    p_object_ = T_base_begin.inverse() * tip.at(episode_.slides.front().begin);
+      : contact_(contact), tip_(tip) {
+    const Eigen::Vector3d& along = contact_.direction_base;
+    const Pose T_base_begin = pose_at(tracked, contact_.begin);
+    p_object_ = T_base_begin.inverse() * tip.at(contact_.slides.front().begin);
     // A corner's normal is that of the force.
     const Eigen::Vector3d inward = -(T_base_begin.rotation() * contact.normal_object);
     inward_object_ =
@@ -68,17 +68,17 @@ class PushedFace {
   /// The place to which the tip has pushed: it begins where the first slide does, and rests between
   /// slides.
   [[nodiscard]] Eigen::Vector3d pushed_to(double at) const {
-    const Eigen::Vector3d& along = episode_.direction_base;
-    Eigen::Vector3d p = tip_.at(episode_.slides.front().begin);
-    for (const SlideInterval& slide : episode_.slides) {
+    const Eigen::Vector3d& along = contact_.direction_base;
+    Eigen::Vector3d p = tip_.at(contact_.slides.front().begin);
+    for (const SlideInterval& slide : contact_.slides) {
       const Eigen::Vector3d path =
           tip_.at(std::clamp(at, slide.begin, slide.end)) - tip_.at(slide.begin);
       p += path - path.dot(along) * along;
     }
-    return p + displacement_at(episode_, at) * along;
+    return p + displacement_at(contact_, at) * along;
   }
 
-  const Contact& episode_;
+  const Contact& contact_;
   const PathView& tip_;
   Eigen::Vector3d p_object_, inward_object_;
 };

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pcavr/base/core/median.hpp"
-#include "pcavr/physics/identification/signals.hpp"
 
 #include "physics/inputs/clock_offsets.hpp"
 #include "physics/inputs/stream_gaps.hpp"
@@ -38,11 +37,18 @@ struct Penetrations {
   [[nodiscard]] double t(std::size_t k) const { return begin + static_cast<double>(k) / rate; }
 };
 
+/// [s] As pauses do not change it.
+double median_interval(std::span<const double> t) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < t.size(); ++i) intervals.push_back(t[i] - t[i - 1]);
+  return median(std::move(intervals));
+}
+
 Penetrations penetrations_of(const InputSeries& series, const PathView& tip,
                              const BodyPoses& poses) {
   const std::span<const double> t_tool = series.t_tool;
   const std::vector<StreamGap> tool_gaps = stream_gaps(t_tool);
-  const double rate = std::min(kPenetrationRate, kPerToolSample / mean_interval(t_tool));
+  const double rate = std::min(kPenetrationRate, kPerToolSample / median_interval(t_tool));
   Penetrations result{t_tool.front(), rate, {}, {}, {}};
   const auto count = static_cast<std::size_t>((t_tool.back() - t_tool.front()) * rate) + 1;
   for (std::size_t k = 0; k < count; ++k) {
@@ -70,6 +76,7 @@ std::optional<double> approach_speed(const Penetrations& tip, std::size_t touch)
     if (before == 0 || !tip.is_known[before]) return std::nullopt;
     --before;
   }
+  if (!tip.is_known[before] || !std::isfinite(tip.gaps[before])) return std::nullopt;
   double deepest = tip.gaps[touch];
   for (std::size_t k = touch; k < tip.gaps.size() && tip.gaps[k] < kFree; ++k) {
     deepest = std::min(deepest, tip.gaps[k]);

@@ -57,7 +57,7 @@ struct JoinedContacts {
   template <typename T>
   static void move_to(std::vector<T>& all, std::vector<T>& part) {
     all.insert(all.end(), part.begin(), part.end());
-    part = {};
+    part = std::vector<T>();  // without its capacity
   }
 };
 

@@ -176,8 +176,9 @@ FaceTurn face_turn(std::span<const std::vector<RubbedPart>> contacts) {
 }  // namespace
 
 double FaceTurn::doubt() const {
+  if (!(std > 0.0)) return 0.0;
   const double share = (std::abs(turn) / std - kUsualStds) / (kDoubtfulStds - kUsualStds);
-  return std > 0.0 ? std::abs(turn) * std::clamp(share, 0.0, 1.0) : 0.0;
+  return std::abs(turn) * std::clamp(share, 0.0, 1.0);
 }
 
 std::vector<RubbedPart> rubbed_parts(const Contact& contact, const BodyMotion& body,

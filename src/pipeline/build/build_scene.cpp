@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "pcavr/base/core/check.hpp"
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/base/core/stage_clock.hpp"
 #include "pcavr/perception/scene/support_plane.hpp"
@@ -130,7 +131,8 @@ struct EarlierSteps {
 Expected<std::optional<EarlierSteps>> open_earlier_steps(const BuildLimits& limits,
                                                          const Recording& recording,
                                                          const BuildOptions& options) {
-  if (limits.survey.empty() && limits.fused.empty()) return std::optional<EarlierSteps>();
+  PCAVR_REQUIRE(limits.survey.empty() == limits.fused.empty(), limits.survey.string());
+  if (limits.survey.empty()) return std::optional<EarlierSteps>();
   Expected<TileSurvey> placed = read_tile_survey(limits.survey, recording, options);
   if (!placed) return placed.error();
   Expected<FusedParts> parts = FusedParts::open(limits.fused, placed->digest);

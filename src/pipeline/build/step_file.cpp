@@ -3,6 +3,8 @@
 #include "step_file.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <system_error>
 
 namespace pcavr {
@@ -62,6 +64,7 @@ Expected<StepFileReader> StepFileReader::open(const fs::path& file, std::string_
   StepFileReader reader;
   reader.path_ = file;
   reader.stream_.open(file, std::ios::binary);
+  if (!reader.stream_) return refused(file, std::string("can't be read: ") + std::strerror(errno));
   std::string begin(format.size(), '\0');
   reader.stream_.read(begin.data(), static_cast<std::streamsize>(begin.size()));
   if (begin != format || size < format.size() + kDigestSize)

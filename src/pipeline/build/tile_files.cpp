@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kSurveyFormat = "pcavr-tile-survey/1\n";
+constexpr std::string_view kAnyFormat = "pcavr-tile-";  // of any version
 constexpr std::string_view kPartFormat = "pcavr-tile-part/2\n";
 
 Error refused(const fs::path& file, const std::string& why, const std::string& hint) {
@@ -32,7 +33,8 @@ std::string build_of(const BuildOptions& options) {
   BuildOptions copy = options;
   std::vector<OptionSection> sections = sections_of(copy.perception);
   for (OptionSection& section : sections_of(copy)) sections.push_back(std::move(section));
-  return fmt::format("pcavr {}\n{}", PCAVR_VERSION, print_options(sections));
+  return fmt::format("pcavr {}\ntrust-poses {}, skip-bad {}\n{}", PCAVR_VERSION,
+                     options.trust_poses, options.skip_bad, print_options(sections));
 }
 
 /// What a file of a part begins with.
@@ -52,10 +54,9 @@ PartHeader take_header(StepFileReader& file) {
 
 bool is_tile_file(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  std::string line;
-  std::getline(stream, line);
-  line += '\n';
-  return line == kSurveyFormat || line == kPartFormat;
+  std::string begin(kAnyFormat.size(), '\0');
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == kAnyFormat;
 }
 
 Expected<void> write_tile_survey(const TileFrames& frames, const Survey& survey,
@@ -81,7 +82,7 @@ Expected<TileSurvey> read_tile_survey(const fs::path& path, const Recording& rec
   read.digest = file->digest();
   (*file)(read.frames);
   (*file)(read.survey);
-  if (!recording.manifest.camera || read.frames.recording != frames_digest(recording))
+  if (!recording.manifest.camera || read.frames.recording != recording_digest(recording))
     return refused(path, "is of another recording", "run survey of " + recording.folder.string());
   return read;
 } catch (const std::out_of_range& error) {

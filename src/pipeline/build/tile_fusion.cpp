@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/base/core/output.hpp"
 #include "pcavr/base/geometry/depth_grid.hpp"
 #include "pcavr/perception/reconstruction/mesh_cleanup.hpp"
 #include "pcavr/recordings/recording/frame_reader.hpp"
@@ -84,6 +85,16 @@ class TileGrid {
   std::vector<BlockBox> boxes_;
 };
 
+/// An Error where an image is not of the size that it was surveyed with: the masks are.
+std::optional<Error> check_size(const DepthImage& depth, const TileFrames& frames,
+                                const Recording& recording, std::size_t index) {
+  if (depth.width() == frames.width && depth.height() == frames.height) return std::nullopt;
+  return Error{.message = fmt::format("has {} x {} pixels, and {} x {} when it was surveyed",
+                                      depth.width(), depth.height(), frames.width, frames.height),
+               .file = (recording.folder / recording.frames[index].depth_path).string(),
+               .hint = "run survey again"};
+}
+
 Expected<void> fuse_frames(const TileFrames& frames, const std::vector<bool>& sees,
                            const Recording& recording, const BuildOptions& options,
                            SurfaceFusion& fusion) {
@@ -92,8 +103,10 @@ Expected<void> fuse_frames(const TileFrames& frames, const std::vector<bool>& se
   const auto decode_next = [&]() -> Decoded {
     while (next < sees.size() && !sees[next]) ++next;
     if (next == sees.size()) return std::optional<FusedFrame>();
-    const Expected<RgbdFrame> frame = decode_frame(recording, frames.frames[next++].index);
+    const std::size_t index = frames.frames[next++].index;
+    const Expected<RgbdFrame> frame = decode_frame(recording, index);
     if (!frame) return frame.error();
+    if (auto other = check_size(frame->depth, frames, recording, index)) return *other;
     return std::optional(fused_frame(*frame, *recording.manifest.camera, options));
   };
   const auto is_last = [](const Decoded& item) { return !item || !*item; };
@@ -158,12 +171,24 @@ int tile_blocks(double tile_size, const BuildOptions& options) {
   return std::max(1, static_cast<int>(std::lround(tile_size / block_size(options))));
 }
 
-std::string frames_digest(const Recording& recording) {
+std::string recording_digest(const Recording& recording) {
   Sha256 hash;
+  hash.add_text(format_manifest(recording.manifest));
+  for (const TimedPose& timed : recording.groundtruth.poses()) {
+    const Eigen::Vector3d& p = timed.pose.translation();
+    const Eigen::Quaterniond& q = timed.pose.rotation();
+    hash.add(fmt::format("{} {} {} {} {} {} {} {}\n", timed.stamp.nanoseconds, p.x(), p.y(), p.z(),
+                         q.x(), q.y(), q.z(), q.w()));
+  }
   for (const FrameFiles& frame : recording.frames) {
     hash.add(fmt::format("{} {} {} {}\n", frame.color_stamp.nanoseconds,
                          frame.color_path.filename().string(), frame.depth_stamp.nanoseconds,
                          frame.depth_path.filename().string()));
+  }
+  for (const ObjectEntry& object : recording.manifest.objects) {
+    if (object.mesh.empty()) continue;
+    const Expected<std::string> mesh = read_file(recording.folder / object.mesh);
+    hash.add_text(mesh ? *mesh : mesh.error().message);
   }
   return hash.digest();
 }
@@ -172,7 +197,7 @@ TileFrameCollector::TileFrameCollector(double tile_size, const Recording& record
                                        const BuildOptions& options)
     : camera_(*recording.manifest.camera),
       options_(options),
-      frames_{.recording = frames_digest(recording), .tile_size = tile_size} {}
+      frames_{.recording = recording_digest(recording), .tile_size = tile_size} {}
 
 void TileFrameCollector::add(const FollowedFrame& frame) {
   const DepthImage& depth = frame.frame.depth;
@@ -240,6 +265,7 @@ Expected<void> repeat_frames(const TileFrames& frames, const Recording& recordin
     const PlacedFrame& placed = frames.frames[next++];
     Expected<RgbdFrame> frame = decode_frame(recording, placed.index);
     if (!frame) return frame.error();
+    if (auto other = check_size(frame->depth, frames, recording, placed.index)) return *other;
     return std::optional(FollowedFrame{.frame = *std::move(frame),
                                        .T_base_camera = placed.T_base_camera,
                                        .objects = placed.objects,

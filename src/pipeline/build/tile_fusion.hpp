@@ -33,7 +33,7 @@ struct PlacedFrame {
 
 /// The frames of a scene that is fused by tiles.
 struct TileFrames {
-  std::string recording = {};  ///< frames_digest() of it
+  std::string recording = {};  ///< recording_digest() of it
   double tile_size = 0.0;      ///< edge of a square, seen from above [m]
   int width = 0;               ///< of the depth images [px]; 0 without frames
   int height = 0;
@@ -41,7 +41,7 @@ struct TileFrames {
 };
 
 /// The SHA-256 of a recording's frames: their files' names and stamps.
-[[nodiscard]] std::string frames_digest(const Recording& recording);
+[[nodiscard]] std::string recording_digest(const Recording& recording);
 
 /// Collects them.
 class TileFrameCollector {

@@ -15,7 +15,7 @@ namespace pcavr {
 namespace {
 
 constexpr char kImages[] = "depth.txt";
-/// [s] Contacts last for a second or some: a tool or a force that is sampled so slowly shows none.
+/// [s] Contacts last for a second or a few: a tool or a force that is sampled so slowly shows none.
 constexpr double kMaxInterval = 1.0;
 
 void warn_of(const ClockConflict& conflict, const Observer& observer) {

@@ -20,7 +20,8 @@ enum class ImageUse { none, tracking };
 [[nodiscard]] std::optional<Error> check_clocks(const Recording& recording, ImageUse images,
                                                 const Observer& observer);
 
-/// An Error where the tool or the force has rows too far apart to show a contact.
+/// An Error where the tool or the force has rows too far apart to show a contact. Of fewer than 20
+/// rows nothing is said.
 [[nodiscard]] std::optional<Error> check_rates(const Recording& recording);
 
 /// All conflicts as warnings: for commands that need only one of the streams.

@@ -73,9 +73,9 @@ class ObjectPose {
   /// Current estimate of [vx vy omega].
   [[nodiscard]] Eigen::Vector3d twist() const;
 
+  static constexpr double kMaxTrackedTime = 4.0;  ///< [s] a trial of more would hold up the site
   /// The object's motion in its last contacts, for trials of parameters: begin, pose at touch,
   /// direction and the poses of the first kMaxTrackedTime; of presses, only the newest contact.
-  static constexpr double kMaxTrackedTime = 4.0;  ///< [s] a trial of more would hold up the site
   [[nodiscard]] const std::deque<Contact>& tracked_contacts() const { return tracked_contacts_; }
   void forget_contacts() { tracked_contacts_.clear(); }
   /// The object's tracked poses in [begin, end] [s].

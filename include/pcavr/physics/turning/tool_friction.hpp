@@ -21,7 +21,8 @@ struct RubbedPart {
   double slip_about_z = 0.0;  ///< [m] along the face, > 0: counter-clockwise about the object
   double rise = 0.0;          ///< [m] by which the tip came off the face as it is in the model
 };
-/// Needs tracking.
+/// The parts of one contact of a tracked body; empty where the tip stuck or rolled. Threads: a pure
+/// function.
 [[nodiscard]] std::vector<RubbedPart> rubbed_parts(const Contact& contact, const BodyMotion& body,
                                                    const BodySurface& surface, const PathView& tip,
                                                    double tool_radius);
@@ -37,6 +38,7 @@ struct FaceTurn {
   [[nodiscard]] double doubt() const;
 };
 
+/// The friction coefficient between tip and object, with its std.
 struct ToolFriction {
   ParameterValue coefficient;
   int contacts = 0;  ///< in which the tip slid along a face
