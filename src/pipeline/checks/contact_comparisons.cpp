@@ -17,6 +17,7 @@
 #include "pcavr/physics/inputs/touch.hpp"
 #include "pcavr/pipeline/identify.hpp"
 
+#include "clock_checks.hpp"
 #include "consistency_text.hpp"
 #include "force_at_rest.hpp"
 #include "input_comparisons.hpp"
@@ -229,6 +230,9 @@ std::vector<InputComparison> compare_contacts(const Recording& recording,
                                               std::vector<ConsistencyFinding>& findings) {
   if (recording.tool.empty() || recording.wrench.empty()) {
     return {failed_comparison(kContacts, recording.tool.empty() ? "no tool.csv" : "no wrench.csv")};
+  }
+  if (const std::optional<Error> slow = check_rates(recording)) {
+    return {failed_comparison(kContacts, slow->message + "; " + slow->hint)};
   }
   const auto input = identification_input(recording, {.perception = options});
   if (!input) {
