@@ -137,12 +137,12 @@ TEST(IdentifyToolFriction, IsNotFoundWhereItOpposesTheSlipInSomePushesOnly) {
 
 // The tip's path in the object's frame shows the turn: it is not along the mesh's face.
 TEST(IdentifyToolFriction, DoubtsTheDirectionOfATurnedTrackedFrame) {
-  constexpr double kTurn = 0.1;  // [rad]
+  constexpr double kFrameTurn = 0.1;  // [rad]
   const Push push = [](double t) { return slow_push(t, 0.8, 0.4); };
-  const ObjectIdentification found = identified_from({push, push, push}, 6.0, kTurn);
+  const ObjectIdentification found = identified_from({push, push, push}, 6.0, kFrameTurn);
   const std::optional<ParameterValue>& friction = found.parameters.tool_friction_coefficient;
   ASSERT_TRUE(friction);
-  EXPECT_GT(std::abs(friction->value - 0.4), 0.8 * kTurn) << "or there is nothing to doubt";
+  EXPECT_GT(std::abs(friction->value - 0.4), 0.8 * kFrameTurn) << "or there is nothing to doubt";
   EXPECT_NEAR(friction->value, 0.4, 2.0 * *friction->std);
   ASSERT_EQ(found.notes.size(), 1U);
   EXPECT_NE(found.notes[0].find("the tracked frame may be turned"), std::string::npos);

@@ -11,22 +11,22 @@ constexpr int kFitIterations = 20;
 
 }  // namespace
 
-std::size_t used_count(const ForceSamples& samples) {
+std::size_t used_count(const GravitySamples& samples) {
   return static_cast<std::size_t>(std::count_if(
-      samples.begin(), samples.end(), [](const ForceSample& one) { return one.is_used; }));
+      samples.begin(), samples.end(), [](const GravitySample& one) { return one.is_used; }));
 }
 
-LinearFit linear_fit(const ForceSamples& samples) {
+LinearFit linear_fit(const GravitySamples& samples) {
   const double n = static_cast<double>(used_count(samples));
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), gravity = Eigen::Vector3d::Zero();
-  for (const ForceSample& sample : samples) {
+  for (const GravitySample& sample : samples) {
     if (!sample.is_used) continue;
     force += sample.force / n;
     gravity += sample.gravity_flange / n;
   }
   LinearFit fit;
   Eigen::Matrix3d mixed = Eigen::Matrix3d::Zero();
-  for (const ForceSample& sample : samples) {
+  for (const GravitySample& sample : samples) {
     if (!sample.is_used) continue;
     const Eigen::Vector3d g = sample.gravity_flange - gravity;
     fit.scatter += g * g.transpose();
@@ -34,7 +34,7 @@ LinearFit linear_fit(const ForceSamples& samples) {
   }
   fit.matrix = fit.scatter.ldlt().solve(mixed).transpose();
   fit.bias = force - fit.matrix * gravity;
-  for (const ForceSample& sample : samples) {
+  for (const GravitySample& sample : samples) {
     if (!sample.is_used) continue;
     fit.squares += (sample.force - fit.bias - fit.matrix * sample.gravity_flange).squaredNorm();
   }
@@ -52,11 +52,11 @@ RigidFit start_of(const LinearFit& linear) {
   return fit;
 }
 
-RigidFit rigid_fit(const ForceSamples& samples, RigidFit fit) {
+RigidFit rigid_fit(const GravitySamples& samples, RigidFit fit) {
   for (int i = 0; i < kFitIterations; ++i) {
     Matrix7d matrix = Matrix7d::Zero();
     Vector7d gradient = Vector7d::Zero();
-    for (const ForceSample& sample : samples) {
+    for (const GravitySample& sample : samples) {
       if (!sample.is_used) continue;
       Eigen::Matrix<double, 3, 7> J;
       J.leftCols<3>() = Eigen::Matrix3d::Identity();
@@ -75,7 +75,7 @@ RigidFit rigid_fit(const ForceSamples& samples, RigidFit fit) {
   }
   fit.squares = 0.0;
   fit.used = used_count(samples);
-  for (const ForceSample& sample : samples) {
+  for (const GravitySample& sample : samples) {
     if (sample.is_used) fit.squares += fit.residual(sample).squaredNorm();
   }
   return fit;

@@ -34,15 +34,15 @@ struct Hypothesis {
   bool is_pose_inverted = false;
 };
 
-ForceSamples force_samples_of(const std::vector<ForceReading>& readings,
-                              const Hypothesis& hypothesis, const ForceSensorOptions& options) {
+GravitySamples force_samples_of(const std::vector<ForceReading>& readings,
+                                const Hypothesis& hypothesis, const ForceSensorOptions& options) {
   const Eigen::Vector3d gravity_base = -kStandardGravity * options.up_base.normalized();
-  ForceSamples samples;
+  GravitySamples samples;
   for (const ForceReading& reading : readings) {
     const Eigen::Quaterniond R_flange_base =
         hypothesis.is_pose_inverted ? reading.R_base_flange : reading.R_base_flange.conjugate();
     const bool is_base = hypothesis.axes == ForceAxes::base;
-    ForceSample sample{reading.force, R_flange_base * gravity_base, reading.torque};
+    GravitySample sample{reading.force, R_flange_base * gravity_base, reading.torque};
     if (is_base) sample.force = R_flange_base * reading.force;
     if (is_base && reading.torque) sample.torque = R_flange_base * *reading.torque;
     samples.push_back(std::move(sample));
@@ -50,9 +50,9 @@ ForceSamples force_samples_of(const std::vector<ForceReading>& readings,
   return samples;
 }
 
-void mark_outliers(ForceSamples& samples, const RigidFit& fit) {
+void mark_outliers(GravitySamples& samples, const RigidFit& fit) {
   std::vector<double> norms;
-  for (const ForceSample& sample : samples) norms.push_back(fit.residual(sample).norm());
+  for (const GravitySample& sample : samples) norms.push_back(fit.residual(sample).norm());
   // The median of the norm of three normal components is 1.538 of their std.
   const double limit = kMaxOutlierRatio * median(norms) / 1.538;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -62,7 +62,7 @@ void mark_outliers(ForceSamples& samples, const RigidFit& fit) {
 
 struct ForceCandidate {
   Hypothesis hypothesis;
-  ForceSamples samples = {};
+  GravitySamples samples = {};
   RigidFit fit = {};
   double rms = 0.0;  ///< [N] per axis, of the used samples, with the freedom that the fit leaves
 };
@@ -72,7 +72,7 @@ ForceCandidate candidate_of(const std::vector<ForceReading>& readings, const Hyp
   ForceCandidate candidate{hypothesis, force_samples_of(readings, hypothesis, options)};
   candidate.fit = rigid_fit(candidate.samples, start_of(linear_fit(candidate.samples)));
   for (int round = 0; round < 3; ++round) {
-    ForceSamples marked = candidate.samples;
+    GravitySamples marked = candidate.samples;
     mark_outliers(marked, candidate.fit);
     if (used_count(marked) < kMinPoses) break;  // of so few, which one is wrong is not shown
     candidate.samples = std::move(marked);
@@ -96,7 +96,7 @@ bool has_weight(const ForceCandidate& candidate) {
   return candidate.fit.mass * kStandardGravity > kMinWeightRatio * candidate.rms;
 }
 
-std::optional<Error> undetermined_axes(const ForceSamples& samples) {
+std::optional<Error> undetermined_axes(const GravitySamples& samples) {
   const LinearFit fit = linear_fit(samples);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(fit.scatter);
   const double n = static_cast<double>(samples.size());
@@ -127,12 +127,12 @@ void set_centre(const ForceCandidate& found, ForceSensorResult& result) {
   Matrix6d matrix = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   std::size_t count = 0;
-  const auto jacobian = [&](const ForceSample& sample) {
+  const auto jacobian = [&](const GravitySample& sample) {
     Eigen::Matrix<double, 3, 6> J;
     J << Eigen::Matrix3d::Identity(), -skew(found.fit.weight(sample));
     return J;
   };
-  for (const ForceSample& sample : found.samples) {
+  for (const GravitySample& sample : found.samples) {
     if (!sample.is_used || !sample.torque) continue;
     const Eigen::Matrix<double, 3, 6> J = jacobian(sample);
     matrix += J.transpose() * J;
@@ -144,7 +144,7 @@ void set_centre(const ForceCandidate& found, ForceSensorResult& result) {
   const Matrix6d inverse = matrix.ldlt().solve(Matrix6d::Identity());
   double squares = 0.0;
   Eigen::Matrix<double, 6, 4> by_weight = Eigen::Matrix<double, 6, 4>::Zero();
-  for (const ForceSample& sample : found.samples) {
+  for (const GravitySample& sample : found.samples) {
     if (!sample.is_used || !sample.torque) continue;
     const Eigen::Matrix<double, 3, 6> J = jacobian(sample);
     squares += (*sample.torque - J * solution).squaredNorm();
@@ -201,8 +201,8 @@ void set_gain(const ForceCandidate& found, ForceSensorResult& result) {
 /// [N] per axis, each pose by the fit of the others.
 double rms_of_each_by_others(const ForceCandidate& found) {
   double squares = 0.0;
-  ForceSamples samples = found.samples;
-  for (ForceSample& sample : samples) {
+  GravitySamples samples = found.samples;
+  for (GravitySample& sample : samples) {
     if (!sample.is_used) continue;
     sample.is_used = false;
     squares += rigid_fit(samples, found.fit).residual(sample).squaredNorm();
@@ -215,7 +215,7 @@ void set_residuals(const std::vector<ForceReading>& readings, const ForceCandida
                    ForceSensorResult& result) {
   std::string outliers;
   for (std::size_t i = 0; i < readings.size(); ++i) {
-    const ForceSample& sample = found.samples[i];
+    const GravitySample& sample = found.samples[i];
     result.residuals.push_back({readings[i].name, found.fit.residual(sample), !sample.is_used});
     if (!sample.is_used) outliers += (outliers.empty() ? "" : ", ") + readings[i].name;
   }
