@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -20,11 +20,12 @@ constexpr double kPenetrationRate = 200.0;  // [1/s] samples: enough for clocks
 constexpr double kPerToolSample = 2.0;  // of a slow tool, between whose samples nothing is known
 constexpr double kLoading = 0.015;  // [s] a force may lag the penetration without a clock offset
 
-/// Error of meshes, poses and the tip's radius together [m]. Divided by the speed of the approach,
+/// Error of meshes, poses and the tip's radius together [m]. Divided by the speed at the touch,
 /// it is an error of the time of touch: some tenths of a second in slow pushes.
 constexpr double kSurfaceError = 0.001;
-constexpr double kMinApproachSpeed = 1e-4;  // [m/s]
-constexpr double kMaxStd = 0.05;            // [s] of an offset that is known
+constexpr double kFree = kContactMargin + kSurfaceError;  // [m]
+constexpr double kMinTouchSpeed = 1e-4;                   // [m/s]
+constexpr double kMaxStd = 0.05;                          // [s] of an offset that is known
 
 /// The tip against the bodies' surfaces, on a grid from `begin` on.
 struct Penetrations {
@@ -66,37 +67,46 @@ Penetrations penetrations_of(const InputSeries& series, const PathView& tip,
   return result;
 }
 
-/// Speed from the last time that the tip was kSurfaceError away until it is half as deep as it goes
-/// in the contact that begins at `touch` [m/s]: one that slows down before it touches shows its
-/// time of touch as badly as one that is slow all the way. Nothing where the approach is not there.
-std::optional<double> approach_speed(const Penetrations& tip, std::size_t touch) {
-  constexpr double kFree = kContactMargin + kSurfaceError;
-  std::size_t before = touch;
-  while (tip.gaps[before] < kFree) {
-    if (before == 0 || !tip.is_known[before]) return std::nullopt;
-    --before;
+/// Speed between kSurfaceError away from a surface and half as deep as the tip goes [m/s]: one that
+/// slows down before it touches shows its time of touch as badly as one that is slow all the way.
+/// `step`: 1 from `touch` on into the contact, -1 out of it. 0 where the free side is not there.
+double edge_speed(const Penetrations& tip, std::size_t touch, double half, std::ptrdiff_t step) {
+  const auto is_inside = [&](std::ptrdiff_t k) { return k >= 0 && k < std::ssize(tip.gaps); };
+  const auto gap = [&](std::ptrdiff_t k) { return tip.gaps[static_cast<std::size_t>(k)]; };
+  auto free = static_cast<std::ptrdiff_t>(touch);
+  while (is_inside(free) && tip.is_known[static_cast<std::size_t>(free)] && gap(free) < kFree) {
+    free -= step;
   }
-  if (!tip.is_known[before] || !std::isfinite(tip.gaps[before])) return std::nullopt;
+  const bool is_found = is_inside(free) && tip.is_known[static_cast<std::size_t>(free)];
+  if (!is_found || !std::isfinite(gap(free))) return 0.0;
+  auto deep = static_cast<std::ptrdiff_t>(touch);
+  while (gap(deep) > half) deep += step;
+  return (gap(free) - gap(deep)) * tip.rate / static_cast<double>(std::abs(deep - free));
+}
+
+/// Of the faster one of approach and retreat, which dates the contact that begins at `touch`; a
+/// recording may end before the retreat. 0 where neither is there [m/s].
+double touch_speed(const Penetrations& tip, std::size_t touch) {
+  std::size_t last = touch;
   double deepest = tip.gaps[touch];
   for (std::size_t k = touch; k < tip.gaps.size() && tip.gaps[k] < kFree; ++k) {
+    if (tip.gaps[k] < kContactMargin) last = k;
     deepest = std::min(deepest, tip.gaps[k]);
   }
   const double half = 0.5 * (kContactMargin + deepest);
-  std::size_t after = touch;
-  while (tip.gaps[after] > half) ++after;
-  return (tip.gaps[before] - tip.gaps[after]) * tip.rate / static_cast<double>(after - before);
+  return std::max(edge_speed(tip, touch, half, 1), edge_speed(tip, last, half, -1));
 }
 
 /// Median over the contacts [m/s]; 0 without one.
-double approach_speed(const Penetrations& tip) {
+double touch_speed(const Penetrations& tip) {
   std::vector<double> speeds;
   bool is_free = true;
   for (std::size_t k = 0; k < tip.gaps.size(); ++k) {
     if (is_free && tip.gaps[k] < kContactMargin) {
-      if (const std::optional<double> speed = approach_speed(tip, k)) speeds.push_back(*speed);
+      if (const double speed = touch_speed(tip, k); speed > 0.0) speeds.push_back(speed);
       is_free = false;
     }
-    is_free = is_free || tip.gaps[k] > kContactMargin + kSurfaceError;
+    is_free = is_free || tip.gaps[k] > kFree;
   }
   return speeds.empty() ? 0.0 : median(std::move(speeds));
 }
@@ -128,7 +138,7 @@ TimeOffset penetration_offset(const InputSeries& series, const PathView& tip,
     along.push_back(is_beyond ? 0.0 : series.force_base[i].dot(found.inward_base[k]));
   }
   TimeOffset offset = estimate_time_offset(t, penetration, t_force, along);
-  const double speed = std::max(approach_speed(found), kMinApproachSpeed);
+  const double speed = std::max(touch_speed(found), kMinTouchSpeed);
   offset.std = std::hypot(offset.std, kLoading, kSurfaceError / speed);
   // A negative correlation is a matter of the sign, not of the clock.
   offset.is_known = offset.is_known && offset.correlation > 0.0 && offset.std < kMaxStd;
