@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "pcavr/base/core/doubted.hpp"
 #include "pcavr/base/core/median.hpp"
 
 namespace pcavr {
@@ -34,8 +35,6 @@ constexpr double kMinOpposing = 0.75;
 /// 5 %.
 constexpr double kFrictionScatter = 0.02;
 constexpr double kMinRise = 5e-5;  // [m] std by which a path leaves its face: that of good tracking
-/// Stds of a face's turn up to which it is chance, and from which on all of it is doubted.
-constexpr double kUsualStds = 1.5, kDoubtfulStds = 3.0;
 
 /// The tip's centre at a tracked pose.
 struct TipAtPose {
@@ -175,11 +174,7 @@ FaceTurn face_turn(std::span<const std::vector<RubbedPart>> contacts) {
 
 }  // namespace
 
-double FaceTurn::doubt() const {
-  if (!(std > 0.0)) return 0.0;
-  const double share = (std::abs(turn) / std - kUsualStds) / (kDoubtfulStds - kUsualStds);
-  return std::abs(turn) * std::clamp(share, 0.0, 1.0);
-}
+double FaceTurn::doubt() const { return std > 0.0 ? doubted(turn, std) : 0.0; }
 
 std::vector<RubbedPart> rubbed_parts(const Contact& contact, const BodyMotion& body,
                                      const BodySurface& surface, const PathView& tip,

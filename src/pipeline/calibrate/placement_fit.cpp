@@ -20,7 +20,7 @@ constexpr double kHuberOfTouch = 1.345;
 /// [m] The rounding of a distance: residuals below it are alike.
 constexpr double kMinGap = 1e-5;
 /// Residuals beyond this many stds are not those of touches.
-constexpr double kUsualStds = 4.0;
+constexpr double kMaxGapStds = 4.0;
 
 MeshPlacement moved(const MeshPlacement& placement, const PlacementStep& step) {
   const Vector6d twist = step.head<6>();
@@ -40,7 +40,7 @@ double std_of(const std::vector<Gap>& gaps) {
 /// [m] rms of gaps that are not larger than is usual: a contact that is elsewhere counts as one at
 /// the limit.
 double usual_rms(std::vector<Gap> gaps) {
-  const double limit = kUsualStds * std_of(gaps);
+  const double limit = kMaxGapStds * std_of(gaps);
   for (Gap& gap : gaps) gap.value = std::clamp(gap.value, -limit, limit);
   return rms_of(gaps);
 }

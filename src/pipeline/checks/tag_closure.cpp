@@ -10,6 +10,7 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/base/core/doubted.hpp"
 #include "pcavr/base/core/median.hpp"
 
 namespace pcavr {
@@ -19,9 +20,6 @@ namespace {
 constexpr double kDepthShare = 0.005;
 /// A tag is glued on and measured to a millimetre [m, one std].
 constexpr double kTagCentreStd = 1e-3;
-constexpr double kSignificantStds = 3.0;
-/// One in seven sound cameras leaves more; from here to kSignificantStds ever more is doubted.
-constexpr double kUsualStds = 1.5;
 /// Offset from which on nothing of the scene is where it is drawn: as for the stds of cameras, and
 /// as the share of the distance that a factor of 1.5 makes.
 constexpr double kMaxTagOffset = 0.25;  // [m]
@@ -46,10 +44,7 @@ bool is_about_the_lens(const ConsistencyFinding& finding) {
 
 bool TagClosure::is_significant() const { return offset > kSignificantStds * expected; }
 
-double TagClosure::doubted() const {
-  const double beyond = offset / expected - kUsualStds;
-  return offset * std::clamp(beyond / (kSignificantStds - kUsualStds), 0.0, 1.0);
-}
+double TagClosure::doubted() const { return pcavr::doubted(offset, expected); }
 
 std::optional<TagClosure> close_tags(const Manifest& manifest,
                                      const std::vector<TagMeasurement>& measurements,
