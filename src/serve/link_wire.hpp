@@ -9,10 +9,8 @@
 
 namespace pcavr {
 
-/// The part of a state that describes the link, for `objects` objects [bytes].
-[[nodiscard]] std::size_t link_bytes_of(std::size_t objects);
-/// A robot's state has as many objects: PCAVR_REQUIRE.
+/// Writes the part of a state that describes the link, for `objects` objects. A robot's state has
+/// as many objects: PCAVR_REQUIRE.
 void write_link(const LiveLinkState& link, std::size_t objects, ByteWriter& writer);
-[[nodiscard]] LiveLinkState read_link(ByteReader& reader, std::size_t objects);
 
 }  // namespace pcavr

@@ -7,6 +7,7 @@
 #include "pcavr/serve/live_protocol.hpp"
 
 #include "fuzz/targets.hpp"
+#include "serve/server_message_reader.hpp"
 
 namespace pcavr::fuzz {
 

@@ -13,6 +13,7 @@
 #include "pcavr/serve/operator_page.hpp"
 
 #include "serve/live_cycle_fixture.hpp"
+#include "serve/server_message_reader.hpp"
 
 namespace pcavr {
 namespace {

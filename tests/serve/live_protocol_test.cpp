@@ -9,6 +9,8 @@
 
 #include "pcavr/base/core/random.hpp"
 
+#include "serve/server_message_reader.hpp"
+
 namespace pcavr {
 namespace {
 

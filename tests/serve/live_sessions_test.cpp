@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "serve/a_world.hpp"
+#include "serve/server_message_reader.hpp"
 
 namespace pcavr {
 namespace {

@@ -14,6 +14,7 @@
 #include "serve/a_world.hpp"
 #include "serve/live_sessions.hpp"
 #include "serve/pulse_generator.hpp"
+#include "serve/server_message_reader.hpp"
 #include "support/option_defaults.hpp"
 
 namespace pcavr {

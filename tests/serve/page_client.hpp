@@ -21,6 +21,8 @@
 #include "pcavr/serve/live_protocol.hpp"
 #include "pcavr/serve/live_world.hpp"
 
+#include "serve/server_message_reader.hpp"
+
 namespace pcavr::test {
 
 namespace asio = boost::asio;

@@ -14,6 +14,7 @@
 
 #include "serve/a_world.hpp"
 #include "serve/live_sessions.hpp"
+#include "serve/server_message_reader.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace pcavr {

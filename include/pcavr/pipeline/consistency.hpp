@@ -85,8 +85,4 @@ struct InputReport {
     const Recording& recording, const PerceptionOptions& options = {},
     FamilySearch families = FamilySearch::where_missing);
 
-/// The findings of inspect_inputs.
-[[nodiscard]] Expected<std::vector<ConsistencyFinding>> inspect_consistency(
-    const Recording& recording, const PerceptionOptions& options = {});
-
 }  // namespace pcavr

@@ -199,9 +199,6 @@ struct ServerMessage {
   std::variant<LiveWelcome, LiveState, LiveNotice, LivePong> content;
 };
 
-/// Decodes a server's message as decode_page_message does a page's, for clients other than the
-/// page.
-[[nodiscard]] Expected<ServerMessage> decode_server_message(std::span<const std::uint8_t> bytes);
 [[nodiscard]] std::vector<std::uint8_t> encode(const ServerMessage& message);
 /// Encodes a state into a buffer that is reused.
 void encode_state(const LiveHeader& header, const LiveState& state,

@@ -280,11 +280,4 @@ Expected<InputReport> inspect_inputs(const Recording& recording, const Perceptio
   return report;
 }
 
-Expected<std::vector<ConsistencyFinding>> inspect_consistency(const Recording& recording,
-                                                              const PerceptionOptions& options) {
-  Expected<InputReport> report = inspect_inputs(recording, options);
-  if (!report) return report.error();
-  return std::move(report->findings);
-}
-
 }  // namespace pcavr

@@ -3,7 +3,6 @@
 #include "pcavr/recordings/bag_import/import_bag.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -38,16 +37,27 @@ bool is_rectified(const SurveyedTopic& topic) {
   return topic.topic.name.find("rect") != std::string::npos;
 }
 
-/// Checks the name as manifests require it of objects, because files are named after them.
-Expected<void> check_object_name(const std::string& name) {
-  const bool is_plain = !name.empty() && name.front() != '.' &&
-                        std::all_of(name.begin(), name.end(), [](unsigned char c) {
-                          return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
-                        });
-  if (is_plain) return {};
-  return Error{.message = "'" + name + "' can't be an object's name",
-               .place = "--object",
-               .hint = "use letters, digits, '_', '-' and '.'"};
+/// The poses, each with its stamp as `row_of` changes it.
+template <typename RowOf>
+Trajectory changed(const Trajectory& poses, const RowOf& row_of) {
+  std::vector<TimedPose> rows;
+  rows.reserve(poses.size());
+  for (const TimedPose& row : poses.poses()) rows.push_back(row_of(row));
+  return Trajectory(std::move(rows));
+}
+
+Trajectory delayed(const Trajectory& poses, double seconds) {
+  const Duration shift{static_cast<std::int64_t>(std::llround(1e9 * seconds))};
+  return changed(poses, [shift](const TimedPose& row) {
+    return TimedPose{row.stamp + shift, row.pose};
+  });
+}
+
+/// Poses of the tool or of a body, as poses of a frame that is fixed to it.
+Trajectory at_frame(const Trajectory& poses, const Pose& T_body_frame) {
+  return changed(poses, [&](const TimedPose& row) {
+    return TimedPose{row.stamp, row.pose * T_body_frame};
+  });
 }
 
 /// One import: what its steps share.
@@ -132,13 +142,7 @@ class BagImport {
                                  "states are imported"
                                : selection_.notes.front()};
     }
-    for (const auto& [name, topic] : selection_.objects) {
-      if (const auto checked = check_object_name(name); !checked) return checked;
-      const bool is_declared =
-          std::any_of(manifest_.objects.begin(), manifest_.objects.end(),
-                      [&, &wanted = name](const ObjectEntry& o) { return o.name == wanted; });
-      if (!is_declared) manifest_.objects.push_back({.name = name, .mesh = {}});
-    }
+    if (const auto declared = declare_objects(selection_, manifest_); !declared) return declared;
     report_.notes = selection_.notes;
     report_.base_frame = selection_.base_frame;
     report_.messages = survey_.messages;
@@ -218,34 +222,18 @@ class BagImport {
       if (!wrench) return wrench.error();
       wrench_ = *std::move(wrench);
     }
-    for (const auto& place : options_.T_tracked_object) {
-      const std::string& name = place.first;
-      const bool is_known = std::any_of(selection_.objects.begin(), selection_.objects.end(),
-                                        [&](const auto& object) { return object.first == name; });
-      if (is_known) continue;
-      return Error{.message = "'" + name + "' is no tracked object",
-                   .file = bag_.string(),
-                   .place = "--T-tracked-object",
-                   .hint = "give --object " + name + "=TOPIC"};
-    }
+    const auto checked = check_placed_objects(bag_, selection_, options_.T_tracked_object);
+    if (!checked) return checked;
     for (const auto& [name, topic] : selection_.objects) {
       auto poses = importer.poses(*topic, object_file(name).string());
       if (!poses) return poses.error();
-      place_object(name, poses->content);
+      const auto placed = options_.T_tracked_object.find(name);
+      if (placed != options_.T_tracked_object.end()) {
+        poses->content = at_frame(poses->content, placed->second);
+      }
       objects_.push_back(*std::move(poses));
     }
     return {};
-  }
-
-  /// Takes the poses of a tracked body to those of the object's CAD frame.
-  void place_object(const std::string& name, Trajectory& poses) const {
-    const auto placed = options_.T_tracked_object.find(name);
-    if (placed == options_.T_tracked_object.end()) return;
-    Trajectory T_frame_object;
-    for (const TimedPose& row : poses.poses()) {
-      T_frame_object.append(row.stamp, row.pose * placed->second);
-    }
-    poses = std::move(T_frame_object);
   }
 
   /// Writes the first poses into the manifest: without images nothing else says where a body
@@ -304,11 +292,9 @@ class BagImport {
     tool_.content = delayed(tool_.content, -tool_delay);
     if (!T_base_world) return {};
     for (ImportedSeries<Trajectory>& object : objects_) {
-      Trajectory T_base_object;
-      for (const TimedPose& row : object.content.poses()) {
-        T_base_object.append(row.stamp, *T_base_world * row.pose);
-      }
-      object.content = std::move(T_base_object);
+      object.content = changed(object.content, [&](const TimedPose& row) {
+        return TimedPose{row.stamp, *T_base_world * row.pose};
+      });
       object.stream.frame = "world, placed in base";
     }
     return {};
@@ -329,22 +315,11 @@ class BagImport {
     return error;
   }
 
-  static Trajectory delayed(const Trajectory& poses, double seconds) {
-    Trajectory moved;
-    const Duration shift{static_cast<std::int64_t>(std::llround(1e9 * seconds))};
-    for (const TimedPose& row : poses.poses()) moved.append(row.stamp + shift, row.pose);
-    return moved;
-  }
-
   /// The poses of the tip, computed from its place in the tool's frame.
   Expected<ImportedSeries<Trajectory>> tip_series(const SeriesImporter& importer) const {
     Expected<ImportedSeries<Trajectory>> tool = tool_series(importer);
     if (!tool || options_.p_tool_tip.isZero(0.0)) return tool;
-    Trajectory T_base_tip;
-    for (const TimedPose& pose : tool->content.poses()) {
-      T_base_tip.append(pose.stamp, pose.pose * Pose::from_translation(options_.p_tool_tip));
-    }
-    tool->content = std::move(T_base_tip);
+    tool->content = at_frame(tool->content, Pose::from_translation(options_.p_tool_tip));
     return tool;
   }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -68,6 +69,18 @@ std::string other_cameras_text(const BagSelection& selection, const BagStreams& 
          text(*selection.camera_info, *color);
 }
 
+/// The name is one that manifests allow, because files are named after it.
+Expected<void> check_object_name(const std::string& name) {
+  const bool is_plain = !name.empty() && name.front() != '.' &&
+                        std::all_of(name.begin(), name.end(), [](unsigned char c) {
+                          return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+                        });
+  if (is_plain) return {};
+  return Error{.message = "'" + name + "' can't be an object's name",
+               .place = "--object",
+               .hint = "use letters, digits, '_', '-' and '.'"};
+}
+
 }  // namespace
 
 std::string joined(const std::vector<std::string>& names) {
@@ -106,6 +119,32 @@ std::string replacement_text(const std::vector<TransformTree::StaticValue>& valu
                     fixed_text(angle * 180.0 / std::numbers::pi, 2) + " deg"
               : "from parent '" + before.parent + "' to '" + after.parent + "'";
   return text + "; each holds until the next";
+}
+
+Expected<void> declare_objects(const BagSelection& selection, Manifest& manifest) {
+  for (const auto& object : selection.objects) {
+    const std::string& name = object.first;
+    if (const auto checked = check_object_name(name); !checked) return checked;
+    const bool is_declared =
+        std::ranges::any_of(manifest.objects, [&](const auto& one) { return one.name == name; });
+    if (!is_declared) manifest.objects.push_back({.name = name, .mesh = {}});
+  }
+  return {};
+}
+
+Expected<void> check_placed_objects(const std::filesystem::path& bag, const BagSelection& selection,
+                                    const std::map<std::string, Pose>& T_tracked_object) {
+  for (const auto& place : T_tracked_object) {
+    const std::string& name = place.first;
+    const bool is_tracked =
+        std::ranges::any_of(selection.objects, [&](const auto& one) { return one.first == name; });
+    if (is_tracked) continue;
+    return Error{.message = "'" + name + "' is no tracked object",
+                 .file = bag.string(),
+                 .place = "--T-tracked-object",
+                 .hint = "give --object " + name + "=TOPIC"};
+  }
+  return {};
 }
 
 std::vector<std::string> color_doubts(const BagSelection& selection, const BagStreams& streams) {
