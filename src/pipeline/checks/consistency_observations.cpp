@@ -152,13 +152,13 @@ bool is_fitting(const OutlineCounts& counts) {
   return counts.behind <= kMaxBehind * counts.outline;
 }
 
-/// Where depth has the body, relative to this pose, in its own axes: a pattern search over
-/// translations [Hooke & Jeeves 1961]. Zero where it fits here, or nowhere near.
-Eigen::Vector3d shift_of(const OutlineView& view, const Pose& T_camera_object) {
+/// Where depth has the body, relative to this pose with its counts, in its own axes: a pattern
+/// search over translations [Hooke & Jeeves 1961]. Zero where it fits here, or nowhere near.
+Eigen::Vector3d shift_of(const OutlineView& view, const Pose& T_camera_object,
+                         const OutlineCounts& given) {
   const auto at = [&](const Eigen::Vector3d& shift) {
     return view.count(T_camera_object * Pose::from_translation(shift), 1.0);
   };
-  const OutlineCounts given = at(Eigen::Vector3d::Zero());
   if (is_fitting(given)) return Eigen::Vector3d::Zero();
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   OutlineCounts best_counts = given;
@@ -214,8 +214,8 @@ void add_outline(const SurfaceQuery& surface_object, const Pose& T_camera_object
     fit.outline[i] += counts.outline;
     fit.explained[i] += counts.explained;
     fit.score[i] += counts.score();
+    if (i == kUnscaled) fit.shifts.push_back(shift_of(view, T_camera_object, counts));
   }
-  fit.shifts.push_back(shift_of(view, T_camera_object));
   ++fit.frames;
 }
 
