@@ -26,7 +26,7 @@ using Parameters = ObjectParameterSet;
 constexpr std::array<double, kObjectParameters> kMaxStd{
     5e-3, 5e-3, 5e-3, 3.0 * kRadPerDegree, 3.0 * kRadPerDegree, 3.0 * kRadPerDegree, 0.03};
 /// Fewer contacts leave nothing by which others could be judged.
-constexpr std::size_t kMinContacts = 4;
+constexpr std::size_t kMinTouches = 4;
 constexpr int kTurns = 12;  ///< of the stated pose about the vertical, from which is searched
 /// A scale that is not this many stds from 1 is 1.
 constexpr double kScaleStds = 3.0;
@@ -254,9 +254,9 @@ std::optional<Error> misfit_of(const PlacementProblem& problem, const MeshPlacem
 }  // namespace
 
 Expected<CalibratedObject> calibrate_object(const TouchedObject& object) {
-  if (object.contacts < kMinContacts) {
+  if (object.contacts < kMinTouches) {
     return Error{.message = fmt::format("{} is touched in {} contacts, and {} are needed",
-                                        object.name, object.contacts, kMinContacts),
+                                        object.name, object.contacts, kMinTouches),
                  .hint = "push it at several places of all of its sides"};
   }
   const BodySurface surface(object.model);
