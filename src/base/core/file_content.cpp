@@ -81,6 +81,10 @@ int replace_content(const fs::path& path, std::string_view content) {
   return write_content(path, O_TRUNC, whole(content), true);
 }
 
+int append_content(const fs::path& path, std::string_view content) {
+  return write_content(path, O_APPEND, whole(content), false);
+}
+
 int sync_file(int file) {
   if (::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP || errno == EROFS) return 0;
   return errno;

@@ -12,6 +12,8 @@ namespace pcavr {
 [[nodiscard]] int create_content(const std::filesystem::path& path, std::string_view content);
 /// Replaces what an existing file holds, and flushes it (fsync). The same for a symbolic link.
 [[nodiscard]] int replace_content(const std::filesystem::path& path, std::string_view content);
+/// Adds to an existing file, without a flush.
+[[nodiscard]] int append_content(const std::filesystem::path& path, std::string_view content);
 
 /// Flushes an open file or folder to the disk (fsync). Returns 0 or errno; 0 also on file systems
 /// that can't, because losing the result would be worse.

@@ -136,6 +136,12 @@ Expected<void> OutputFile::write(std::string_view content) {
   return {};
 }
 
+Expected<void> OutputFile::append(std::string_view content) {
+  const int failure = append_content(state_->partial, content);
+  if (failure != 0) return can_not_write(state_->given, failure);
+  return {};
+}
+
 Expected<void> OutputFile::commit() {
   State& state = *state_;
   PCAVR_REQUIRE(state.progress == State::Progress::writing);

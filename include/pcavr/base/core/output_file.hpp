@@ -39,6 +39,8 @@ class OutputFile {
   [[nodiscard]] const std::filesystem::path& path() const;
   /// Writes all of the content to path().
   [[nodiscard]] Expected<void> write(std::string_view content);
+  /// Adds to path(), for content that is too large for the memory.
+  [[nodiscard]] Expected<void> append(std::string_view content);
 
   [[nodiscard]] Expected<void> commit();
   /// Reverts commit(): the target is what it was before. Where the file system can't exchange two
