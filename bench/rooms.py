@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Copies of a simulated room in a row, with exact poses: built at once and by tiles.
 
-    bench/rooms.py --pcavr build/bench/apps/pcavr/pcavr [--rooms 8] [--voxel 0.005] [--tiles 4] [--rate 5]
+    bench/rooms.py --pcavr build/bench/apps/pcavr/pcavr [--rooms 8] [--voxel 0.005] [--tiles 12] [--rate 5]
                    [--occupancy 0.05] [--work out/rooms]
 
 Prints the largest distance between the two meshes' vertices, times and peak memory; exit code 1 where it exceeds
@@ -87,7 +87,7 @@ def main():
     parser.add_argument("--pcavr", required=True)
     parser.add_argument("--rooms", type=int, default=8)
     parser.add_argument("--voxel", default="0.005")
-    parser.add_argument("--tiles", default="4")
+    parser.add_argument("--tiles", default=str(int(SPACING)), help="edge [m]: here a room a tile")
     parser.add_argument("--occupancy", default="0.05", help="cell [m]: one map has the free space of all tiles")
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--rate", type=float, default=5.0)

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include "pcavr/base/core/freed_memory.hpp"
 #include "pcavr/perception/scene/scene_bundle.hpp"
 #include "pcavr/pipeline/build_limits.hpp"
 
@@ -21,7 +22,7 @@ struct BuildArguments {
 Expected<CommandResult> build(const BuildArguments& arguments, Configuration& configuration,
                               const Observer& observer) {
   const SceneArguments& of = arguments.scene;
-  if (of.tile_size > 0.0 || !arguments.survey.empty()) limit_retained_memory();
+  if (of.tile_size > 0.0 || !arguments.survey.empty()) return_large_blocks_at_once();
   // First, so that an output that can't be written fails before the long work.
   std::vector<std::filesystem::path> inputs{of.recording, of.sensor, arguments.survey};
   inputs.insert(inputs.end(), arguments.fused.begin(), arguments.fused.end());

@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // The steps of a build by tiles that pcavr plan divides among machines.
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <system_error>
 
 #include <fmt/core.h>
 
+#include "pcavr/base/core/freed_memory.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/core/output_file.hpp"
 #include "pcavr/base/core/output_paths.hpp"
@@ -48,7 +46,7 @@ using Step =
 /// Runs a step that writes a file. The output is checked first, before the long work.
 Expected<CommandResult> run_step(const StepArguments& arguments, const Configuration& configuration,
                                  const Observer& observer, const Step& step) {
-  limit_retained_memory();
+  return_large_blocks_at_once();
   const SceneArguments& of = arguments.scene;
   const Expected<void> apart =
       check_outputs({arguments.output}, {of.recording, of.sensor, arguments.survey});
@@ -64,15 +62,9 @@ Expected<CommandResult> run_step(const StepArguments& arguments, const Configura
       read_with_warnings(of.recording, options->skip_bad, configuration, observer);
   if (!recording) return recording.error();
   std::size_t bytes = 0;
-  std::ofstream stream(file->path(), std::ios::binary);
   Expected<void> done = step(*recording, *options, [&](std::string_view content) -> Expected<void> {
     bytes += content.size();
-    if (stream.write(content.data(), static_cast<std::streamsize>(content.size())).flush())
-      return {};
-    return Error{.message = "can't be written: " + std::system_category().message(errno),
-                 .file = arguments.output,
-                 .place = {},
-                 .hint = "free space, or choose another disk"};
+    return file->append(content);
   });
   if (done) done = file->commit();
   if (!done) return done.error();

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fstream>
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include "pcavr/perception/tracking/stated_poses.hpp"
@@ -74,12 +73,6 @@ Expected<BuildOptions> build_options_of(const SceneArguments& arguments,
   if (!noise) return noise.error();
   options.perception.depth_noise = *noise;
   return options;
-}
-
-void limit_retained_memory() {
-  constexpr int kBlock = 256 * 1024;  // [bytes] smaller than any image
-  mallopt(M_MMAP_THRESHOLD, kBlock);
-  mallopt(M_TRIM_THRESHOLD, kBlock);
 }
 
 BuildLimits limits_of(const SceneArguments& arguments) {

@@ -39,9 +39,4 @@ CLI::Option* add_limits(CLI::App& command, SceneArguments& arguments);
                                                       const Configuration& configuration);
 [[nodiscard]] BuildLimits limits_of(const SceneArguments& arguments);
 
-/// Returns freed images and blocks to the system at once. By default glibc keeps blocks as large as
-/// those freed before [mallopt(3), M_MMAP_THRESHOLD], so that a scene's peak is that of all its
-/// steps together.
-void limit_retained_memory();
-
 }  // namespace pcavr::app

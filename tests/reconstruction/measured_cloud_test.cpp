@@ -137,5 +137,27 @@ TEST(MeasuredCloud, PointsFarFromTheMeshAreRemoved) {
   EXPECT_EQ(near.normals[1], Eigen::Vector3f(0, 1, 0));
 }
 
+TEST(MeasuredCloud, PartsOfACloudHaveThePointsOfTheWhole) {
+  const auto row_of_points = [](int first, int last) {
+    PointCloud cloud;
+    for (int i = first; i < last; ++i) {
+      cloud.points.emplace_back(0.004F * static_cast<float>(i), 0.0F, 0.0F);
+      cloud.normals.emplace_back(0.0F, 0.0F, i % 2 == 0 ? 1.0F : -1.0F);
+      cloud.colors.push_back({static_cast<std::uint8_t>(i), 0, 0});
+    }
+    return cloud;
+  };
+  TriangleMesh mesh;
+  mesh.vertices = {{0.1F, 0, 0}, {0.2F, 0, 0}};
+  const PointCloud whole = points_near(row_of_points(0, 100), mesh, 0.02);
+  const PointCloud parts =
+      points_near({row_of_points(0, 30), PointCloud(), row_of_points(30, 100)}, mesh, 0.02);
+  ASSERT_GT(whole.points.size(), 10U);
+  EXPECT_LT(whole.points.size(), 50U);
+  EXPECT_EQ(parts.points, whole.points);
+  EXPECT_EQ(parts.normals, whole.normals);
+  EXPECT_EQ(parts.colors, whole.colors);
+}
+
 }  // namespace
 }  // namespace pcavr

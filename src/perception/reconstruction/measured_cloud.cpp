@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -133,16 +134,42 @@ std::optional<Eigen::Vector3f> normal_at(const RayTable& rays, const DepthImage&
 }
 
 template <typename IsKept>
-PointCloud selected(const PointCloud& cloud, const IsKept& is_kept) {
-  PointCloud kept;
+void append(const PointCloud& cloud, const IsKept& is_kept, PointCloud& kept) {
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     if (!is_kept(cloud.points[i])) continue;
     kept.points.push_back(cloud.points[i]);
     if (!cloud.normals.empty()) kept.normals.push_back(cloud.normals[i]);
     if (!cloud.colors.empty()) kept.colors.push_back(cloud.colors[i]);
   }
-  return kept;
 }
+
+/// Cells of the edge `max_distance` that have a vertex of a mesh.
+class CellsOfMesh {
+ public:
+  CellsOfMesh(const TriangleMesh& mesh, double max_distance)
+      : inverse_size_(static_cast<float>(1.0 / max_distance)) {
+    PCAVR_REQUIRE(max_distance > 0.0, max_distance);
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+      const BlockCoordinates cell = cell_at(vertex, inverse_size_);
+      if (occupied_.find(cell) == BlockHashTable::kNone) occupied_.insert(cell, 0);
+    }
+  }
+
+  /// Whether the cell of a point, or one next to it, has a vertex.
+  [[nodiscard]] bool operator()(const Eigen::Vector3f& point) const {
+    const BlockCoordinates cell = cell_at(point, inverse_size_);
+    for (int i = 0; i < 27; ++i) {
+      const BlockCoordinates neighbour{cell.x + i % 3 - 1, cell.y + i / 3 % 3 - 1,
+                                       cell.z + i / 9 - 1};
+      if (occupied_.find(neighbour) != BlockHashTable::kNone) return true;
+    }
+    return false;
+  }
+
+ private:
+  float inverse_size_;  ///< [1/m]
+  BlockHashTable occupied_;
+};
 
 std::uint8_t rounded(float value) { return static_cast<std::uint8_t>(value + 0.5F); }
 
@@ -265,30 +292,32 @@ std::size_t MeasuredCloud::memory_bytes() const {
 }
 
 PointCloud points_near(const PointCloud& cloud, const TriangleMesh& mesh, double max_distance) {
-  PCAVR_REQUIRE(max_distance > 0.0, max_distance);
-  const auto inverse_size = static_cast<float>(1.0 / max_distance);
-  BlockHashTable occupied;
-  for (const Eigen::Vector3f& vertex : mesh.vertices) {
-    const BlockCoordinates cell = cell_at(vertex, inverse_size);
-    if (occupied.find(cell) == BlockHashTable::kNone) occupied.insert(cell, 0);
-  }
-  const auto is_near = [&](const Eigen::Vector3f& point) {
-    const BlockCoordinates cell = cell_at(point, inverse_size);
-    for (int i = 0; i < 27; ++i) {
-      const BlockCoordinates neighbour{cell.x + i % 3 - 1, cell.y + i / 3 % 3 - 1,
-                                       cell.z + i / 9 - 1};
-      if (occupied.find(neighbour) != BlockHashTable::kNone) return true;
-    }
-    return false;
-  };
-  return selected(cloud, is_near);
+  PointCloud near;
+  append(cloud, CellsOfMesh(mesh, max_distance), near);
+  return near;
+}
+
+PointCloud points_near(std::vector<PointCloud>&& parts, const TriangleMesh& mesh,
+                       double max_distance) {
+  const CellsOfMesh is_near(mesh, max_distance);
+  std::size_t count = 0;
+  for (const PointCloud& part : parts) count += part.points.size();
+  PointCloud near;
+  near.points.reserve(count);
+  near.normals.reserve(count);
+  near.colors.reserve(count);
+  for (PointCloud& part : parts) append(std::exchange(part, {}), is_near, near);
+  return near;
 }
 
 PointCloud points_in(const PointCloud& cloud, const BlockBox& box, double voxel_size) {
   const auto inverse_size = static_cast<float>(1.0 / voxel_size);
-  return selected(cloud, [&](const Eigen::Vector3f& point) {
+  const auto is_inside = [&](const Eigen::Vector3f& point) {
     return box.contains(block_of(cell_at(point, inverse_size)));
-  });
+  };
+  PointCloud inside;
+  append(cloud, is_inside, inside);
+  return inside;
 }
 
 }  // namespace pcavr

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/core/output_parts.hpp"
@@ -90,6 +92,35 @@ Layout layout_of(const TriangleMesh& mesh) {
   return {mesh.vertices.size(), mesh.triangles.size(), !mesh.normals.empty(), !mesh.colors.empty()};
 }
 
+Layout layout_of(const PointCloud& cloud) {
+  return {cloud.points.size(), std::nullopt, !cloud.normals.empty(), !cloud.colors.empty()};
+}
+
+/// Rows of one kind, to be formatted part by part.
+struct Section {
+  std::size_t count = 0;
+  std::function<std::string(const IndexRange&)> format;
+};
+
+Expected<void> write_sections(const std::filesystem::path& file, const std::string& header,
+                              const std::vector<Section>& sections) {
+  constexpr std::size_t kRows = 1 << 16;  // of a part: 2 MB
+  bool has_header = false;
+  std::size_t section = 0;
+  std::size_t row = 0;
+  return write_file_in_parts(file, [&] {
+    if (!std::exchange(has_header, true)) return header;
+    while (section < sections.size() && row == sections[section].count) {
+      ++section;
+      row = 0;
+    }
+    if (section == sections.size()) return std::string();
+    const IndexRange rows{row, std::min(row + kRows, sections[section].count)};
+    row = rows.end;
+    return sections[section].format(rows);
+  });
+}
+
 /// Parses a header; nullopt unless it is exactly one that format_ply writes.
 std::optional<Layout> parse_layout(const std::string& header) {
   Layout layout;
@@ -157,31 +188,27 @@ std::string format_ply(const TriangleMesh& mesh) {
 }
 
 std::string format_ply(const PointCloud& cloud) {
-  const Layout layout{cloud.points.size(), std::nullopt, !cloud.normals.empty(),
-                      !cloud.colors.empty()};
+  const Layout layout = layout_of(cloud);
   return layout.header() +
          vertex_rows(layout, cloud.points, cloud.normals, cloud.colors, {0, layout.vertices});
 }
 
 Expected<void> write_ply(const TriangleMesh& mesh, const std::filesystem::path& file) {
-  constexpr std::size_t kRows = 1 << 16;  // of a part: 2 MB
   const Layout layout = layout_of(mesh);
-  bool has_header = false;
-  std::size_t vertex = 0;
-  std::size_t triangle = 0;
-  const auto next_rows = [](std::size_t& next, std::size_t count) {
-    const IndexRange rows{next, std::min(next + kRows, count)};
-    next = rows.end;
-    return rows;
+  const auto vertices = [&](const IndexRange& rows) {
+    return vertex_rows(layout, mesh.vertices, mesh.normals, mesh.colors, rows);
   };
-  return write_file_in_parts(file, [&] {
-    if (!std::exchange(has_header, true)) return layout.header();
-    if (vertex < layout.vertices) {
-      return vertex_rows(layout, mesh.vertices, mesh.normals, mesh.colors,
-                         next_rows(vertex, layout.vertices));
-    }
-    return triangle_rows(mesh, next_rows(triangle, mesh.triangles.size()));
-  });
+  const auto triangles = [&](const IndexRange& rows) { return triangle_rows(mesh, rows); };
+  return write_sections(file, layout.header(),
+                        {{layout.vertices, vertices}, {mesh.triangles.size(), triangles}});
+}
+
+Expected<void> write_ply(const PointCloud& cloud, const std::filesystem::path& file) {
+  const Layout layout = layout_of(cloud);
+  const auto points = [&](const IndexRange& rows) {
+    return vertex_rows(layout, cloud.points, cloud.normals, cloud.colors, rows);
+  };
+  return write_sections(file, layout.header(), {{layout.vertices, points}});
 }
 
 Expected<TriangleMesh> read_ply(const std::filesystem::path& file) {

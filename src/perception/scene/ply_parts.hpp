@@ -9,7 +9,8 @@
 
 namespace pcavr {
 
-/// Writes the bytes of format_ply(mesh) in parts, so that they need not be in memory at once.
+/// Write the bytes of format_ply() in parts, so that they need not be in memory at once.
 [[nodiscard]] Expected<void> write_ply(const TriangleMesh& mesh, const std::filesystem::path& file);
+[[nodiscard]] Expected<void> write_ply(const PointCloud& cloud, const std::filesystem::path& file);
 
 }  // namespace pcavr

@@ -103,7 +103,6 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
   std::vector<File> files = {
       {kManifestFile, [&] { return format_scene_manifest(manifest_of(scene)); }},
       {kDisplayFile, [&] { return format_display(scene); }},
-      {kCloudFile, [&] { return format_ply(scene.cloud_base); }},
       {kCloudPcdFile, [&] { return format_pcd(scene.cloud_base); }},
       {kTrajectoryFile, [&] { return format_trajectory(scene.camera_trajectory); }},
       {kPreviewFile, [&] { return encode_color_png(render_preview(scene, parallelism)); }}};
@@ -129,6 +128,9 @@ Expected<void> write_scene(const Scene& scene, const fs::path& folder, Paralleli
     }
   }
   if (const auto written = write_ply(scene.mesh_base, folder / kMeshFile); !written) {
+    return written.error();
+  }
+  if (const auto written = write_ply(scene.cloud_base, folder / kCloudFile); !written) {
     return written.error();
   }
   return scene.occupancy.write(folder / kOccupancyFile);

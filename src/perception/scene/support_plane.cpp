@@ -20,23 +20,18 @@ namespace {
 /// Slope limit of vertex normals, wider due to mesh noise.
 const float kMinNormalUpward = std::cos(30.0F * static_cast<float>(M_PI) / 180.0F);
 using Points = std::vector<Eigen::Vector3d>;
-/// Of more vertices, as those of a hall, every second, third, ... is used.
-constexpr std::size_t kMaxVertices = 8'000'000;
+/// Of more vertices, as those of a hall, every second, third, ... grows a plane: so many at 5 mm
+/// are 25 m^2.
+constexpr std::size_t kMaxVertices = 1'000'000;
 
-/// Vertices with an upward normal.
-Points upward_points(const TriangleMesh& mesh) {
-  const TriangleMesh* with_normals = &mesh;
-  TriangleMesh copy;
-  if (mesh.normals.empty()) {
-    copy = mesh;
-    compute_vertex_normals(copy);
-    with_normals = &copy;
-  }
+/// Every `stride`-th vertex with an upward normal, of those for which `is_used`.
+template <typename IsUsed>
+Points upward_points(const TriangleMesh& mesh, std::size_t stride, const IsUsed& is_used) {
   Points points;
-  const std::size_t stride = 1 + mesh.vertices.size() / kMaxVertices;
-  for (std::size_t i = 0; i < with_normals->vertices.size(); i += stride) {
-    if (with_normals->normals[i].z() < kMinNormalUpward) continue;
-    points.push_back(with_normals->vertices[i].cast<double>());
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += stride) {
+    if (mesh.normals[i].z() < kMinNormalUpward) continue;
+    const Eigen::Vector3d point = mesh.vertices[i].cast<double>();
+    if (is_used(point)) points.push_back(point);
   }
   return points;
 }
@@ -139,14 +134,15 @@ std::optional<SupportPlane> grow_region(Plane plane, const Points& points,
   return support;
 }
 
-std::optional<SupportPlane> plane_below(const Points& points, const Footprint& footprint,
+/// Searched among all vertices near the body, and grown over `points`.
+std::optional<SupportPlane> plane_below(const TriangleMesh& mesh, const Points& points,
+                                        const Footprint& footprint,
                                         const SupportPlaneOptions& options) {
-  Points candidates;
-  for (const Eigen::Vector3d& point : points) {
-    if (std::abs(point.z() - footprint.lowest) > options.max_gap) continue;
-    if (footprint.box.exteriorDistance(point.head<2>().eval()) > options.search_margin) continue;
-    candidates.push_back(point);
-  }
+  const auto is_near = [&](const Eigen::Vector3d& point) {
+    return std::abs(point.z() - footprint.lowest) <= options.max_gap &&
+           footprint.box.exteriorDistance(point.head<2>().eval()) <= options.search_margin;
+  };
+  const Points candidates = upward_points(mesh, 1, is_near);
   const std::optional<Plane> seed =
       ransac_plane(candidates, options.max_inlier_distance, std::cos(options.max_slope));
   if (!seed) return std::nullopt;
@@ -165,7 +161,14 @@ bool stands_on(const SupportPlane& plane, const Footprint& footprint,
 std::vector<SupportPlane> find_support_planes(const TriangleMesh& mesh_base,
                                               const std::vector<SupportedBody>& bodies,
                                               const SupportPlaneOptions& options) {
-  const Points points = upward_points(mesh_base);
+  TriangleMesh with_normals;
+  if (mesh_base.normals.empty()) {
+    with_normals = mesh_base;
+    compute_vertex_normals(with_normals);
+  }
+  const TriangleMesh& mesh = mesh_base.normals.empty() ? with_normals : mesh_base;
+  const Points points = upward_points(mesh, 1 + mesh.vertices.size() / kMaxVertices,
+                                      [](const Eigen::Vector3d&) { return true; });
   std::vector<SupportPlane> planes;
   for (const SupportedBody& body : bodies) {
     PCAVR_REQUIRE(body.mesh_object != nullptr && !body.mesh_object->vertices.empty(), body.name);
@@ -174,7 +177,7 @@ std::vector<SupportPlane> find_support_planes(const TriangleMesh& mesh_base,
       return stands_on(plane, footprint, options);
     });
     if (found == planes.end()) {
-      std::optional<SupportPlane> plane = plane_below(points, footprint, options);
+      std::optional<SupportPlane> plane = plane_below(mesh, points, footprint, options);
       if (!plane) continue;
       found = planes.insert(planes.end(), std::move(*plane));
     }

@@ -6,8 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/base/geometry/depth_grid.hpp"
@@ -41,21 +44,20 @@ std::uint64_t cell_key(const Cell& cell) {
   return bits(cell.x()) << 42 | bits(cell.y()) << 21 | bits(cell.z());
 }
 
-/// The triangles that may be within `distance` of one of the points, in their order: a query of a
-/// whole hall would take more memory than all else.
-TriangleMesh part_near(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& points,
-                       double distance) {
-  const auto edge = static_cast<float>(distance);
-  const auto cell_of = [edge](const Eigen::Vector3f& p) -> Cell {
-    return (p / edge).array().floor().max(-1e6F).min(1e6F).cast<int>();
-  };
-  std::unordered_set<std::uint64_t> near;
-  for (const Eigen::Vector3f& p : points) {
-    const Cell cell = cell_of(p);
-    for (int i = 0; i < 27; ++i)
-      near.insert(cell_key(cell + Cell(i % 3, i / 3 % 3, i / 9) - Cell::Ones()));
+/// The cells of some points and those around them, of an edge of `distance`.
+class CellsAround {
+ public:
+  CellsAround(const std::vector<Eigen::Vector3f>& points, double distance)
+      : edge_(static_cast<float>(distance)) {
+    for (const Eigen::Vector3f& p : points) {
+      const Cell cell = cell_of(p);
+      for (int i = 0; i < 27; ++i)
+        near_.insert(cell_key(cell + Cell(i % 3, i / 3 % 3, i / 9) - Cell::Ones()));
+    }
   }
-  const auto is_near = [&](const std::array<std::uint32_t, 3>& t) {
+
+  /// Whether a triangle may be within the distance of one of the points.
+  [[nodiscard]] bool meet(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) const {
     Eigen::AlignedBox3f box(mesh.vertices[t[0]]);
     box.extend(mesh.vertices[t[1]]).extend(mesh.vertices[t[2]]);
     const Cell low = cell_of(box.min());
@@ -63,16 +65,74 @@ TriangleMesh part_near(const TriangleMesh& mesh, const std::vector<Eigen::Vector
     for (int x = low.x(); x <= high.x(); ++x) {
       for (int y = low.y(); y <= high.y(); ++y) {
         for (int z = low.z(); z <= high.z(); ++z) {
-          if (near.contains(cell_key({x, y, z}))) return true;
+          if (near_.contains(cell_key({x, y, z}))) return true;
         }
       }
     }
     return false;
+  }
+
+ private:
+  [[nodiscard]] Cell cell_of(const Eigen::Vector3f& p) const {
+    return (p / edge_).array().floor().max(-1e6F).min(1e6F).cast<int>();
+  }
+
+  float edge_;  ///< [m]
+  std::unordered_set<std::uint64_t> near_;
+};
+
+/// Of each point the nearest of the triangles that were added.
+class NearestOfPoints {
+ public:
+  NearestOfPoints(std::vector<Eigen::Vector3f> points, double max_distance)
+      : points_(std::move(points)),
+        max_distance_(static_cast<float>(max_distance)),
+        nearest_(points_.size()) {}
+
+  void add(TriangleMesh part) {
+    const SurfaceQuery surface(std::move(part));
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const auto found = surface.closest(points_[i], max_distance_);
+      if (!found) continue;
+      const float distance = (points_[i] - found->point).norm();
+      if (nearest_[i] && nearest_[i]->distance <= distance) continue;
+      nearest_[i] = {distance, std::abs(found->normal.dot(points_[i] - found->point))};
+    }
+  }
+
+  /// Median distance of the points from their nearest triangles, along these ones' normals [m].
+  [[nodiscard]] double median_distance() const {
+    std::vector<double> distances;
+    for (const auto& nearest : nearest_) {
+      if (nearest) distances.push_back(double{nearest->along_normal});
+    }
+    return median(std::move(distances));
+  }
+
+ private:
+  struct Nearest {
+    float distance;      ///< [m]
+    float along_normal;  ///< [m]
   };
+
+  std::vector<Eigen::Vector3f> points_;
+  float max_distance_;
+  std::vector<std::optional<Nearest>> nearest_;
+};
+
+/// Calls `use` with parts of the triangles that may be near the points, in their order: a query of
+/// a whole hall would take more memory than all else.
+void visit_parts_near(const TriangleMesh& mesh, const CellsAround& cells,
+                      const std::function<void(TriangleMesh)>& use) {
+  constexpr std::size_t kPartTriangles = 250'000;
   TriangleMesh part;
   std::unordered_map<std::uint32_t, std::uint32_t> number;  // of the part's vertices
+  const auto use_part = [&] {
+    use(std::exchange(part, {}));
+    number.clear();
+  };
   for (const auto& triangle : mesh.triangles) {
-    if (!is_near(triangle)) continue;
+    if (!cells.meet(mesh, triangle)) continue;
     auto& added = part.triangles.emplace_back(triangle);
     for (std::uint32_t& v : added) {
       const auto [found, is_new] =
@@ -80,8 +140,9 @@ TriangleMesh part_near(const TriangleMesh& mesh, const std::vector<Eigen::Vector
       if (is_new) part.vertices.push_back(mesh.vertices[v]);
       v = found->second;
     }
+    if (part.triangles.size() == kPartTriangles) use_part();
   }
-  return part;
+  if (!part.triangles.empty()) use_part();
 }
 
 /// Median distance of some frames' readings from the mesh that they were fused into, along its
@@ -97,13 +158,11 @@ double surface_distance(const Recording& recording, const Survey& survey, const 
     if (!frame) continue;
     collect_points(*frame, *recording.manifest.camera, frames[i].T_base_camera, points);
   }
-  const SurfaceQuery surface(part_near(scene.mesh_base, points, max_distance));
-  std::vector<double> distances;
-  for (const Eigen::Vector3f& point : points) {
-    const auto nearest = surface.closest(point, static_cast<float>(max_distance));
-    if (nearest) distances.push_back(std::abs(nearest->normal.dot(point - nearest->point)));
-  }
-  return median(distances);
+  const CellsAround cells(points, max_distance);
+  NearestOfPoints nearest(std::move(points), max_distance);
+  visit_parts_near(scene.mesh_base, cells,
+                   [&](TriangleMesh part) { nearest.add(std::move(part)); });
+  return nearest.median_distance();
 }
 
 }  // namespace

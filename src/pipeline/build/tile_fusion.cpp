@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include <fmt/core.h>
 
+#include "pcavr/base/core/freed_memory.hpp"
 #include "pcavr/base/core/output.hpp"
 #include "pcavr/base/geometry/depth_grid.hpp"
 #include "pcavr/perception/reconstruction/mesh_cleanup.hpp"
@@ -52,30 +54,52 @@ class TileGrid {
   }
 
  private:
-  /// Squares of the grid from above that cover the reach of all frames, each over all heights.
+  using Squares = std::set<std::pair<int, int>>;  ///< y, x
+
+  /// Squares of the grid from above that cover the reach of all frames, each over all heights. The
+  /// grid is where the fewest do: a frame is fused for each that it sees.
   void find_boxes() {
-    const double edge = side_ * block_;
-    const auto cell = [](double x, double size) { return static_cast<int>(std::floor(x / size)); };
-    // Of each frame alone: sites that are far apart have nothing between them.
-    std::set<std::pair<int, int>> squares;  // y, x
+    constexpr int kShifts = 8;  // of the grid, along each axis
+    std::vector<Eigen::AlignedBox3d> reaches;
     Eigen::AlignedBox3d all;
     for (const PlacedFrame& frame : frames_) {
       const Eigen::AlignedBox3d box = finder_.bounds(frame.reach);
       if (box.isEmpty()) continue;
       all.extend(box);
-      for (int y = cell(box.min().y(), edge); y <= cell(box.max().y(), edge); ++y) {
-        for (int x = cell(box.min().x(), edge); x <= cell(box.max().x(), edge); ++x) {
-          squares.emplace(y, x);
-        }
+      reaches.push_back(box);
+    }
+    if (reaches.empty()) return;
+    Squares squares;
+    Eigen::Vector2i shift = Eigen::Vector2i::Zero();  // [blocks]
+    for (int i = 0; i < kShifts * kShifts; ++i) {
+      const Eigen::Vector2i tried = Eigen::Vector2i(i % kShifts, i / kShifts) * side_ / kShifts;
+      Squares met = squares_of(reaches, tried);
+      if (!squares.empty() && met.size() >= squares.size()) continue;
+      squares = std::move(met);
+      shift = tried;
+    }
+    // One block more than the reach: the lowest one is not at the border of a tile.
+    const int low = static_cast<int>(std::floor(all.min().z() / block_)) - 1;
+    const int high = static_cast<int>(std::floor(all.max().z() / block_)) + 2;
+    for (const auto& [y, x] : squares) {
+      const int left = x * side_ + shift.x(), front = y * side_ + shift.y();
+      boxes_.push_back({{left, front, low}, {left + side_, front + side_, high}});
+    }
+  }
+
+  /// Those that the boxes meet, of each alone: sites that are far apart have nothing between them.
+  [[nodiscard]] Squares squares_of(const std::vector<Eigen::AlignedBox3d>& boxes,
+                                   const Eigen::Vector2i& shift) const {
+    const auto column = [&](const Eigen::Vector3d& p, int axis) {
+      return static_cast<int>(std::floor((p[axis] / block_ - shift[axis]) / side_));
+    };
+    Squares squares;
+    for (const Eigen::AlignedBox3d& box : boxes) {
+      for (int y = column(box.min(), 1); y <= column(box.max(), 1); ++y) {
+        for (int x = column(box.min(), 0); x <= column(box.max(), 0); ++x) squares.emplace(y, x);
       }
     }
-    if (squares.empty()) return;
-    // One block more than the reach: the lowest one is not at the border of a tile.
-    const int low = cell(all.min().z(), block_) - 1;
-    const int high = cell(all.max().z(), block_) + 2;
-    for (const auto& [y, x] : squares) {
-      boxes_.push_back({{x * side_, y * side_, low}, {(x + 1) * side_, (y + 1) * side_, high}});
-    }
+    return squares;
   }
 
   const std::vector<PlacedFrame>& frames_;
@@ -138,31 +162,35 @@ bool has_surface(const SurfaceTile& tile, double min_island) {
   return !mesh.triangles.empty();
 }
 
+/// The surface of a volume, which is freed: its blocks take more than what comes after.
+void extract(TsdfPart volume, const SurfaceEvidence& evidence, const BuildOptions& options,
+             FusedTile& tile, bool& has_agreed_surface) {
+  tile.surface = volume.extract_tile(evidence, options.parallelism);
+  if (has_agreed_surface) return;
+  tile.strict = volume.extract_tile({options.min_weight, options.min_weight}, options.parallelism);
+  has_agreed_surface = has_surface(*tile.strict, options.min_island);
+  if (has_agreed_surface) tile.strict.reset();
+}
+
+/// Tiles stay until all are fused, with what their arrays were grown to.
+void shrink(FusedTile& tile) {
+  const auto shrink_all = [](auto&... arrays) { (arrays.shrink_to_fit(), ...); };
+  TriangleMesh& mesh = tile.surface.mesh;
+  shrink_all(mesh.vertices, mesh.normals, mesh.colors, mesh.triangles, tile.surface.lent,
+             tile.surface.borrowed, tile.points.points, tile.points.normals, tile.points.colors);
+}
+
 TriangleMesh without_islands(std::vector<SurfaceTile> tiles, double min_island) {
   TriangleMesh mesh = joined(std::move(tiles));
   remove_small_components(mesh, min_island);
   return mesh;
 }
 
-template <typename Item>
-void take(std::vector<Item>& from, std::vector<Item>& to) {
-  to.insert(to.end(), from.begin(), from.end());
-  std::vector<Item>().swap(from);
-}
-
-PointCloud take_points(std::vector<FusedTile>& tiles) {
-  PointCloud all;
-  std::size_t count = 0;
-  for (const FusedTile& tile : tiles) count += tile.points.points.size();
-  all.points.reserve(count);
-  all.normals.reserve(count);
-  all.colors.reserve(count);
-  for (FusedTile& tile : tiles) {
-    take(tile.points.points, all.points);
-    take(tile.points.normals, all.normals);
-    take(tile.points.colors, all.colors);
-  }
-  return all;
+/// By tile: to be filtered one after the other, as all of them twice would be the peak of a build.
+std::vector<PointCloud> take_points(std::vector<FusedTile>& tiles) {
+  std::vector<PointCloud> points;
+  for (FusedTile& tile : tiles) points.push_back(std::exchange(tile.points, {}));
+  return points;
 }
 
 }  // namespace
@@ -233,21 +261,17 @@ Expected<bool> fuse_part(const TileFrames& frames, const TilePart& part, const R
     observer.on_progress("fusing tiles", i, count);
     const std::vector<bool> sees = grid.seeing(tile);
     if (std::find(sees.begin(), sees.end(), true) == sees.end()) continue;
+    return_freed_memory();  // of the tile before
     SurfaceFusion fusion(options, tile);
     const Expected<void> done = fuse_frames(frames, sees, recording, options, fusion);
     if (!done) return done.error();
-    FusedTile one{.number = i,
-                  .surface = fusion.volume.extract_tile(evidence, options.parallelism)};
+    FusedTile one{.number = i};
+    extract(std::move(fusion.volume), evidence, options, one, has_agreed_surface);
     if (one.surface.mesh.vertices.empty() && one.surface.mesh.triangles.empty()) continue;
-    if (!has_agreed_surface) {
-      one.strict =
-          fusion.volume.extract_tile({options.min_weight, options.min_weight}, options.parallelism);
-      has_agreed_surface = has_surface(*one.strict, options.min_island);
-      if (has_agreed_surface) one.strict.reset();
-    }
     // With the points next to the tile, so that those at its border are no outliers.
     one.points =
         points_in(fusion.points_on(one.surface.mesh, evidence), tile, options.fusion.voxel_size);
+    shrink(one);
     const Expected<void> used = use(std::move(one));
     if (!used) return used.error();
   }
@@ -282,7 +306,8 @@ Expected<void> repeat_frames(const TileFrames& frames, const Recording& recordin
   }
 }
 
-std::pair<TriangleMesh, PointCloud> merge_tiles(FusedTiles fused, const BuildOptions& options) {
+std::pair<TriangleMesh, std::vector<PointCloud>> merge_tiles(FusedTiles fused,
+                                                             const BuildOptions& options) {
   std::sort(fused.tiles.begin(), fused.tiles.end(),
             [](const FusedTile& a, const FusedTile& b) { return a.number < b.number; });
   if (!fused.has_agreed_surface) {
@@ -293,7 +318,7 @@ std::pair<TriangleMesh, PointCloud> merge_tiles(FusedTiles fused, const BuildOpt
     TriangleMesh agreed = without_islands(std::move(strict), options.min_island);
     if (agreed.triangles.empty()) return {std::move(agreed), {}};
   }
-  PointCloud points = take_points(fused.tiles);
+  std::vector<PointCloud> points = take_points(fused.tiles);
   std::vector<SurfaceTile> tiles;
   for (FusedTile& tile : fused.tiles) tiles.push_back(std::move(tile.surface));
   return {without_islands(std::move(tiles), options.min_island), std::move(points)};

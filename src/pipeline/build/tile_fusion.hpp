@@ -40,7 +40,8 @@ struct TileFrames {
   std::vector<PlacedFrame> frames = {};
 };
 
-/// The SHA-256 of a recording's frames: their files' names and stamps.
+/// The SHA-256 of what a survey depends on: manifest, stated poses, meshes, and the names and
+/// stamps of the frames, not their pixels.
 [[nodiscard]] std::string recording_digest(const Recording& recording);
 
 /// Collects them.
@@ -92,10 +93,10 @@ struct FusedTiles {
                                            const BuildOptions& options, const Observer& observer,
                                            const std::function<void(const FollowedFrame&)>& use);
 
-/// The surface of all tiles without islands, which are taken, and their points. Empty where no
-/// frames agree on a surface.
-[[nodiscard]] std::pair<TriangleMesh, PointCloud> merge_tiles(FusedTiles fused,
-                                                              const BuildOptions& options);
+/// The surface of all tiles without islands, which are taken, and their points by tile. Empty where
+/// no frames agree on a surface.
+[[nodiscard]] std::pair<TriangleMesh, std::vector<PointCloud>> merge_tiles(
+    FusedTiles fused, const BuildOptions& options);
 
 /// The edge of a tile in blocks of the volume.
 [[nodiscard]] int tile_blocks(double tile_size, const BuildOptions& options);

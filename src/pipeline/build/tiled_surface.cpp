@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <utility>
 
+#include "pcavr/base/core/freed_memory.hpp"
 #include "pcavr/base/model/mesh_simplification.hpp"
 #include "pcavr/perception/reconstruction/measured_cloud.hpp"
 
@@ -26,21 +27,24 @@ class TiledSurface : public SurfaceBuilder {
   Expected<TriangleMesh> mesh(const SurfaceEvidence&, const Observer& observer) override {
     Expected<FusedTiles> fused = take_tiles(observer);
     if (!fused) return fused.error();
-    auto [mesh_base, cloud_base] = merge_tiles(*std::move(fused), options_);
-    cloud_ = std::move(cloud_base);
+    return_freed_memory();
+    auto [mesh_base, points_base] = merge_tiles(*std::move(fused), options_);
+    points_base_ = std::move(points_base);
     return std::move(mesh_base);
   }
 
   PointCloud cloud(const TriangleMesh& mesh_base, const SurfaceEvidence&) override {
-    return points_near(std::exchange(cloud_, {}), mesh_base, max_mesh_distance(options_));
+    return points_near(std::exchange(points_base_, {}), mesh_base, max_mesh_distance(options_));
   }
 
   [[nodiscard]] std::vector<TriangleMesh> levels_of_detail(
       const TriangleMesh& mesh_base) const override {
+    return_freed_memory();
     std::vector<TriangleMesh> levels{simplified_in_parts(
         mesh_base, kLevelOfDetailTriangles[0],
         options_.level_of_detail_error * options_.fusion.voxel_size, tile_edge_)};
     add_coarser_levels(options_, levels);
+    return_freed_memory();
     return levels;
   }
 
@@ -48,8 +52,8 @@ class TiledSurface : public SurfaceBuilder {
   [[nodiscard]] virtual Expected<FusedTiles> take_tiles(const Observer& observer) = 0;
 
   const BuildOptions& options_;
-  double tile_edge_;  ///< [m]
-  PointCloud cloud_;
+  double tile_edge_;                     ///< [m]
+  std::vector<PointCloud> points_base_;  ///< by tile
 };
 
 /// Fuses the tiles of the frames that are added.

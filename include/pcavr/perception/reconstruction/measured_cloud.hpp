@@ -59,5 +59,8 @@ class MeasuredCloud {
 /// removed from the mesh, such as moving ones, are so removed from the cloud.
 [[nodiscard]] PointCloud points_near(const PointCloud& cloud, const TriangleMesh& mesh,
                                      double max_distance);
+/// The same of all parts of a cloud, each of which is freed before the next one is looked at.
+[[nodiscard]] PointCloud points_near(std::vector<PointCloud>&& parts, const TriangleMesh& mesh,
+                                     double max_distance);
 
 }  // namespace pcavr
