@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
 // Bullet (Debian libbullet-dev): bullet_engine JOBS
-// options: iterations of the solver; compliant: the tip's contact has the identified stiffness;
-// feet_friction: each foot has its own coefficient, by a contact callback (a body has one). A body
-// with a law has friction by slip speed.
+// options: iterations of the solver; two_directions: friction also across the slip, without which a
+// tip that does not slip has hardly any; plane: the support is its upper side alone; compliant: the
+// tip's contact has the identified stiffness; feet_friction: each foot has its own coefficient, set
+// in its contacts (a body has one). A body with a law has friction by slip speed.
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,23 +27,21 @@ btQuaternion quaternion(const Json& q) {
   return {scalar(q[0]), scalar(q[1]), scalar(q[2]), scalar(q[3])};
 }
 
-/// Coefficients of the shapes of the body, by their index: of feet they differ.
-std::vector<double>* child_friction = nullptr;
-/// Of feet, the coefficient at the present slip over the exported one.
-double feet_share = 1.0;
+constexpr int kSupport = 0, kBody = 1, kTool = 2;
 
-bool set_friction(btManifoldPoint& point, const btCollisionObjectWrapper* first, int,
-                  int first_index, const btCollisionObjectWrapper* second, int, int second_index) {
-  const bool is_first = first->getCollisionObject()->getUserIndex() == 1;
-  const auto* other = is_first ? second : first;
-  const int index = is_first ? first_index : second_index;
-  if (child_friction == nullptr || index < 0 || other->getCollisionObject()->getUserIndex() != 0) {
-    return false;
+/// A world that calls a function between collision and solver. Contacts last for many steps: a
+/// contact callback would set the friction of their beginning.
+class World : public btDiscreteDynamicsWorld {
+ public:
+  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+  std::function<void()> before_solver = [] {};
+
+ protected:
+  void solveConstraints(btContactSolverInfo& info) override {
+    before_solver();
+    btDiscreteDynamicsWorld::solveConstraints(info);
   }
-  const double share = index == 0 ? 1.0 : feet_share;  // 0 is the body's own surface
-  point.m_combinedFriction = scalar(share * (*child_friction)[static_cast<std::size_t>(index)]);
-  return true;
-}
+};
 
 class BulletEngine : public Engine {
  public:
@@ -52,15 +52,23 @@ class BulletEngine : public Engine {
     world_.setGravity(bullet(vector_of(world["gravity"])));
     world_.getDispatchInfo().m_enableSatConvex = true;  // else a face meets another at one point
     world_.getSolverInfo().m_numIterations = options.value("iterations", 10);
-    for (const Json& support : world["supports"]) add_support(support, world);
+    if (options.value("two_directions", false)) {
+      world_.getSolverInfo().m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+    }
+    if (options.value("feet_friction", false))
+      world_.before_solver = [this] { set_feet_friction(); };
+    for (const Json& support : world["supports"]) {
+      if (options.value("plane", false)) {
+        add_plane(support, world);
+      } else {
+        add_support(support, world);
+      }
+    }
     add_body(world["body"], options);
     add_tool(world, options);
   }
 
-  void step() override {
-    feet_share = law_.share(state());
-    world_.stepSimulation(scalar(dt_), 0);
-  }
+  void step() override { world_.stepSimulation(scalar(dt_), 0); }
 
   void set_tool(const Vector& position, const Vector& velocity) override {
     tool_->setWorldTransform(btTransform(btQuaternion::getIdentity(), bullet(position)));
@@ -94,7 +102,6 @@ class BulletEngine : public Engine {
   }
 
   ~BulletEngine() override {
-    child_friction = nullptr;
     for (const auto& object : objects_) world_.removeRigidBody(object.get());
   }
   BulletEngine(const BulletEngine&) = delete;
@@ -127,7 +134,35 @@ class BulletEngine : public Engine {
     add(0.0, box, {0, 0, 0},
         btTransform(quaternion(support["quaternion"]), bullet(vector_of(support["position"]))),
         world["bullet_support_friction"])
-        ->setUserIndex(0);
+        ->setUserIndex(kSupport);
+  }
+
+  /// Spheres meet a box with an error of position that makes their forces vary by a tenth.
+  void add_plane(const Json& support, const Json& world) {
+    const btVector3 normal = quatRotate(quaternion(support["quaternion"]), {0, 0, 1});
+    const btScalar half = scalar(support["size"][2].get<double>() / 2.0);
+    const btScalar offset = normal.dot(bullet(vector_of(support["position"]))) + half;
+    add(0.0, shape<btStaticPlaneShape>(normal, offset), {0, 0, 0}, btTransform::getIdentity(),
+        world["bullet_support_friction"])
+        ->setUserIndex(kSupport);
+  }
+
+  /// The friction of the contacts of the body's shapes with the support.
+  void set_feet_friction() {
+    const double share = law_.share(state());
+    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+      btPersistentManifold* manifold = dispatcher_.getManifoldByIndexInternal(i);
+      const int first = manifold->getBody0()->getUserIndex();
+      if (first + manifold->getBody1()->getUserIndex() != kSupport + kBody) continue;
+      for (int k = 0; k < manifold->getNumContacts(); ++k) {
+        btManifoldPoint& point = manifold->getContactPoint(k);
+        const int shape = first == kBody ? point.m_index0 : point.m_index1;
+        if (shape < 0) continue;
+        const double of_shape = friction_[static_cast<std::size_t>(shape)];
+        // Shape 0 is the body's own surface.
+        point.m_combinedFriction = scalar((shape == 0 ? 1.0 : share) * of_shape);
+      }
+    }
   }
 
   /// Bullet's bodies have their centre of mass at the origin, along their principal axes.
@@ -152,13 +187,7 @@ class BulletEngine : public Engine {
     const btTransform pose(quaternion(body["quaternion"]), bullet(vector_of(body["position"])));
     body_ = add(body["mass"], parts, bullet(vector_of(body["inertia"])), pose * T_body_frame_,
                 body["bullet_friction"]);
-    body_->setUserIndex(1);
-    if (options.value("feet_friction", false)) {
-      child_friction = &friction_;
-      gContactAddedCallback = &set_friction;
-      body_->setCollisionFlags(body_->getCollisionFlags() |
-                               btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
-    }
+    body_->setUserIndex(kBody);
   }
 
   void add_tool(const Json& world, const Json& options) {
@@ -167,7 +196,7 @@ class BulletEngine : public Engine {
             btVector3(1, 1, 1) * scalar(kToolMass),
             btTransform(btQuaternion::getIdentity(), bullet(kAway)), world["bullet_tip_friction"]);
     tool_->setGravity({0, 0, 0});
-    tool_->setUserIndex(2);
+    tool_->setUserIndex(kTool);
     // The other side has none, which counts as stiff.
     if (options.value("compliant", false)) {
       tool_->setContactStiffnessAndDamping(world["body"]["stiffness"], world["body"]["damping"]);
@@ -180,7 +209,7 @@ class BulletEngine : public Engine {
   btCollisionDispatcher dispatcher_{&configuration_};
   btDbvtBroadphase broadphase_;
   btSequentialImpulseConstraintSolver solver_;
-  btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  World world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btRigidBody>> objects_;
   std::vector<double> friction_;

@@ -4,13 +4,14 @@
 """What do engines make of an exported world, on pushes that gave none of its numbers, and on a body alone?
 
     bench/engines/engines.py --data DATA/plants --pcavr build/test/apps/pcavr/pcavr
-                             [--engines mujoco,physx,rapier,bullet,ode,dart] [--only REGEX] [--tests N]
+                             [--engines mujoco,physx,rapier,bullet,ode,dart | none] [--only REGEX] [--tests N]
                              [--experiments push driven ...] [--settings export ...]
                              [--work out/engine-table] [--json FILE]
 
 Below DATA as for pushes.py. Parameters are identified, each test is built and exported, and each
 engine simulates with each setting: the recorded pushes, and for the first test of an object its body
-alone: turned, let slide, pulled by a growing force and by half of the limiting one, pressed. Printed
+alone: turned, let slide, pulled by a growing force and by half of the limiting one, pressed. Rows of
+the engine "none" have what the identified friction alone gives, which bounds what an engine can. Printed
 as a table of Markdown: medians of the figures' absolute values. Needs python3, node, npm, a C++
 compiler, and Debian's libbullet-dev, libode-dev, libdart-dev, libdart-collision-ode-dev and
 nlohmann-json3-dev; docs/engines.md has what the settings are.
@@ -31,18 +32,23 @@ from command import recordings_parser, run  # noqa: E402
 from driven import DrivenBody, rows_by_law  # noqa: E402
 from experiments import FIGURES, MIN_SAMPLES, RecordedPush, canonical, push_experiment  # noqa: E402
 from pushes import Bench, cases_in  # noqa: E402
+from quasi_static import LimitSurface, ellipsoid, identified_surface, quasi_static_rows, surface_error  # noqa: E402
 from sdf_world import BEST, DEFAULTS, EXPORT, MU_ALONE, read_world, with_setting  # noqa: E402
 
-LAW_ALONE = ("none", "identified law")  # what an engine with exactly this friction would give
+# What an engine with exactly the identified friction would give: driven, pushed, and with the measured contact.
+LAW_ALONE = ("none", "identified law")
+SURFACE_ALONE = ("none", "limit surface")
+MEASURED_CONTACT = ("none", "limit surface, measured contact")
 EXPERIMENTS = ["push", "driven", *FIGURES]
 SETTINGS = [DEFAULTS, MU_ALONE, EXPORT, BEST]
 # Options of an engine's program by setting; none: its library's defaults.
 GAZEBO = {"quick": True, "iterations": 50}
+BULLET = {"iterations": 50, "two_directions": True, "plane": True}
 OPTIONS = {
     "physx": {DEFAULTS: {"solver": "pgs"}, MU_ALONE: {"solver": "pgs"}, EXPORT: {"solver": "tgs"},
               BEST: {"solver": "tgs", "positionIterations": 16, "velocityIterations": 4}},
     "rapier": {BEST: {"iterations": 16}},
-    "bullet": {BEST: {"iterations": 50, "compliant": True, "feet_friction": True}},
+    "bullet": {EXPORT: BULLET, BEST: {**BULLET, "compliant": True, "feet_friction": True}},
     "ode": {DEFAULTS: GAZEBO, MU_ALONE: GAZEBO, EXPORT: {**GAZEBO, "compliant": True},
             BEST: {"compliant": True, "along": True}},
     "dart": {BEST: {"along": True}},
@@ -56,25 +62,38 @@ COLUMNS = [("force", 100.0, "force"), ("waveform", 100.0, "waveform"), ("end", 1
            ("driven", 100.0, "driven"), ("creep", 1.0, "creep"), ("press", 100.0, "N/m")]
 
 
+def compiled(name, work):
+    """The program of an engine in C++, built in a folder where it is not newer than its sources."""
+    binary = work / f"{name}_engine"
+    sources = [HERE / f"{name}_engine.cpp", HERE / "experiment.hpp", pathlib.Path(__file__)]
+    if not binary.exists() or binary.stat().st_mtime < max(each.stat().st_mtime for each in sources):
+        flags = subprocess.run(["pkg-config", "--cflags", "--libs", name], check=True, capture_output=True,
+                               text=True).stdout.split()
+        subprocess.run(["c++", "-std=c++20", "-O2", sources[0], "-o", binary, *flags, *FLAGS.get(name, [])],
+                       check=True)
+    return binary
+
+
+def answers_of(program, jobs, file):
+    """Rows by the jobs' ids."""
+    file.write_text("".join(json.dumps(job) + "\n" for job in jobs))
+    done = subprocess.run([*program, file], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{program}: {done.stderr.strip()[-300:]}")
+    answers = (json.loads(line) for line in done.stdout.splitlines() if line.startswith("{"))
+    return {tuple(answer["id"]): answer["rows"] for answer in answers}
+
+
 class Engines(Bench):
     """The engines' programs, and the jobs that they are given."""
 
     def __init__(self, arguments):
         super().__init__(arguments)
-        self.programs = {name: self.program(name) for name in arguments.engines.split(",")}
+        self.programs = {name: self.program(name) for name in arguments.engines.split(",") if name != "none"}
 
     def program(self, name):
         script = HERE / f"{name}_engine.mjs"
-        if script.exists():
-            return ["node", script, self.tools]
-        binary = self.arguments.work / f"{name}_engine"
-        sources = [HERE / f"{name}_engine.cpp", HERE / "experiment.hpp", pathlib.Path(__file__)]
-        if not binary.exists() or binary.stat().st_mtime < max(each.stat().st_mtime for each in sources):
-            flags = subprocess.run(["pkg-config", "--cflags", "--libs", name], check=True, capture_output=True,
-                                   text=True).stdout.split()
-            subprocess.run(["c++", "-std=c++20", "-O2", sources[0], "-o", binary, *flags, *FLAGS.get(name, [])],
-                           check=True)
-        return [binary]
+        return ["node", script, self.tools] if script.exists() else [compiled(name, self.arguments.work)]
 
     def worlds(self, test, parameters, work):
         """The folders of a test's world as MJCF and SDF."""
@@ -85,16 +104,7 @@ class Engines(Bench):
             "--motion", test, "-o", sdf)
         return mjcf, sdf
 
-    def simulate(self, engine, jobs, file):
-        """Rows by the jobs' ids."""
-        file.write_text("".join(json.dumps(job) + "\n" for job in jobs))
-        done = subprocess.run([*self.programs[engine], file], capture_output=True, text=True)
-        if done.returncode != 0:
-            raise RuntimeError(f"{engine}: {done.stderr.strip()[-300:]}")
-        answers = (json.loads(line) for line in done.stdout.splitlines() if line.startswith("{"))
-        return {tuple(answer["id"]): answer["rows"] for answer in answers}
-
-    def judge_test(self, test, folders, has_canonical, work):
+    def judge_test(self, test, folders, parameters, has_canonical, work):
         """Figures of a test by engine and setting."""
         mjcf, sdf = folders
         world, manifest = read_world(sdf)
@@ -105,10 +115,14 @@ class Engines(Bench):
         if has_canonical:
             experiments.update(canonical(world, manifest))
         experiments = {name: what for name, what in experiments.items() if name in self.arguments.experiments}
-        found = {}
+        found, known = {}, manifest["bodies"][0]
         if "driven" in experiments:
-            rows = rows_by_law(experiments["driven"], world, manifest["bodies"][0])
+            rows = rows_by_law(experiments["driven"], world, known)
             found[LAW_ALONE] = {"driven": push.slid_error(rows)}
+        if "push" in experiments:
+            surface = LimitSurface(*(identified_surface(parameters) or ellipsoid(known)), known, world["body"])
+            found[SURFACE_ALONE] = push.figures(quasi_static_rows(experiments["push"], world, surface))
+            found[MEASURED_CONTACT] = {"force": surface_error(push, world, surface)}
         for engine in self.programs:
             jobs = []
             for setting in self.arguments.settings:
@@ -117,7 +131,7 @@ class Engines(Bench):
                 for name, what in experiments.items():
                     jobs.append({"id": [setting, name], "options": options, "experiment": what,
                                  "world": with_setting(world, manifest, setting)})
-            for (setting, name), rows in self.simulate(engine, jobs, work / "jobs.jsonl").items():
+            for (setting, name), rows in answers_of(self.programs[engine], jobs, work / "jobs.jsonl").items():
                 figures = found.setdefault((engine, setting), {})
                 if name == "push":
                     figures.update(push.figures(rows))
@@ -147,7 +161,7 @@ def collect(engines, arguments):
         for index, test in enumerate(tests[:arguments.tests]):
             try:
                 folders = engines.worlds(test, parameters, work / test.name)
-                found = engines.judge_test(test, folders, index == 0, work)
+                found = engines.judge_test(test, folders, parameters, index == 0, work)
             except (RuntimeError, statistics.StatisticsError) as error:
                 print(f"left out: {name}/{test.name}: {error}", file=sys.stderr)
                 continue
