@@ -48,6 +48,24 @@ TEST(ExportedWorld, StandsOnFeetThatTouchTheSupport) {
   }
 }
 
+TEST(ExportedWorld, StandsOnItsFeetWhereTheContactHasItsSurfaceLowerThanItsCad) {
+  const ExportedBox box;
+  ObjectParameters known = identified_box();
+  known.contact_surface_offset = Eigen::Vector3d(0.0, 0.0, -9e-5);
+  const auto world = box.world({{"box", known}});
+  ASSERT_TRUE(world) << world.error().to_string();
+  const ExportedBody& body = world->bodies.front();
+  const ExportedSupport& support = world->supports.front();
+  const double top = support.T_base_box.translation().z() + support.size.z() / 2.0;
+  for (const Eigen::Vector3f& vertex : body.mesh_object.vertices) {
+    const Eigen::Vector3d p = vertex.cast<double>() + body.surface_offset_object;
+    EXPECT_GT((body.T_base_object * p).z(), top + 0.9e-4);
+  }
+  for (const SupportFoot& foot : body.feet) {
+    EXPECT_NEAR((body.T_base_object * foot.centre_object).z() - foot.radius, top, 1e-9);
+  }
+}
+
 TEST(ExportedWorld, HasTheFrictionOfTheReferenceSpeed) {
   const ExportedBox box;
   const auto world = box.world({{"box", identified_box()}}, {.speed = 0.1});

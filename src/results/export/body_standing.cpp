@@ -24,16 +24,16 @@ LimitSurface shape_of(const BodyPhysics& physics) {
                                : ellipsoid_surface(1.0, physics.friction_radius);
 }
 
-double lowest_distance(const ExportedBody& body, const Plane& plane_base) {
+}  // namespace
+
+double lowest_height(const ExportedBody& body, const Eigen::Vector3d& up_base) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3f& vertex : body.mesh_object.vertices) {
-    lowest =
-        std::min(lowest, plane_base.signed_distance(body.T_base_object * vertex.cast<double>()));
+    const Eigen::Vector3d point_object = vertex.cast<double>() + body.surface_offset_object;
+    lowest = std::min(lowest, up_base.dot(body.T_base_object * point_object));
   }
   return lowest;
 }
-
-}  // namespace
 
 LoweredSupport support_box_of(const SupportPlane& plane, const std::vector<ExportedBody>& bodies) {
   double lowered = 0.0;
@@ -41,7 +41,9 @@ LoweredSupport support_box_of(const SupportPlane& plane, const std::vector<Expor
     const auto& names = plane.objects;
     if (!body.is_movable || std::find(names.begin(), names.end(), body.name) == names.end())
       continue;
-    lowered = std::max(lowered, kFootProtrusion - lowest_distance(body, plane.plane_base));
+    const Plane& plane_base = plane.plane_base;
+    const double distance = lowest_height(body, plane_base.normal) - plane_base.offset;
+    lowered = std::max(lowered, kFootProtrusion - distance);
   }
   const Eigen::Vector3d normal = plane.plane_base.normal;
   const Eigen::Quaterniond rotation =

@@ -15,6 +15,9 @@ namespace pcavr::detail {
 /// support only where it tips by more.
 inline constexpr double kFootProtrusion = 1e-4;
 
+/// [m] Of the body's lowest point, its surface where the contact has it, along a unit vector.
+[[nodiscard]] double lowest_height(const ExportedBody& body, const Eigen::Vector3d& up_base);
+
 /// A support plane as a box that all bodies on it stand on: a body's lowest point is at least
 /// kFootProtrusion over it. The box is lowered by what the scan lies higher than that [m].
 struct LoweredSupport {

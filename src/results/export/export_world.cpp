@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 #include <fmt/core.h>
 
@@ -188,10 +187,7 @@ Plane standing_plane(const SceneManifest& scene, const std::vector<double>& lowe
     return plane;
   }
   warnings.push_back(body.name + ": stands on no support plane of the scene");
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3f& vertex : body.mesh_object.vertices) {
-    lowest = std::min(lowest, scene.up_base.dot(body.T_base_object * vertex.cast<double>()));
-  }
+  const double lowest = detail::lowest_height(body, scene.up_base);
   return {.normal = scene.up_base, .offset = lowest - detail::kFootProtrusion};
 }
 
