@@ -76,6 +76,10 @@ nlohmann::ordered_json clock_json(const ClockOffset& clock) {
     json["drift_std"] = clock.drift_std;
     json["middle"] = clock.middle;
   }
+  if (clock.step) {
+    json["step"] = {
+        {"at", clock.step->at}, {"size", clock.step->size}, {"size_std", clock.step->std}};
+  }
   json["explained"] = clock.explained;
   return json;
 }
@@ -86,6 +90,11 @@ std::string clock_line(const ClockOffset& clock) {
   if (clock.drift) {
     const UncertainText drift = uncertain(1e6 * *clock.drift, 1e6 * clock.drift_std);
     text += fmt::format(", drift {} +- {} ppm", drift.value, drift.std);
+  }
+  if (clock.step) {
+    const UncertainText size = uncertain(1e3 * clock.step->size, 1e3 * clock.step->std);
+    text += fmt::format(", and {} +- {} ms more from t = {:.2f} s of b on", size.value, size.std,
+                        clock.step->at);
   }
   return text + fmt::format("; the common motion of {:.0f} s explains {:.0f} %\n", clock.overlap,
                             100.0 * clock.explained);

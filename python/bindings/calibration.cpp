@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -178,6 +179,14 @@ void bind_clocks(py::module_& module) {
       .def_readonly("drift", &ClockOffset::drift,
                     "Seconds a second of b's clock against a's; None: too short to show it.")
       .def_readonly("drift_std", &ClockOffset::drift_std, "Of the drift.")
+      .def_property_readonly(
+          "step",
+          [](const ClockOffset& clock) -> std::optional<std::tuple<double, double, double>> {
+            if (!clock.step) return std::nullopt;
+            return std::tuple(clock.step->at, clock.step->size, clock.step->std);
+          },
+          "b's time [s] from which on the offset is larger, by what [s], and the std of that;\n"
+          "None: no clock was set.")
       .def_readonly("explained", &ClockOffset::explained, "Part of a's motion that b's explains.")
       .def_readonly("overlap", &ClockOffset::overlap, "[s] in which both move.")
       .def_readonly("is_observable", &ClockOffset::is_observable,

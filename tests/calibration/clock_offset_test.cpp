@@ -91,6 +91,75 @@ TEST(ClockOffset, IsNotShiftedByTheRowsPhases) {
   }
 }
 
+/// Rows of a clock that is set by `size` [s] at `at`: later stamps are earlier where it is
+/// positive.
+std::vector<TimedPose> with_step(std::vector<TimedPose> rows, double at, double size) {
+  for (TimedPose& row : rows) {
+    if (row.stamp.seconds() >= at) row.stamp = row.stamp + duration_from_seconds(-size);
+  }
+  return rows;
+}
+
+TEST(ClockStep, IsFoundWithItsInstantAndSize) {
+  const SharedMotion motion(11);
+  const PoseStream a = clean_stream("a", motion.seen_by_a(40.0, 50.0, 1e-3, Random(1)));
+  for (const double size : {0.3, -0.3, 0.05, -0.02}) {
+    for (const double at : {8.0, 21.0, 33.0}) {
+      const std::vector<TimedPose> rows =
+          with_step(motion.seen_by_b(40.0, 30.0, 1e-3, 0.08, 0.0, Random(2)), at, size);
+      const ClockOffset found = estimate_clock_offset(a, clean_stream("b", rows));
+      ASSERT_TRUE(found.is_observable) << found.reason;
+      ASSERT_TRUE(found.step) << size << " s at " << at;
+      EXPECT_NEAR(found.step->size, size, 4e-3);
+      EXPECT_NEAR(found.step->at, at, 0.35);
+      EXPECT_NEAR(found.corrected(2.0), 2.08, 4e-3);
+    }
+  }
+}
+
+TEST(ClockStep, IsNotFoundWhereAClockDriftsOrTheMotionIsNoisy) {
+  for (int run = 0; run < 25; ++run) {
+    const auto seed = static_cast<std::uint64_t>(run);
+    const SharedMotion motion(300 + seed);
+    Random random(seed);
+    const double drift = run % 2 == 0 ? 0.0 : 1e-3;
+    const double duration = random.uniform(20.0, 60.0);
+    const PoseStream a = clean_stream("a", motion.seen_by_a(duration, 50.0, 3e-3, random.fork(1)));
+    const PoseStream b =
+        clean_stream("b", motion.seen_by_b(duration, 30.0, 3e-3, 0.1, drift, random.fork(2)));
+    const ClockOffset found = estimate_clock_offset(a, b);
+    EXPECT_FALSE(found.step) << run << ": " << found.step->size << " +- " << found.step->std;
+  }
+}
+
+TEST(ClockStep, StatesAStdThatHolds) {
+  int within = 0, found_steps = 0;
+  constexpr int kRuns = 50;
+  double largest = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    const auto seed = static_cast<std::uint64_t>(run);
+    const SharedMotion motion(400 + seed);
+    Random random(seed);
+    const double size = random.uniform(0.04, 0.3) * (run % 2 == 0 ? 1.0 : -1.0);
+    const double duration = random.uniform(25.0, 60.0), at = duration * random.uniform(0.2, 0.8);
+    const PoseStream a = clean_stream("a", motion.seen_by_a(duration, 50.0, 3e-3, random.fork(1)));
+    const std::vector<TimedPose> rows =
+        with_step(motion.seen_by_b(duration, 30.0, 3e-3, -0.12, 0.0, random.fork(2)), at, size);
+    const ClockOffset found = estimate_clock_offset(a, clean_stream("b", rows));
+    if (!found.step) continue;
+    ++found_steps;
+    const double error = std::abs(found.step->size - size);
+    within += error < found.step->std ? 1 : 0;
+    largest = std::max(largest, error / found.step->std);
+  }
+  std::printf("  %d of %d found; within one std: %.0f %%, largest error %.2f std\n", found_steps,
+              kRuns, 100.0 * within / found_steps, largest);
+  EXPECT_GE(found_steps, kRuns - 3);
+  EXPECT_GE(100.0 * within / found_steps, 55.0);
+  EXPECT_LE(100.0 * within / found_steps, 82.0);
+  EXPECT_LT(largest, 5.0);
+}
+
 TEST(CleanStream, NamesRowsOutOfOrderRepeatedAndWildOnes) {
   const SharedMotion motion(8);
   std::vector<TimedPose> rows = motion.seen_by_a(10.0, 50.0, 1e-4, Random(1));
@@ -136,6 +205,7 @@ TEST(RealStreams, ShowShiftsThatWerePutInAndNoneBetweenTheirHalves) {
     std::printf("  %s: %.2f +- %.2f ms, explained %.2f, drift %.1f +- %.1f ppm\n", streams.a,
                 1e3 * given.offset, 1e3 * given.std, given.explained,
                 1e6 * given.drift.value_or(0.0), 1e6 * given.drift_std);
+    EXPECT_FALSE(given.step) << 1e3 * given.step->size << " ms";
     for (const double shift : {0.001, 0.0137, 0.3}) {
       std::vector<TimedPose> late = b;
       for (TimedPose& row : late) row.stamp = row.stamp + duration_from_seconds(shift);

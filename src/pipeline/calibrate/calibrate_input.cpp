@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -35,6 +36,17 @@ Error no_stamps(const PoseList& list) {
           .hint = "give a table with a column of times, such as t, x, y, z, qx, qy, qz, qw"};
 }
 
+std::string step_note(const ComparedClocks& found) {
+  const ClockStep& step = *found.clock.step;
+  return fmt::format(
+      "the clocks step against each other by {:.1f} +- {:.1f} ms at t = {} s of {}: the clock of "
+      "{} "
+      "was set back then, or that of {} ahead",
+      1e3 * std::abs(step.size), 1e3 * step.std, format_stamp(Stamp::from_seconds(step.at), 2),
+      found.b.name, step.size > 0.0 ? found.b.name : found.a.name,
+      step.size > 0.0 ? found.a.name : found.b.name);
+}
+
 Expected<ComparedClocks> compare(const PoseList& a, const PoseList& b,
                                  const ClockOffsetOptions& options) {
   if (!a.has_stamps()) return no_stamps(a);
@@ -47,6 +59,7 @@ Expected<ComparedClocks> compare(const PoseList& a, const PoseList& b,
     found.notes.insert(found.notes.end(), stream->notes.begin(), stream->notes.end());
   }
   found.clock = estimate_clock_offset(found.a, found.b, options);
+  if (found.clock.step) found.notes.push_back(step_note(found));
   return found;
 }
 

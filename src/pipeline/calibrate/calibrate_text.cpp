@@ -82,7 +82,12 @@ std::string format_clock(const ComparedClocks& found) {
     text += "drift: " + shortest_decimal(*clock.drift) + '\n';
     text += "drift_std: " + shortest_decimal(clock.drift_std) + '\n';
   }
-  return text + "middle: " + shortest_decimal(clock.middle) + "  # s of b's stamps\n";
+  text += "middle: " + shortest_decimal(clock.middle) + "  # s of b's stamps\n";
+  if (!clock.step) return text;
+  text += "step:  # to add to the offset from `at` on, of b's stamps\n";
+  text += "  at: " + shortest_decimal(clock.step->at) + "  # s\n";
+  text += "  size: " + shortest_decimal(clock.step->size) + "  # s\n";
+  return text + "  size_std: " + shortest_decimal(clock.step->std) + '\n';
 }
 
 bool is_calibration_file(const std::filesystem::path& file) {

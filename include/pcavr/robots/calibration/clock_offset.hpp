@@ -11,15 +11,26 @@
 
 namespace pcavr {
 
-/// The clock of stream b against that of stream a: t_a = t_b + offset + drift (t_b - middle).
+/// An instant from which on the offset of two clocks is another one: one of them was set.
+struct ClockStep {
+  double at = 0.0;    ///< [s] of b's stamps
+  double size = 0.0;  ///< [s] by which the offset is larger from then on
+  double std = 0.0;   ///< [s] of the size
+
+  [[nodiscard]] double is_after(double t_b) const { return t_b >= at ? 1.0 : 0.0; }
+};
+
+/// The clock of stream b against that of stream a: t_a = t_b + offset + drift (t_b - middle), and
+/// the step from its instant on.
 struct ClockOffset {
-  double offset = 0.0;  ///< [s] to add to b's stamps
+  double offset = 0.0;  ///< [s] to add to b's stamps, before the step if there is one
   double std = 0.0;     ///< [s]
   std::optional<double> drift =
       {};  ///< [1] of b's clock against a's; nullopt: too short to show it
   double drift_std = 0.0;
-  double middle = 0.0;     ///< [s] of b's stamps
-  double explained = 0.0;  ///< [1] part of a's motion that b's explains
+  double middle = 0.0;                 ///< [s] of b's stamps
+  std::optional<ClockStep> step = {};  ///< where the motion shows one
+  double explained = 0.0;              ///< [1] part of a's motion that b's explains
   std::size_t samples = 0;
   double overlap = 0.0;  ///< [s] in which both move
   bool is_observable = false;
@@ -28,7 +39,8 @@ struct ClockOffset {
 
   /// [s] on a's clock.
   [[nodiscard]] double corrected(double t_b) const {
-    return t_b + offset + drift.value_or(0.0) * (t_b - middle);
+    const double stepped = step ? step->size * step->is_after(t_b) : 0.0;
+    return t_b + offset + drift.value_or(0.0) * (t_b - middle) + stepped;
   }
 };
 
