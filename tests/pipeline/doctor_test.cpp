@@ -150,6 +150,40 @@ TEST_F(Doctor, NamesAGapWithItsLengthAndTime) {
   expect_disagreement({"tool.csv: ", "1 gap, the longest of 0.410 s at t = 1.990 s"});
 }
 
+TEST_F(Doctor, TellsAClockThatWasSetFromSamplesThatWereLost) {
+  const auto write_tool = [this](double set_ahead, double lost) {
+    std::string tool = "t,x,y,z,qx,qy,qz,qw\n";
+    for (int i = 0; i < 400; ++i) {
+      const double at = 0.01 * i, x = 0.1 + 0.05 * at + 1e-5 * ((i * 37) % 11 - 5);
+      if (at > 2.0 && at < 2.0 + lost) continue;
+      tool += fmt::format("{:.6f},{:.7f},0,0.05,0,0,0,1\n", at + (at > 2.0 ? set_ahead : 0.0), x);
+    }
+    write("tool.csv", tool);
+  };
+  write_tool(0.03, 0.0);
+  expect_disagreement({"tool.csv: an interval of 40.0 ms at t = 2.000 s, where the others are 10.0",
+                       "its clock was set ahead by 30.0 ms"});
+  write_tool(-0.006, 0.0);
+  expect_disagreement({"tool.csv: an interval of 4.0 ms", "its clock was set back by 6.0 ms"});
+  write_tool(0.2, 0.0);
+  expect_disagreement({"tool.csv: ", "1 gap", "its clock was set ahead by 200.0 ms"});
+  write_tool(0.0, 0.035);
+  expect_disagreement({"tool.csv: an interval of 40.0 ms", "samples were lost, or the logger"});
+  write_tool(0.0, 0.2);
+  expect_disagreement({"tool.csv: ", "1 gap", "samples were lost, or the logger paused"});
+}
+
+TEST_F(Doctor, NamesStretchesOfHeldSamples) {
+  std::string tool = "t,x,y,z,qx,qy,qz,qw\n";
+  for (int i = 0; i < 400; ++i) {
+    const int k = i > 200 && i < 260 ? i - i % 4 : i;
+    tool += fmt::format("{:.6f},{:.7f},0,0.05,0,0,0,1\n", 0.01 * i,
+                        0.1 + 0.0005 * k + 1e-5 * ((k * 37) % 11 - 5));
+  }
+  write("tool.csv", tool);
+  expect_disagreement({"tool.csv: ", " rows repeat the one before in ", "held samples"});
+}
+
 TEST_F(Doctor, NamesAForceAtRestAndTheToolWhoseWeightItMayBe) {
   write_series({.bias = -2.943});
   expect_disagreement({"2.94 N without contact", "z -2.94", "a tool of 0.30 kg", "--tare"});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -12,6 +13,7 @@
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/physics/identification/path_view.hpp"
+#include "pcavr/physics/inputs/contact_clocks.hpp"
 #include "pcavr/physics/inputs/force_scale.hpp"
 #include "pcavr/physics/inputs/input_monitor.hpp"
 #include "pcavr/physics/inputs/touch.hpp"
@@ -190,6 +192,51 @@ void compare_clocks(const SeenContacts& seen, std::vector<InputComparison>& comp
                 comparisons, findings);
 }
 
+/// A clock that was set, or drifts, by the delays of single contacts.
+void compare_delays(const char* what, const char* file, std::span<const ContactDelay> delays,
+                    std::vector<InputComparison>& comparisons,
+                    std::vector<ConsistencyFinding>& findings) {
+  const std::string over_time = std::string(what) + " over time";
+  if (delays.size() < 2) {
+    comparisons.push_back(failed_comparison(
+        over_time, fmt::format("{} contact shows a delay: a step or a drift would not show",
+                               delays.empty() ? "no" : "only one")));
+    return;
+  }
+  const DelayChange change = find_delay_change(delays);
+  if (change.step) {
+    const DelayStep& step = *change.step;
+    findings.push_back(
+        {.file = file,
+         .message = fmt::format("its clock, or that of tool.csv, was set between t = {:.3f} and "
+                                "{:.3f} s: from then on its stamps are {:.0f} +- {:.0f} ms {}",
+                                step.after, step.before, 1e3 * std::abs(step.size), 1e3 * step.std,
+                                step.size > 0.0 ? "later" : "earlier"),
+         .hint = "stamp all streams by one clock, and do not let it be set during a recording"});
+  } else if (change.drift) {
+    findings.push_back(
+        {.file = file,
+         .message = fmt::format("its clock drifts against that of tool.csv by {:.0f} +- {:.0f} ppm",
+                                1e6 * change.drift->rate, 1e6 * change.drift->std),
+         .hint = "stamp all streams by one clock"});
+  } else {
+    std::string figure = fmt::format("no step of {:.0f} ms or more by {} contacts",
+                                     1e3 * change.min_step, delays.size());
+    if (const auto drift = fit_delay_drift(delays)) {
+      figure += fmt::format(", drift of {:.0f} +- {:.0f} ppm", 1e6 * drift->rate, 1e6 * drift->std);
+    }
+    comparisons.push_back(comparison_of(over_time, std::move(figure)));
+  }
+}
+
+void compare_clocks_over_time(const SeenContacts& seen, const InputSeries& series,
+                              std::vector<InputComparison>& comparisons,
+                              std::vector<ConsistencyFinding>& findings) {
+  const ContactDelays delays = contact_delays(series, seen.contacts, InputOptions());
+  compare_delays(kForceClock, "wrench.csv", delays.force, comparisons, findings);
+  compare_delays(kTrackingClock, "tracked", delays.tracking, comparisons, findings);
+}
+
 /// Only pushes that excite an object's mass show the scale: `identify` compares it then.
 void compare_masses(const SeenContacts& seen, std::vector<InputComparison>& comparisons) {
   for (const IdentifiableObject& object : seen.input.objects) {
@@ -247,12 +294,16 @@ std::vector<InputComparison> compare_contacts(const Recording& recording,
             failed_comparison(kContacts, "no object has a mesh and a pose")};
   }
   SeenContacts seen{.input = *input};
-  seen.found = examine_inputs(series_of(*input), InputOptions(), [&](Contact&& contact) {
+  const InputSeries series = series_of(*input);
+  seen.found = examine_inputs(series, InputOptions(), [&](Contact&& contact) {
     seen.contacts.push_back(std::move(contact));
   });
   if (seen.found.fault) {
     add_fault(seen.found.fault->error, findings);
-    return {failed_comparison("contacts, clocks and force at rest", "the fault comes first")};
+    std::vector<InputComparison> comparisons{
+        failed_comparison("contacts, clocks and force at rest", "the fault comes first")};
+    compare_clocks_over_time(seen, series, comparisons, findings);
+    return comparisons;
   }
   if (seen.found.no_contact) {
     return {compare_force_at_rest(*input, findings),
@@ -264,6 +315,7 @@ std::vector<InputComparison> compare_contacts(const Recording& recording,
   compare_masses(seen, comparisons);
   compare_directions(seen, comparisons);
   compare_clocks(seen, comparisons, findings);
+  compare_clocks_over_time(seen, series, comparisons, findings);
   check_elsewhere(seen, findings);
   return comparisons;
 }

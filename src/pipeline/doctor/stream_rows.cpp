@@ -17,6 +17,7 @@
 #include "pcavr/recordings/recording/stream_clocks.hpp"
 
 #include "diagnosis_rows.hpp"
+#include "pipeline/checks/stream_faults.hpp"
 
 namespace pcavr {
 namespace {
@@ -29,38 +30,51 @@ constexpr double kMaxTravel = 20.0;          // [m] of a tool: no arm reaches as
 /// [rad] Arms turn a joint by one turn and a half at most; degrees are larger.
 constexpr double kMaxJointAngle = 3.0 * std::numbers::pi + 0.1;
 
-/// A stream's stamps, and what lacks without it.
-struct StreamTimes {
-  std::string name;
-  std::vector<double> t;  ///< [s] from the recording's start
+/// A stream, and what lacks without it.
+struct NamedStream {
+  MeasuredStream measured;  ///< times from the recording's start
   std::string purpose;
 };
 
-template <typename Samples, typename StampOf>
-StreamTimes times_of(std::string name, std::string purpose, const Samples& samples, Stamp start,
-                     const StampOf& stamp_of) {
-  StreamTimes times{.name = std::move(name), .t = {}, .purpose = std::move(purpose)};
-  times.t.reserve(samples.size());
-  for (const auto& sample : samples) times.t.push_back(to_seconds(stamp_of(sample) - start));
-  return times;
+NamedStream poses_of(std::string name, std::string purpose, const Trajectory& poses, Stamp start) {
+  return {measured_poses(std::move(name), poses.poses(), start), std::move(purpose)};
 }
 
-std::vector<StreamTimes> streams_of(const Recording& recording) {
+NamedStream images_of(const Recording& recording, Stamp start) {
+  NamedStream images{{.name = recording.has_depth ? "rgb.txt, depth.txt" : "rgb.txt"},
+                     "build needs images"};
+  for (const FrameFiles& frame : recording.frames) {
+    images.measured.t.push_back(to_seconds(frame.depth_stamp - start));
+  }
+  return images;
+}
+
+NamedStream force_of(const Recording& recording, Stamp start) {
+  NamedStream force{{.name = "wrench.csv"}, "identify needs the force"};
+  for (const WrenchSample& sample : recording.wrench) {
+    force.measured.t.push_back(to_seconds(sample.stamp - start));
+    MeasuredStream::Values values;
+    values << sample.force, sample.torque;
+    force.measured.values.push_back(values);
+  }
+  return force;
+}
+
+NamedStream joints_of(const Recording& recording, Stamp start) {
+  NamedStream joints{{.name = "joints.csv"}, "an arm's friction and links are not known"};
+  for (const JointSample& sample : recording.joints) {
+    joints.measured.t.push_back(to_seconds(sample.stamp - start));
+  }
+  return joints;
+}
+
+std::vector<NamedStream> streams_of(const Recording& recording) {
   const Stamp start = start_of(recording);
-  const auto stamp = [](const auto& sample) { return sample.stamp; };
-  std::vector<StreamTimes> streams;
-  streams.push_back(times_of(recording.has_depth ? "rgb.txt, depth.txt" : "rgb.txt",
-                             "build needs images", recording.frames, start,
-                             [](const FrameFiles& frame) { return frame.depth_stamp; }));
-  streams.push_back(times_of("groundtruth.txt", "the camera's poses are to follow from base tags",
-                             recording.groundtruth.poses(), start, stamp));
-  streams.push_back(times_of("tool.csv", "identify and replay need the tip's poses",
-                             recording.tool.poses(), start, stamp));
-  streams.push_back(
-      times_of("wrench.csv", "identify needs the force", recording.wrench, start, stamp));
-  streams.push_back(times_of("joints.csv", "an arm's friction and links are not known",
-                             recording.joints, start, stamp));
-  return streams;
+  return {images_of(recording, start),
+          poses_of("groundtruth.txt", "the camera's poses are to follow from base tags",
+                   recording.groundtruth, start),
+          poses_of("tool.csv", "identify and replay need the tip's poses", recording.tool, start),
+          force_of(recording, start), joints_of(recording, start)};
 }
 
 /// Intervals between the samples of a stream [s].
@@ -82,25 +96,88 @@ struct Intervals {
   std::vector<double> all;
 };
 
-void add_rate(const StreamTimes& stream, std::vector<DiagnosisRow>& rows) {
+constexpr char kLostSamples[] =
+    "samples were lost, or the logger paused: nothing is known of that time";
+
+/// What an interval that is unlike the others comes from.
+std::string cause_of_interval(const OddInterval& odd) {
+  const std::string set =
+      fmt::format("its clock was set {} by {:.1f} ms", odd.step() > 0.0 ? "ahead" : "back",
+                  1e3 * std::abs(odd.step()));
+  switch (odd.cause) {
+    case OddInterval::Cause::clock_step:
+      return fmt::format(
+          "{}, for the motion goes on as in {:.1f} +- {:.1f} ms: take that off the stamps after "
+          "it, and stamp all streams by one clock",
+          set, 1e3 * odd.usual, 1e3 * odd.std);
+    case OddInterval::Cause::lost_rows:
+      return kLostSamples;
+    case OddInterval::Cause::unknown:
+      break;
+  }
+  return odd.step() > 0.0
+             ? "samples were lost, or " + set + ": nothing moves enough then to show which"
+             : set + ", or a row was stamped late";
+}
+
+/// Intervals that are unlike the others, and are no gap of which there is a row.
+void add_odd_intervals(const std::string& name, const std::vector<OddInterval>& intervals,
+                       double min_gap, double longest, std::vector<DiagnosisRow>& rows) {
+  for (const OddInterval& odd : intervals) {
+    const bool is_in_gap_row =
+        odd.interval > min_gap &&
+        (odd.interval == longest || odd.cause != OddInterval::Cause::clock_step);
+    if (is_in_gap_row) continue;
+    rows.push_back(disagreement(
+        name,
+        fmt::format("an interval of {:.1f} ms at t = {:.3f} s, where the others are {:.1f} ms",
+                    1e3 * odd.interval, odd.t, 1e3 * odd.usual),
+        cause_of_interval(odd)));
+  }
+}
+
+void add_held(const MeasuredStream& stream, std::vector<DiagnosisRow>& rows) {
+  const HeldStretches held = find_held_stretches(stream);
+  if (held.stretches == 0) return;
+  rows.push_back(disagreement(
+      stream.name,
+      fmt::format("{} rows repeat the one before in {} stretches, the longest of {:.1f} ms at "
+                  "t = {:.3f} s",
+                  held.rows, held.stretches, 1e3 * held.longest, held.t_longest),
+      "held samples: the source came late, and its last value was written again; leave these "
+      "rows out"));
+}
+
+/// The cause of the longest gap.
+std::string cause_of_gap(const std::vector<OddInterval>& intervals, double longest) {
+  for (const OddInterval& odd : intervals) {
+    if (odd.interval == longest) return cause_of_interval(odd);
+  }
+  return kLostSamples;
+}
+
+void add_rate(const NamedStream& named, std::vector<DiagnosisRow>& rows) {
+  const MeasuredStream& stream = named.measured;
   const std::vector<double>& t = stream.t;
-  if (t.empty()) return rows.push_back(unchecked(stream.name, "absent: " + stream.purpose));
+  if (t.empty()) return rows.push_back(unchecked(stream.name, "absent: " + named.purpose));
   if (t.size() == 1) return rows.push_back(unchecked(stream.name, "one row shows no rate"));
   const Intervals intervals(t);
   const double span = t.back() - t.front();
   const auto longest = std::max_element(intervals.all.begin(), intervals.all.end());
   const double min_gap = intervals.min_gap();
+  const std::vector<OddInterval> odd = find_odd_intervals(stream);
+  add_odd_intervals(stream.name, odd, min_gap, *longest, rows);
+  add_held(stream, rows);
   const auto gaps = std::count_if(intervals.all.begin(), intervals.all.end(),
                                   [min_gap](double interval) { return interval > min_gap; });
   std::string figure = fmt::format("{} rows over {:.3f} s, {:.1f} Hz", t.size(), span,
                                    static_cast<double>(t.size() - 1) / span);
   if (gaps > 0) {
     const double at = t[static_cast<std::size_t>(longest - intervals.all.begin())];
-    rows.push_back(
-        disagreement(stream.name,
-                     fmt::format("{}; {} gap{}, the longest of {:.3f} s at t = {:.3f} s", figure,
-                                 gaps, gaps == 1 ? "" : "s", *longest, at),
-                     "samples were lost, or the logger paused: nothing is known of that time"));
+    rows.push_back(disagreement(stream.name,
+                                fmt::format("{}; {} gap{}, the longest of {:.3f} s at t = {:.3f} s",
+                                            figure, gaps, gaps == 1 ? "" : "s", *longest, at),
+                                cause_of_gap(odd, *longest)));
     return;
   }
   figure += fmt::format("; no gaps, longest interval {:.1f} ms", 1e3 * *longest);
@@ -143,9 +220,12 @@ void add_tracks(const Recording& recording, std::vector<DiagnosisRow>& rows) {
       rows.push_back(row_of(tracked.error()));
       continue;
     }
-    StreamTimes times{.name = name, .t = {}, .purpose = "its motion is to follow from the pushes"};
-    for (const TrackedPose& pose : tracked->poses) times.t.push_back(pose.t);
-    add_rate(times, rows);
+    std::vector<TimedPose> poses;
+    for (const TrackedPose& pose : tracked->poses) {
+      poses.push_back({Stamp::from_seconds(pose.t), pose.T_base_object});
+    }
+    add_rate({measured_poses(name, poses, Stamp()), "its motion is to follow from the pushes"},
+             rows);
     if (tracked->note) rows.push_back(note_row(*tracked->note, kHeldCause));
     for (const SkippedRows& skipped : tracked->left_out) {
       rows.push_back(disagreement(name, skipped.reason,
@@ -208,7 +288,7 @@ void add_joint_range(const Recording& recording, std::vector<DiagnosisRow>& rows
 
 std::vector<DiagnosisRow> stream_rows(const Recording& recording) {
   std::vector<DiagnosisRow> rows;
-  for (const StreamTimes& stream : streams_of(recording)) add_rate(stream, rows);
+  for (const NamedStream& stream : streams_of(recording)) add_rate(stream, rows);
   add_tracks(recording, rows);
   for (const std::string& note : recording.notes) rows.push_back(note_row(note, kHeldCause));
   for (const std::string& warning : recording.warnings) {
