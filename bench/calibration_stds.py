@@ -187,18 +187,25 @@ def force(draw, folder, arguments):
     return {name: [e / s for e, s in zip(*part)] for name, part in parts.items()}
 
 
-def clocks(draw, folder, arguments):
+def random_motion(draw):
+    """A smooth motion of a body: its pose as a function of time [s]."""
     sizes = [(0.2 if i < 3 else 0.4, draw.uniform(0.7, 1.3) * (0.7 + 0.11 * i),
               draw.uniform(1.5, 2.9), draw.uniform(0, 6.28), draw.uniform(0, 6.28))
              for i in range(6)]
-    world, body = draw.pose(1.0, 1.0), draw.pose(0.2, 1.0)
-    offset, drift = draw.uniform(-0.3, 0.3), draw.choice([0.0, draw.gauss(0.0, 1e-4)])
-    duration, noise = draw.uniform(30.0, 90.0), 10.0 ** draw.uniform(-3.5, -2.3)
 
     def at(t):
         x = [size * (math.sin(pace * t + one) + 0.5 * math.sin(pace * more * t + two))
              for size, pace, more, one, two in sizes]
         return turn(x[3:]), x[:3]
+
+    return at
+
+
+def clocks(draw, folder, arguments):
+    at = random_motion(draw)
+    world, body = draw.pose(1.0, 1.0), draw.pose(0.2, 1.0)
+    offset, drift = draw.uniform(-0.3, 0.3), draw.choice([0.0, draw.gauss(0.0, 1e-4)])
+    duration, noise = draw.uniform(30.0, 90.0), 10.0 ** draw.uniform(-3.5, -2.3)
 
     def rows(rate, place):
         for i in range(int(duration * rate)):
