@@ -52,8 +52,20 @@ TEST(ForceScale, NeedsAMassByAccelerations) {
   EXPECT_TRUE(found.warnings.empty());
   ASSERT_EQ(found.notes.size(), 1U);
   EXPECT_NE(found.notes[0].find("scale is not compared"), std::string::npos) << found.notes[0];
-  EXPECT_FALSE(contradicted_scale(unknown).has_value());
+  EXPECT_FALSE(doubt_of_scale(unknown).has_value());
   EXPECT_TRUE(check_force_scale(std::vector{object("body", 1.25, 1.26, 0.02)}).notes.empty());
+}
+
+TEST(ForceScale, IsDoubtedByWhatIsNoChance) {
+  EXPECT_FALSE(doubt_of_scale(object("body", 1.25, 1.28, 0.02)).has_value());
+  const auto partly = doubt_of_scale(object("body", 1.25, 1.32, 0.02));
+  ASSERT_TRUE(partly.has_value());
+  EXPECT_NEAR(partly->factor, 1.056, 1e-9);
+  EXPECT_GT(partly->doubted_factor, 1.01);
+  EXPECT_LT(partly->doubted_factor, 1.05);
+  const auto all = doubt_of_scale(object("body", 1.25, 1.0, 0.02));
+  ASSERT_TRUE(all.has_value());
+  EXPECT_NEAR(all->doubted_factor, 0.8, 1e-9);
 }
 
 }  // namespace

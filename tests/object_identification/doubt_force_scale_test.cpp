@@ -22,9 +22,9 @@ IdentifiableObject body(std::optional<double> weighed_mass) {
 }
 
 /// What a force of `scale` times the true one shows.
-ObjectIdentification pushed_object(double scale) {
+ObjectIdentification pushed_object(double scale, double mass_std = 0.02) {
   ObjectIdentification found;
-  found.sliding.mass = {.value = scale * kMass, .std = 0.02 * kMass, .is_excited = true};
+  found.sliding.mass = {.value = scale * kMass, .std = mass_std * kMass, .is_excited = true};
   found.parameters.inertial_mass = ParameterValue{scale * kMass, 0.02 * kMass};
   found.parameters.sliding_friction_coefficient = ParameterValue{scale * kCoefficient, 0.002};
   found.parameters.limiting_static_friction = ParameterValue{scale * kLimit, 0.05};
@@ -55,8 +55,32 @@ TEST(DoubtForceScale, CoversTheTruthWhetherForceOrMassIsWrong) {
   }
 }
 
+// Two to four stds of the masses, below what is named: the limit has a std of 1.5 %.
+TEST(DoubtForceScale, CoversTheTruthWhereTheMassesDifferByFewStds) {
+  for (const double scale : {0.9, 1.1, 1.17}) {
+    for (const double mass_std : {0.03, 0.04}) {
+      ObjectIdentification found = pushed_object(scale, mass_std);
+      doubt_force_scale(body(kMass), {}, found);
+      const ParameterValue& limit = *found.parameters.limiting_static_friction;
+      EXPECT_LT(std::abs(limit.value - kLimit), 2.5 * *limit.std) << scale << " " << mass_std;
+    }
+  }
+}
+
+TEST(DoubtForceScale, GrowsWithTheDifference) {
+  double last = 0.05;
+  for (const double scale : {1.05, 1.06, 1.07, 1.08, 1.1, 1.15, 1.3}) {
+    ObjectIdentification found = pushed_object(scale);
+    doubt_force_scale(body(kMass), {}, found);
+    const double std = *found.parameters.limiting_static_friction->std;
+    EXPECT_GT(std, last) << scale;
+    EXPECT_LT(std, last + 0.6) << scale;  // no step
+    last = std;
+  }
+}
+
 TEST(DoubtForceScale, LeavesStdsWhereTheMassesAgreeOrOneIsNotKnown) {
-  ObjectIdentification found = pushed_object(1.05);
+  ObjectIdentification found = pushed_object(1.03);
   doubt_force_scale(body(kMass), {}, found);
   EXPECT_EQ(found.parameters.limiting_static_friction->std, 0.05);
   found = pushed_object(1.5);

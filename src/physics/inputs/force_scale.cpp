@@ -8,6 +8,8 @@
 
 #include <fmt/core.h>
 
+#include "pcavr/base/core/doubted.hpp"
+
 #include "physics/inputs/faults.hpp"
 
 namespace pcavr {
@@ -73,10 +75,12 @@ std::optional<CommonFactor> common_factor(const std::vector<Factor>& factors) {
 
 }  // namespace
 
-std::optional<double> contradicted_scale(const WeighedObject& object) {
+std::optional<ScaleDoubt> doubt_of_scale(const WeighedObject& object) {
   const std::optional<Factor> factor = factor_of(object);
-  if (!factor || !is_contradiction(*factor)) return std::nullopt;
-  return std::exp(factor->log);
+  if (!factor) return std::nullopt;
+  const double doubted_log = std::copysign(doubted(factor->log, factor->std), factor->log);
+  if (doubted_log == 0.0) return std::nullopt;
+  return ScaleDoubt{std::exp(factor->log), std::exp(doubted_log)};
 }
 
 ScaleFindings check_force_scale(std::span<const WeighedObject> objects) {

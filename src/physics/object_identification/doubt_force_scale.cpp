@@ -16,10 +16,10 @@ namespace pcavr {
 void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters& known,
                        ObjectIdentification& result) {
   if (!object.mass) return;
-  const std::optional<double> factor =
-      contradicted_scale({object.name, *object.mass, result.sliding.mass});
-  if (!factor) return;
-  const double share = std::abs(1.0 - 1.0 / *factor);
+  const std::optional<ScaleDoubt> doubt =
+      doubt_of_scale({object.name, *object.mass, result.sliding.mass});
+  if (!doubt) return;
+  const double share = std::abs(1.0 - 1.0 / doubt->doubted_factor);
   widen_new(
       std::array{&ObjectParameters::inertial_mass, &ObjectParameters::limiting_static_friction,
                  &ObjectParameters::sliding_friction_coefficient,
@@ -32,9 +32,9 @@ void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters&
     if (depth_std > 0.0) depth_std = std::hypot(depth_std, share / exponent->value);
   }
   result.notes.push_back(fmt::format(
-      "the stds of friction and stiffness contain that the force, or the given mass, is wrong by "
-      "a factor of {:.3g}",
-      *factor));
+      "the mass by force and acceleration is {:.3g} times the given one: the stds of friction and "
+      "stiffness contain that the force, or the given mass, may be wrong by a factor of {:.3g}",
+      doubt->factor, doubt->doubted_factor));
 }
 
 }  // namespace pcavr

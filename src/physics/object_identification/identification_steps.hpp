@@ -61,8 +61,9 @@ void check_press_lines(std::vector<Contact>& contacts, std::size_t object,
 void doubt_force_direction(double suspected_turn, const ObjectParameters& known,
                            ObjectIdentification& result);
 
-/// Where the mass by force and acceleration contradicts the weighed one, widens the stds of what
-/// the force gave by what another scale of it, or another mass, would change. `known`: before.
+/// Where the mass by force and acceleration differs from the weighed one by more than chance,
+/// widens the stds of what the force gave by what another scale of it, or another mass, would
+/// change. `known`: before.
 void doubt_force_scale(const IdentifiableObject& object, const ObjectParameters& known,
                        ObjectIdentification& result);
 

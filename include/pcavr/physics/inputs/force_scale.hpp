@@ -23,9 +23,14 @@ struct WeighedObject {
 inline constexpr char kForceScaleEffect[] =
     "a force of k times the true one gives k times F_M, sliding and viscous friction and stiffness";
 
-/// The mass by force and acceleration over the weighed one, where they contradict each other: by
-/// more than four stds of both, of the weighed one 2 %.
-[[nodiscard]] std::optional<double> contradicted_scale(const WeighedObject& object);
+/// The mass by force and acceleration over the weighed one, where that is no chance: the weighed
+/// one has a std of 2 %.
+struct ScaleDoubt {
+  double factor = 1.0;
+  /// The part of the factor that stds have to contain: from 1 where it may be chance, to all of it.
+  double doubted_factor = 1.0;
+};
+[[nodiscard]] std::optional<ScaleDoubt> doubt_of_scale(const WeighedObject& object);
 
 /// Findings about the force's scale from two masses of each object.
 struct ScaleFindings {
