@@ -262,6 +262,85 @@ TEST(FrictionSamples, DissipateByTheSupportsFrictionRadius) {
   for (std::size_t i = 0; i < wide.size(); ++i) EXPECT_LT(wide[i].force, 0.98 * point[i].force);
 }
 
+/// A box that moves along a direction that is not the push's, and turns with its path; its speed is
+/// modulated faster than its tracking, at 30 Hz, is smoothed.
+struct ObliquePush {
+  static constexpr double kSpeed = 0.06, kSwing = 0.038, kRate = 4.0 * std::numbers::pi;
+  static constexpr double kRadius = 0.005;  // [m] of the tip
+  Contact contact;
+  std::vector<Eigen::Vector3d> p_base_tip;
+  CadModel model;
+  std::vector<TrackedPose> tracked;
+
+  static double path_at(double t) {
+    const double slid = std::max(t - 0.2, 0.0);
+    return kSpeed * slid + kSwing / kRate * std::sin(kRate * slid);
+  }
+  static double speed_at(double t) { return kSpeed + kSwing * std::cos(kRate * (t - 0.2)); }
+  static double acceleration_at(double t) { return -kSwing * kRate * std::sin(kRate * (t - 0.2)); }
+
+  /// `angle` [rad] of the motion to the push, `curvature` [rad/m] of the heading over the path.
+  ObliquePush(double angle, double curvature) {
+    model.mesh_object = test::box_mesh({0.2F, 0.2F, 0.05F});
+    const Eigen::Vector3d way(std::cos(angle), std::sin(angle), 0.0);
+    const auto pose_at_path = [&](double path) {
+      const Eigen::AngleAxisd turn(curvature * path, Eigen::Vector3d::UnitZ());
+      return Pose(Eigen::Quaterniond(turn), path * way);
+    };
+    std::vector<double> object, force;
+    for (double t = 0.0; t < 1.7; t += kStep) {
+      const Pose T_base_object = pose_at_path(path_at(t));
+      p_base_tip.push_back(T_base_object * Eigen::Vector3d(-0.1 - kRadius, 0.0, 0.0));
+      object.push_back(p_base_tip.back().x());
+      force.push_back(t < 0.2 ? kSlidingForce * t / 0.2 : kSlidingForce);
+    }
+    for (double t = 0.0; t < 1.9; t += 1.0 / 30.0) tracked.push_back({t, pose_at_path(path_at(t))});
+    contact = push_of(object, force, 0.2);
+    contact.normal_object = -Eigen::Vector3d::UnitX();
+    for (Eigen::Vector3d& pushed : contact.force_base) pushed = kSlidingForce * way;
+  }
+
+  [[nodiscard]] std::vector<FrictionSample> samples() {
+    const PathView tip(contact.t, p_base_tip);
+    const ContactCompliance compliance{HuntCrossley{.stiffness = 1e7, .exponent = 1.0}, 0.1};
+    contact.breakaway.stiffness = 1e7;
+    return friction_samples({&contact}, compliance, {model, tracked}, tip, kRadius, {});
+  }
+};
+
+TEST(FrictionSamples, AccelerateAlongTheMotionAndNotAlongThePush) {
+  ObliquePush push(0.42, 0.0);
+  const std::vector<FrictionSample> samples = push.samples();
+  ASSERT_GE(samples.size(), 15U);
+  double products = 0.0, squares = 0.0;
+  for (const FrictionSample& sample : samples) {
+    const double expected = ObliquePush::acceleration_at(sample.t);
+    products += expected * sample.acceleration;
+    squares += expected * expected;
+    EXPECT_NEAR(sample.speed, ObliquePush::speed_at(sample.t), 0.004) << sample.t;
+  }
+  // The smoothing takes some per cent of a swing at 2 Hz.
+  EXPECT_NEAR(products / squares, 1.0, 0.03);
+}
+
+TEST(FrictionSamples, AccelerateTheRotation) {
+  constexpr double kCurvature = 2.0;  // [rad/m]
+  ObliquePush straight(0.0, 0.0), turning(0.0, kCurvature);
+  const std::vector<FrictionSample> without = straight.samples(), with = turning.samples();
+  double products = 0.0, squares = 0.0;
+  for (const FrictionSample& one : without) {
+    for (const FrictionSample& other : with) {
+      if (std::abs(one.t - other.t) > 1e-9) continue;
+      // Per speed of the centre, not per mean speed of the support.
+      products += one.acceleration * other.acceleration / (1.0 - other.rotation_share);
+      squares += one.acceleration * one.acceleration;
+    }
+  }
+  ASSERT_GT(squares, 0.0);
+  const double square_radius = 0.2 * 0.2 / 6.0;  // [m^2] of gyration
+  EXPECT_NEAR(products / squares, 1.0 + square_radius * kCurvature * kCurvature, 0.006);
+}
+
 TEST(FrictionSamples, OffTheCentreAreNoneWhereTheObjectIsNotTracked) {
   constexpr double kUntil = 0.9;  // [s]
   TurningPush push(kUntil);

@@ -15,6 +15,7 @@
 
 #include "pcavr/base/core/random.hpp"
 #include "pcavr/physics/friction/point_push.hpp"
+#include "pcavr/physics/friction/standing.hpp"
 #include "pcavr/physics/turning/turning.hpp"
 
 #include "support/meshes.hpp"

@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/physics/friction/standing.hpp"
 #include "pcavr/physics/prediction/body_physics.hpp"
 #include "pcavr/physics/turning/support.hpp"
 
@@ -58,6 +59,7 @@ struct SmoothSlide {
   double compression_speed_std = 0.0, compression_acceleration_std = 0.0;
   double noise_covariance = 0.0;  ///< [N m/s^2] of force and acceleration
   std::vector<SmoothedSample> object, tool, compression, force;
+  std::vector<SmoothedSample> across;  ///< the tip's path to the left of the push
   std::vector<SmoothedSample> narrow;  ///< the object, over half the width
   /// The change of the object's motion by one std of the contact's damping.
   std::vector<double> damping_speed, damping_acceleration;
@@ -227,6 +229,7 @@ class Slides {
     if (body.tracked.empty()) return;
     const Pose& T_base_first = body.tracked.front().T_base_object;
     height_ = support_height(body.model, T_base_first);
+    gyration_radius_ = gyration_radius(body.model, T_base_first);
     support_.emplace(body.model, T_base_first);
     const double radius = support_->radius();
     if (!known.friction_radius || !(radius > 0.0)) return;
@@ -238,7 +241,8 @@ class Slides {
                                                const ContactCompliance& compliance) const {
     std::vector<FrictionSample> samples;
     if (contact.t.size() < 20 || contact.kind == ContactKind::press) return samples;
-    const SmoothSlide push = smooth_slide(contact, compliance, tip_interval(tip_.t(), contact));
+    SmoothSlide push = smooth_slide(contact, compliance, tip_interval(tip_.t(), contact));
+    if (!body_.tracked.empty()) push.across = path_across(contact, push.half_width);
     const double loaded =
         contact.breakaway.is_found ? contact.breakaway.t : end_of_loading(push, contact);
     const double from = loaded + kSlideSettle + push.half_width;
@@ -261,6 +265,16 @@ class Slides {
   }
 
  private:
+  static Eigen::Vector2d left_of(const Contact& contact) {
+    return {-contact.direction_base.y(), contact.direction_base.x()};
+  }
+  [[nodiscard]] std::vector<SmoothedSample> path_across(const Contact& contact,
+                                                        double half_width) const {
+    std::vector<double> path;
+    for (const double t : contact.t) path.push_back(tip_.at(t).head<2>().dot(left_of(contact)));
+    return smooth(contact.t, path, contact.t, half_width);
+  }
+
   [[nodiscard]] bool is_sliding(const SmoothSlide& push, const Contact& contact,
                                 std::size_t i) const {
     const SmoothedSample& object = push.object[i];
@@ -319,6 +333,26 @@ class Slides {
     return inward.dot(along) > kFaceAgreement ? inward : along;
   }
 
+  /// Of the points of the support, whose pressure is centred at `pressed`.
+  struct SupportSpeeds {
+    double mean = 0.0;     ///< [m/s]
+    double squares = 0.0;  ///< [m^2/s^2] mean
+  };
+  [[nodiscard]] SupportSpeeds support_speeds(const Pose& T_base_object,
+                                             const Eigen::Vector2d& pressed,
+                                             const Eigen::Vector2d& centre, double rate) const {
+    SupportSpeeds speeds;
+    const Eigen::Rotation2Dd turned(heading_of(T_base_object));
+    const std::vector<double> shares = support_->pressure(turned.inverse() * pressed);
+    for (std::size_t k = 0; k < shares.size(); ++k) {
+      const Eigen::Vector2d p = turned * support_->points()[k];
+      const Eigen::Vector2d v = centre + rate * Eigen::Vector2d(-p.y(), p.x());
+      speeds.mean += shares[k] * v.norm();
+      speeds.squares += shares[k] * v.squaredNorm();
+    }
+    return speeds;
+  }
+
   [[nodiscard]] std::optional<FrictionSample> sample_at(const Contact& contact,
                                                         const SmoothSlide& push,
                                                         std::size_t i) const {
@@ -349,23 +383,18 @@ class Slides {
         (tip_.at(t) - T_base_object * body_.model.centre_of_mass_object).head<2>() +
         tool_radius_ * inward;
     const Eigen::Vector2d spin(-twist->rate * arm.y(), twist->rate * arm.x());
-    // Along the normal the tip is more accurate than the tracking.
-    Eigen::Vector2d at_contact = twist->velocity + spin;
-    const double normal_speed = speed / std::max(along.dot(inward), 0.5);
-    const double tracked_speed = at_contact.dot(inward);
+    const double normal_speed =
+        speed * along.dot(inward) + push.across[i].rate * left_of(contact).dot(inward);
+    const double tracked_speed = (twist->velocity + spin).dot(inward);
     if (tracked_speed < kMinFollowing * normal_speed) return std::nullopt;
-    at_contact += (normal_speed - tracked_speed) * inward;
-    const Eigen::Vector2d centre = at_contact - spin;
-    double mean = 0.0, squares = 0.0;
-    const Eigen::Rotation2Dd turned(heading_of(T_base_object));
+    // Along the normal the tip is more accurate than the tracking, which is smoothed over more than
+    // a modulation: the motion is as tracked, at the tip's pace.
+    const double pace = normal_speed / tracked_speed;
+    const Eigen::Vector2d at_contact = pace * (twist->velocity + spin);
+    const Eigen::Vector2d centre = pace * twist->velocity;
+    const double rate = pace * twist->rate;
     const Eigen::Vector2d pressed = centre_of_pressure(force, tip_.at(t).z() - height_, weight_);
-    const std::vector<double> shares = support_->pressure(turned.inverse() * pressed);
-    for (std::size_t k = 0; k < shares.size(); ++k) {
-      const Eigen::Vector2d p = turned * support_->points()[k];
-      const Eigen::Vector2d v = centre + twist->rate * Eigen::Vector2d(-p.y(), p.x());
-      mean += shares[k] * v.norm();
-      squares += shares[k] * v.squaredNorm();
-    }
+    const auto [mean, squares] = support_speeds(T_base_object, pressed, centre, rate);
     if (mean <= 0.0) return std::nullopt;
     sample.rotation_share = 1.0 - std::min(1.0, centre.norm() / mean);
     const double power = force.dot(at_contact);
@@ -377,9 +406,12 @@ class Slides {
     sample.is_turning = sample.rotation_share > kMaxStraightShare * scale_ * scale_;
     sample.force = power / mean;
     sample.speed = squares / mean;
+    // The whole motion grows with the tip's speed, whatever its direction, and so does the
+    // rotation.
+    const double inertia = centre.squaredNorm() + std::pow(gyration_radius_ * rate, 2);
     for (double* one :
          {&sample.acceleration, &sample.acceleration_change, &sample.damping_acceleration_change}) {
-      *one *= centre.norm() / mean;
+      *one *= inertia / (speed * mean);
     }
     sample.force_std *= gain;
     sample.travel = mean * push.half_width;
@@ -391,7 +423,8 @@ class Slides {
   double tool_radius_;
   std::optional<double> weight_;  ///< [N]
   TrackedMotion motion_;
-  double height_ = 0.0;  ///< [m] of the support, in base
+  double height_ = 0.0;           ///< [m] of the support, in base
+  double gyration_radius_ = 0.0;  ///< [m] about the vertical through the centre of mass
   std::optional<Support> support_;
   double scale_ = 1.0;  ///< of the support against the CAD body's
 };

@@ -12,6 +12,7 @@
 #include "pcavr/base/core/check.hpp"
 #include "pcavr/physics/contact/hunt_crossley.hpp"
 #include "pcavr/physics/friction/point_push.hpp"
+#include "pcavr/physics/friction/standing.hpp"
 #include "pcavr/physics/friction/stribeck.hpp"
 
 #include "physics/prediction/shifted_surface.hpp"
@@ -43,25 +44,6 @@ double yaw_of(const Eigen::Matrix3d& rotation) {
 Pose to_body_axes(const Pose& T_base_object, const Eigen::Vector3d& centre_of_mass_object) {
   const Eigen::Vector3d centre = T_base_object * centre_of_mass_object;
   return Pose::from_translation({-centre.x(), -centre.y(), 0.0}) * T_base_object;
-}
-
-/// Gyration radius of the homogeneous body about the vertical axis through the origin of body axes:
-/// the sum over the tetrahedra between the triangles and the origin, in closed form.
-double gyration_radius_of(const TriangleMesh& mesh_object, const Pose& T_body_object) {
-  double volume = 0.0;
-  double moment = 0.0;
-  for (const auto& t : mesh_object.triangles) {
-    Eigen::Matrix3d corners;
-    for (int i = 0; i < 3; ++i) {
-      corners.col(i) =
-          T_body_object * mesh_object.vertices[t[static_cast<std::size_t>(i)]].cast<double>();
-    }
-    const double tetrahedron = corners.determinant() / 6.0;
-    const Eigen::Matrix<double, 2, 3> flat = corners.topRows<2>();
-    volume += tetrahedron;
-    moment += tetrahedron / 20.0 * (flat.squaredNorm() + flat.rowwise().sum().squaredNorm());
-  }
-  return std::sqrt(moment / volume);
 }
 
 /// The force that keeps the body sliding without rotation, averaged over the directions.
@@ -131,8 +113,7 @@ UprightBody::UprightBody(const WorldBody& body, double gravity, double max_conta
       centre_of_mass_object_(body.model.centre_of_mass_object),
       surface_(body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_)),
       heading_(heading_of(T_base_object_start_)),
-      gyration_radius_(gyration_radius_of(
-          body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_))),
+      gyration_radius_(gyration_radius(body.model, T_base_object_start_)),
       gravity_(gravity),
       max_contact_force_(max_contact_force),
       lowest_(surface_.bounds().min().z()) {

@@ -12,6 +12,7 @@
 #include "pcavr/base/core/solvers.hpp"
 #include "pcavr/base/geometry/convex_hull.hpp"
 #include "pcavr/physics/friction/point_push.hpp"
+#include "pcavr/physics/friction/standing.hpp"
 #include "pcavr/physics/prediction/body_physics.hpp"
 
 namespace pcavr {
@@ -19,7 +20,6 @@ namespace {
 
 constexpr double kContactHeight = 2e-3;  // [m] vertices so close to the lowest are on the support
 constexpr int kCells = 12;               // across the support
-constexpr double kTypicalCoefficient = 0.3;  // force over weight, where the weight is not known
 /// Largest shift of the pressure's centre, as a share of the way from the centre of mass to the
 /// support's edge: beyond, a stiff body stands on a line.
 constexpr double kMaxShift = 0.8;
@@ -70,20 +70,6 @@ double mean_angle(std::span<const PushSample> samples, const Support& support, d
 }
 
 }  // namespace
-
-double support_height(const CadModel& model, const Pose& T_base_object) {
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3f& vertex : model.mesh_object.vertices) {
-    lowest = std::min(lowest, (T_base_object * vertex.cast<double>()).z());
-  }
-  return lowest;
-}
-
-Eigen::Vector2d centre_of_pressure(const Eigen::Vector2d& force, double height,
-                                   const std::optional<double>& weight) {
-  const double bearing = weight.value_or(force.norm() / kTypicalCoefficient);
-  return bearing > 0.0 ? Eigen::Vector2d(height / bearing * force) : Eigen::Vector2d::Zero();
-}
 
 Support::Support(const CadModel& model, const Pose& T_base_object) {
   const Eigen::AngleAxisd back(-heading_of(T_base_object), Eigen::Vector3d::UnitZ());

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/physics/friction/standing.hpp"
 #include "pcavr/physics/identification/friction_posterior.hpp"
 #include "pcavr/physics/prediction/body_physics.hpp"
 #include "pcavr/physics/turning/support.hpp"

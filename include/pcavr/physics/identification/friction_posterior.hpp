@@ -20,15 +20,16 @@ struct OptionSection;  // core/options.hpp
 /// speed of its support. With the supporting points' speeds v_p, all under the same share of the
 /// weight, the tool's force F at a contact point of velocity v_c feeds friction and acceleration:
 ///
-///     F . v_c / mean|v_p| = M a + mu M g + B mean(v_p^2) / mean|v_p|
+///     F . v_c / mean|v_p| = M (v . a + k^2 w w') / mean|v_p| + mu M g + B mean(v_p^2) / mean|v_p|
 ///
+/// with the centre's velocity v, the rotation w and the gyration radius k.
 /// For pure translation this is paper C's eq. 11, and for any rotation it needs neither the limit
 /// surface nor the friction of the tip.
 struct FrictionSample {
   double t = 0.0;             ///< [s]
   double force = 0.0;         ///< [N] F . v_c / mean|v_p|
   double speed = 0.0;         ///< [m/s] mean(v_p^2) / mean|v_p|
-  double acceleration = 0.0;  ///< [m/s^2] of the centre, times its share of the mean speed
+  double acceleration = 0.0;  ///< [m/s^2] (v . a + k^2 w w') / mean|v_p|: of the whole body
   double force_std = 0.0;     ///< [N] noise; independent between samples
   double speed_std = 0.0;
   double acceleration_std = 0.0;

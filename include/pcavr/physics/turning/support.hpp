@@ -14,16 +14,6 @@
 
 namespace pcavr {
 
-/// [m] z of the object's lowest vertex in base: of the plane that it stands on.
-[[nodiscard]] double support_height(const CadModel& model, const Pose& T_base_object);
-
-/// The centre of the support's pressure [m] under a horizontal `force` [N] at a `height` over the
-/// support [m]. It lies ahead of the centre of mass in the force's direction, by the force's moment
-/// over the weight. Where the weight [N] is not known, the force is taken to be a typical share of
-/// it.
-[[nodiscard]] Eigen::Vector2d centre_of_pressure(const Eigen::Vector2d& force, double height,
-                                                 const std::optional<double>& weight);
-
 /// The support that an object stands on, by its CAD model: points of equal area under its lowest
 /// vertices, about its centre of mass, in its planar axes (heading_of).
 class Support {
