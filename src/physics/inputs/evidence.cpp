@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pcavr/base/core/gravity.hpp"
 #include "pcavr/base/core/median.hpp"
+#include "pcavr/physics/friction/standing.hpp"
 
 namespace pcavr {
 namespace {
@@ -25,12 +27,18 @@ constexpr double kDensity = 700.0;          // [kg/m^3] of a body that was not w
 constexpr double kMotionBegins = 0.1;
 constexpr double kMotionEnds = 0.9;
 
-// Std of the angle between the force on a sliding object and the motion of its centre of mass:
+// Std of the angle between the force on a sliding object and the motion of its centre of pressure:
 // friction that depends on the direction or the place, 1 to 3 degrees in simulated plants ...
 constexpr double kStraightStd = 4.0 * kDegree;
 /// ... and more with the share of rotation in the motion: of real blocks on few points 10 degrees
 /// at a half.
 constexpr double kTurningStd = 20.0 * kDegree;
+/// Std of the pressure's shift ahead, as a share of it, by what the support is, ...
+constexpr double kShiftStd = 0.3;
+/// ... and where the weight is not known, of which the force may be a tenth or all.
+constexpr double kUnknownShiftStd = 1.0;
+/// Largest force over the weight that slides a body: beyond, the weight or the force is wrong.
+constexpr double kMaxCoefficient = 1.2;
 /// Std of the force's angle on an object that rests or is not tracked: a friction coefficient of
 /// 0.2 at the tip.
 constexpr double kConeStd = 11.0 * kDegree;
@@ -87,21 +95,46 @@ void add_forces(const InputSeries& series, const Contact& contact, const LoadedR
   }
 }
 
-/// The motion of the centre of mass in the plane while a push is loaded, against the force.
+/// A motion in the plane while a push is loaded, against the force.
+struct MotionByForce {
+  double along = 0.0;   ///< [N m] sum of F dx
+  double across = 0.0;  ///< [N m] sum of F x dx: positive where the motion is to the left
+
+  void add(const Eigen::Vector3d& force, const Eigen::Vector3d& way) {
+    along += force.head<2>().dot(way.head<2>());
+    across += force.x() * way.y() - force.y() * way.x();
+  }
+  [[nodiscard]] double angle() const { return std::atan2(across, along); }
+};
+
 struct CentreMotion {
-  double moved = 0.0;           ///< [m]
-  double along = 0.0;           ///< [N m] sum of F dx
-  double across = 0.0;          ///< [N m] sum of F x dx: positive where the motion is to the left
+  bool is_weight_known = false;
+  MotionByForce of_mass;
+  /// Of the point at which friction acts: ahead of the centre of mass, so that it moves elsewhere
+  /// where the object turns.
+  MotionByForce of_pressure;
+  double moved = 0.0;           ///< [m] of the centre of mass
   double rotation_share = 0.0;  ///< of the motion at the tip
+
+  /// [rad] By which the motion is elsewhere.
+  [[nodiscard]] double angle_of_shift() const {
+    return std::remainder(of_pressure.angle() - of_mass.angle(), 2.0 * std::numbers::pi);
+  }
 };
 
 CentreMotion centre_motion(const InputSeries& series, const Contact& contact,
                            const LoadedRange& range, const PathView& tip, const BodyPoses& poses) {
   const std::vector<double>& t = contact.t;
-  const Eigen::Vector3d& centre = series.bodies[*contact.object].model->centre_of_mass_object;
+  const InputBody& body = series.bodies[*contact.object];
+  const Eigen::Vector3d& centre = body.model->centre_of_mass_object;
   CentreMotion motion;
   Pose before = poses.at(*contact.object, t[range.begin]);
   const Pose first = before;
+  const double support = support_height(*body.model, first);
+  std::optional<double> weight;
+  if (body.mass && contact.peak_force < kMaxCoefficient * *body.mass * kStandardGravity)
+    weight = *body.mass * kStandardGravity;
+  motion.is_weight_known = weight.has_value();
   for (std::size_t from = range.begin, to; from + 1 < range.end; from = to) {
     Eigen::Vector3d sum = contact.force_base[from];
     for (to = from + 1; to + 1 < range.end && t[to] < t[from] + kMaxMotionStep; ++to) {
@@ -110,8 +143,11 @@ CentreMotion centre_motion(const InputSeries& series, const Contact& contact,
     const Pose after = poses.at(*contact.object, t[to]);
     const Eigen::Vector3d way = after * centre - before * centre;
     const Eigen::Vector3d force = sum / static_cast<double>(to - from);
-    motion.along += force.head<2>().dot(way.head<2>());
-    motion.across += force.x() * way.y() - force.y() * way.x();
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+    shift.head<2>() = centre_of_pressure(force.head<2>(), tip.at(t[from]).z() - support, weight);
+    const Eigen::Matrix3d turn = (after.rotation() * before.rotation().conjugate()).matrix();
+    motion.of_mass.add(force, way);
+    motion.of_pressure.add(force, way + turn * shift - shift);
     before = after;
   }
   motion.moved = (before * centre - first * centre).head<2>().norm();
@@ -177,9 +213,10 @@ std::optional<ForceDirection> direction_of(const InputSeries& series, const Cont
   }
   const CentreMotion motion = centre_motion(series, contact, range, tip, poses);
   if (motion.moved < kMinDisplacement) return std::nullopt;
-  direction.expected_base =
-      turned(direction.force_base, std::atan2(motion.across, motion.along), inward);
-  direction.across_std = std::hypot(kStraightStd, kTurningStd * motion.rotation_share);
+  direction.expected_base = turned(direction.force_base, motion.of_pressure.angle(), inward);
+  const double shift_std = motion.is_weight_known ? kShiftStd : kUnknownShiftStd;
+  direction.across_std = std::hypot(kStraightStd, kTurningStd * motion.rotation_share,
+                                    shift_std * motion.angle_of_shift());
   return direction;
 }
 

@@ -19,9 +19,10 @@ namespace pcavr {
 
 inline constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 
-/// The direction of one contact's force beside the one that it must have. An object that slides
-/// moves along the force through its centre of mass, whatever the friction at the tip; one that
-/// rests is pushed along the face's normal, within the friction at the tip.
+/// The direction of one contact's force beside the one that it must have. The point of an object
+/// that slides at which its support's pressure is centred moves along the force, whatever the
+/// friction at the tip; one that rests is pushed along the face's normal, within the friction at
+/// the tip.
 struct ForceDirection {
   Eigen::Vector3d force_base = Eigen::Vector3d::UnitX();     ///< unit
   Eigen::Vector3d expected_base = Eigen::Vector3d::UnitX();  ///< unit

@@ -214,8 +214,12 @@ ForceTurn turn_in(const std::vector<Pair>& pairs, const Eigen::Matrix3d& R_base_
       angle > 0.0 ? Eigen::Vector3d(found.turn / angle) : Eigen::Vector3d(Eigen::Vector3d::UnitZ());
   const Eigen::Matrix3d covariance = fit.covariance + shared_covariance(R_base_axes);
   found.angle_std = std::sqrt(axis.dot(covariance * axis));
-  found.stds = std::sqrt(found.turn.dot(covariance.ldlt().solve(found.turn)));
   found.cost = fit.cost;
+  // A turn about nearly the direction of all forces changes them little, however large it is: it is
+  // no more certain than it makes the directions agree.
+  const double gain = cost_of(pairs, Eigen::Matrix3d::Identity()) - fit.cost;
+  found.stds = std::min(std::sqrt(found.turn.dot(covariance.ldlt().solve(found.turn))),
+                        std::sqrt(std::max(gain, 0.0)));
   found.rms = rms_of(pairs, fit.correction, fit.weights);
   found.rms_as_written = rms_of(pairs, Eigen::Matrix3d::Identity(), fit.weights);
   std::vector<double> angles;
