@@ -3,10 +3,12 @@
 #include "physics/inputs/accumulated.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/core.h>
 
+#include "physics/inputs/clock_shift.hpp"
 #include "physics/inputs/force_turn.hpp"
 
 namespace pcavr {
@@ -45,6 +47,8 @@ void AccumulatedFindings::add(const WindowFindings& window) {
   counts_.tool_to_camera = window.tool_to_camera;
   counts_.is_force_offset_applied = window.is_force_offset_applied;
   counts_.is_camera_offset_applied = window.is_camera_offset_applied;
+  force_filter_ = window.force_filter;
+  force_drift_ = window.force_drift;
   if (counts_.tool_outliers == 0) first_outlier_ = window.first_outlier;
   if (counts_.tool_jumps == 0 && !window.jumps.empty()) first_jump_ = window.jumps.front();
   counts_.tool_outliers += window.tool_outliers;
@@ -80,7 +84,8 @@ void AccumulatedFindings::add(const WindowFindings& window) {
 }
 
 WindowPrior AccumulatedFindings::prior() const {
-  return {counts_.tool_to_force, counts_.tool_to_camera, counts_.contacts > 0};
+  return {counts_.tool_to_force, counts_.tool_to_camera, counts_.contacts > 0, force_filter_,
+          force_drift_};
 }
 
 std::optional<InputFault> AccumulatedFindings::find_fault(
@@ -90,6 +95,9 @@ std::optional<InputFault> AccumulatedFindings::find_fault(
   // The clock is checked before the axes: with an offset of seconds, a push may be compared with
   // another one's face.
   if (clock_fault_) return clock_fault_;
+  if (force_drift_) {
+    if (auto fault = drift_fault(*force_drift_)) return fault;
+  }
   if (auto fault = placement_fault(bodies_, placement_)) return fault;
   if (auto fault = axes_fault(evidence_)) return fault;
   for (std::size_t i = 0; i < friction_.size(); ++i) {
@@ -108,6 +116,12 @@ std::vector<std::string> AccumulatedFindings::notes() const {
   if (counts_.tool_jumps > 0) {
     notes.push_back("the tool's pose jumps " + times(counts_.tool_jumps) + ", first at " +
                     at_time(first_jump_) + ": contacts at that time are not used");
+  }
+  if (force_filter_) {
+    notes.push_back(fmt::format(
+        "the force went through a low-pass filter, as its noise without contact shows, and is "
+        "{:.1f} +- {:.1f} ms late by it: the filter is undone here, but not in the file",
+        1e3 * force_filter_->delay, 1e3 * force_filter_->std));
   }
   if (counts_.saturations > 0) {
     notes.push_back(fmt::format(
@@ -131,14 +145,36 @@ std::vector<std::string> AccumulatedFindings::warnings() const {
         "the file; set the sensor to zero before recording, or import with --tare",
         free_force_));
   }
+  if (force_drift_) {
+    warnings.push_back(fmt::format(
+        "the force's clock is {:.2g} +- {:.2g} % {} than the tool's, as their delay between the "
+        "contacts shows: taken off here; which of them is right is not known, and speeds may be "
+        "off by that",
+        1e2 * std::abs(force_drift_->rate), 1e2 * force_drift_->rate_std,
+        force_drift_->rate > 0.0 ? "faster" : "slower"));
+  }
   for (std::string& warning : placement_contradictions(bodies_, placement_)) {
     warnings.push_back(std::move(warning));
   }
   return warnings;
 }
 
+/// The force's offset without drift and filter becomes that of the force as measured.
+void AccumulatedFindings::add_delay_as_measured(InputFindings& findings) const {
+  if (!force_drift_ && !force_filter_) return;
+  TimeOffset& offset = findings.tool_to_force;
+  if (!findings.is_force_offset_applied) offset.offset = 0.0;
+  if (force_drift_) offset.offset += force_drift_->offset;
+  if (force_filter_) {
+    offset.offset += force_filter_->delay;
+    offset.std = std::hypot(offset.std, force_filter_->std);
+  }
+  offset.is_known = findings.is_force_offset_applied = true;
+}
+
 InputFindings AccumulatedFindings::conclude() const {
   InputFindings findings = counts_;
+  add_delay_as_measured(findings);
   std::optional<NoContact> none;
   if (counts_.contacts == 0 && !bodies_.empty()) none = explain_no_contact(bodies_, approaches_);
   if (none) findings.no_contact = none->error;

@@ -25,11 +25,14 @@ class AccumulatedFindings {
   [[nodiscard]] std::optional<InputFault> find_fault(const std::optional<NoContact>& none) const;
   [[nodiscard]] std::vector<std::string> notes() const;
   [[nodiscard]] std::vector<std::string> warnings() const;
+  void add_delay_as_measured(InputFindings& findings) const;
 
   std::vector<InputBody> bodies_;
   InputFindings counts_;                           ///< counts and offsets only
   double first_outlier_ = 0.0, first_jump_ = 0.0;  ///< [s]
   double free_force_ = 0.0;                        ///< [N] maximum
+  std::optional<ForceFilter> force_filter_ = {};   ///< of the newest window
+  std::optional<ClockDrift> force_drift_ = {};     ///< the same
   std::vector<ContactEvidence> evidence_;
   UnitTouches touches_;
   BodyPlacements placement_;

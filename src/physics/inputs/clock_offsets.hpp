@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,29 @@ namespace pcavr {
 /// there are presses, else on the smoothed ones. n is 1, 1.5 or 2, by the residual.
 [[nodiscard]] TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
                                       const PathView& tip);
+
+/// The force's delay by one contact alone, as force_offset finds it.
+struct ContactDelay {
+  double t = 0.0;      ///< [s] of its samples, by the force's stamps
+  double delay = 0.0;  ///< [s]
+  double std = 0.0;    ///< [s]
+  double bias = 0.0;   ///< [s] that contacts with one body may share
+};
+/// Of all presses that show it; of the pushes, where there are too few presses.
+[[nodiscard]] std::vector<ContactDelay> contact_delays(const Segmentation& found,
+                                                       const PathView& tip);
+
+/// A delay that grows or shrinks with time, as that of a clock that is fast or slow.
+struct ClockDrift {
+  double at = 0.0;        ///< [s]
+  double offset = 0.0;    ///< [s] the delay there
+  double rate = 0.0;      ///< [s/s] it grows by
+  double rate_std = 0.0;  ///< [s/s]
+
+  [[nodiscard]] double delay(double t) const { return offset + rate * (t - at); }
+};
+/// The line through most of the delays; empty where a constant explains them as well.
+[[nodiscard]] std::optional<ClockDrift> find_drift(std::span<const ContactDelay> delays);
 
 /// The same offset by cross-correlation of the tip's penetration of the bodies with the force into
 /// them: to some 15 ms, where the contact law does not give it.

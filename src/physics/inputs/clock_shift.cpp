@@ -37,6 +37,9 @@ constexpr double kTouchRange = 0.003;  // [m]
 /// arms and trackers.
 constexpr double kMoving = 0.002;  // [m/s]
 
+/// Of two clocks' rates: speeds, and what is identified by them, are off by as much.
+constexpr double kMaxDrift = 0.01;
+
 /// Samples on a uniform grid from `start` on; NaN where nothing is known.
 struct Signal {
   double start = 0.0;  ///< [s]
@@ -181,6 +184,14 @@ InputFault touch_fault(const TimeOffset& delay) {
       "the force is {:.2f} +- {:.2f} s {} than the tool's motion: shifted by that, the tip leaves "
       "the surfaces where it touched them",
       std::abs(delay.offset), delay.std, delay.offset > 0.0 ? "later" : "earlier"));
+}
+
+std::optional<InputFault> drift_fault(const ClockDrift& drift) {
+  if (std::abs(drift.rate) < kMaxDrift) return std::nullopt;
+  return clock_fault_of(fmt::format(
+      "its clock is {:.2g} +- {:.2g} % {} than the tool's, as the delay between force and motion "
+      "changes from contact to contact; which of them is right is not known",
+      1e2 * std::abs(drift.rate), 1e2 * drift.rate_std, drift.rate > 0.0 ? "faster" : "slower"));
 }
 
 std::optional<InputFault> clock_fault(const InputSeries& series, const Segmentation& found,

@@ -8,6 +8,7 @@
 #include "pcavr/physics/inputs/input_findings.hpp"
 
 #include "physics/inputs/body_poses.hpp"
+#include "physics/inputs/clock_offsets.hpp"
 
 namespace pcavr {
 
@@ -20,5 +21,8 @@ namespace pcavr {
 
 /// A delay of the force that the touches show, where it is not corrected.
 [[nodiscard]] InputFault touch_fault(const TimeOffset& delay);
+
+/// A fault where one clock is so fast that speeds are wrong.
+[[nodiscard]] std::optional<InputFault> drift_fault(const ClockDrift& drift);
 
 }  // namespace pcavr

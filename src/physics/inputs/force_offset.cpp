@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "pcavr/base/core/solvers.hpp"
 #include "pcavr/physics/contact/hunt_crossley.hpp"
@@ -25,6 +26,15 @@ constexpr std::size_t kMaxSamples = 250;  // of a contact: more are not independ
 // A linear contact's force leads the tip by its damping over its stiffness, as an early clock
 // would.
 constexpr double kMaxLinearLead = 0.010;  // [s] real tissue: 4 ms
+constexpr double kMinCorrelation = 0.9;   // of the tip with the law, where its offset is known
+// Of one contact's delay [s]: its range; a std from which on the contact does not show it.
+constexpr double kDriftRange = 0.6;
+constexpr double kMaxDelayOfContactStd = 0.03;
+constexpr std::size_t kEnoughPresses = 3;  // for a drift
+// What the law does not explain of a delay [s]: in one contact, and in all of a body. A linear
+// contact's damping looks like a lead; objects creep while a push is released.
+constexpr double kPressStd = 0.001, kPressBias = 0.005;
+constexpr double kReleaseStd = 0.005, kReleaseBias = 0.04;
 
 /// Samples on the force's clock at which the object is at rest under the tip.
 struct StationaryContact {
@@ -209,7 +219,46 @@ double std_between(const std::vector<StationaryContact>& contacts, const PathVie
   return is_known ? jackknife_std(without) : std::numeric_limits<double>::infinity();
 }
 
+/// The delay of the force in one contact; empty where its force does not show it.
+std::optional<ContactDelay> delay_of(const Contact& contact, const PathView& tip) {
+  const std::vector<StationaryContact> one{stationary_samples(contact)};
+  const bool is_press = contact.kind == ContactKind::press;
+  double min_squares = 1.0 - kMinCorrelation * kMinCorrelation;
+  std::optional<ContactDelay> found;
+  double exponent = 1.0;
+  for (const double n : kExponents) {
+    for (double delay = -kDriftRange; delay <= kDriftRange; delay += kGridStep) {
+      const ResidualSums at = residual_sums(one, tip, delay, n, Signals::smoothed);
+      const double squares = at.squares / at.motion_squares;
+      if (!(at.count > 0.0) || !(squares < min_squares)) continue;
+      min_squares = squares;
+      exponent = n;
+      found = ContactDelay{0.5 * (one[0].t.front() + one[0].t.back()), delay, 0.0,
+                           is_press ? kPressBias : kReleaseBias};
+    }
+  }
+  if (!found || std::abs(found->delay) > kDriftRange - 2.0 * kGridStep) return std::nullopt;
+  if (!refine(one, tip, exponent, Signals::smoothed, found->delay)) return std::nullopt;
+  const ResidualSums at = residual_sums(one, tip, found->delay, exponent, Signals::smoothed);
+  if (!(at.rate_squares > 0.0)) return std::nullopt;
+  const double correlated = correlated_samples(kHalfWidth, mean_interval(one[0].t));
+  found->std = std::hypot(std::sqrt(at.squares / at.count * correlated / at.rate_squares),
+                          is_press ? kPressStd : kReleaseStd);
+  if (found->std > kMaxDelayOfContactStd) return std::nullopt;
+  return found;
+}
+
 }  // namespace
+
+std::vector<ContactDelay> contact_delays(const Segmentation& found, const PathView& tip) {
+  std::vector<ContactDelay> presses, releases;
+  for (const Contact& contact : found.contacts) {
+    if (contact.t.empty() || contact.impact) continue;
+    const auto delay = delay_of(contact, tip);
+    if (delay) (contact.kind == ContactKind::press ? presses : releases).push_back(*delay);
+  }
+  return presses.size() >= kEnoughPresses ? presses : releases;
+}
 
 TimeOffset force_offset(const Segmentation& found, std::span<const double> t_force,
                         const PathView& tip) {
@@ -262,8 +311,8 @@ TimeOffset force_offset(const Segmentation& found, std::span<const double> t_for
   const bool may_be_damping = has_presses && exponent == kExponents[0] && result.offset < 0.0 &&
                               result.offset > -kMaxLinearLead;
   // At constant speed under load, any offset would fit.
-  result.is_known =
-      !is_at_end && !may_be_damping && result.correlation > 0.9 && result.std < 0.5 * kGridStep;
+  result.is_known = !is_at_end && !may_be_damping && result.correlation > kMinCorrelation &&
+                    result.std < 0.5 * kGridStep;
   return result;
 }
 

@@ -24,7 +24,11 @@ constexpr double kMaxTouchDelay = 1.0;  // [s] of the force; more is searched as
 constexpr double kMinTouchDelay = 0.2;
 constexpr double kMaxTouchStd = 0.05;     // [s] of a delay by touches that is corrected
 constexpr double kMaxDisagreement = 4.0;  // in stds of two estimates of one delay
-constexpr double kAroundGap = 0.2;        // [s] a contact that is found so near may lie in the gap
+constexpr int kFilterRefinements = 3;     // each leaves a tenth of the delay's error or less
+constexpr double kMaxFilterStds = 3.0;    // of a filter's delay by noise
+/// [s] Of a delay that drifts: one off by 2 ms makes a mass by accelerations some per cent wrong.
+constexpr double kMaxDelayStd = 0.002;
+constexpr double kAroundGap = 0.2;  // [s] a contact that is found so near may lie in the gap
 
 TimeOffset more_certain(const TimeOffset& known, const TimeOffset& found) {
   const bool is_better = found.is_known && (!known.is_known || found.std < known.std);
@@ -35,8 +39,10 @@ TimeOffset more_certain(const TimeOffset& known, const TimeOffset& found) {
 struct Prepared {
   InputSeries series;  ///< refers to the members below where an offset is applied
   TipPath tip;
+  std::vector<double> t_force_without_drift;
   std::vector<double> t_force;
-  std::vector<Eigen::Vector3d> force_base;
+  std::vector<Eigen::Vector3d> force_base;  ///< without what there is far from all bodies
+  std::vector<Eigen::Vector3d> force_before_filter;
   std::vector<std::vector<TrackedPose>> tracked;
   Segmentation found;
 
@@ -59,6 +65,29 @@ void take_free_force_off(const std::vector<BodySurface>& surfaces, Prepared& pre
   prepared.force_base.assign(series.force_base.begin(), series.force_base.end());
   for (Eigen::Vector3d& force : prepared.force_base) force -= *free;
   series.force_base = prepared.force_base;
+}
+
+/// The force as it was before a low pass, by the stamps as measured.
+void undo_force_filter(const InputSeries& measured, const InputOptions& options, Prepared& prepared,
+                       const ForceFilter& filter) {
+  InputSeries& series = prepared.series;
+  const bool is_shifted = !prepared.force_base.empty();
+  const std::span<const Eigen::Vector3d> behind =
+      is_shifted ? std::span<const Eigen::Vector3d>(prepared.force_base) : measured.force_base;
+  series.t_force = measured.t_force;
+  prepared.force_before_filter = without_filter(filter, series.t_force, behind);
+  series.force_base = prepared.force_before_filter;
+  segment(options, prepared);
+}
+
+void find_and_undo_force_filter(const InputSeries& measured, const WindowPrior& prior,
+                                const InputOptions& options, Prepared& prepared,
+                                WindowFindings& result) {
+  const InputSeries& series = prepared.series;
+  if (series.t_force.size() < 2) return;
+  result.force_filter = find_force_filter(series.t_force, series.force_base, prepared.found);
+  if (!result.force_filter) result.force_filter = prior.force_filter;
+  if (result.force_filter) undo_force_filter(measured, options, prepared, *result.force_filter);
 }
 
 /// `end` [s]: of all streams.
@@ -163,21 +192,62 @@ TimeOffset find_force_offset(const std::vector<BodySurface>& surfaces, bool is_k
   return found;
 }
 
+/// Takes off a delay that changes with time: this window's, or that of the one before.
+void undo_force_drift(const WindowPrior& prior, const InputOptions& options, Prepared& prepared,
+                      WindowFindings& result) {
+  result.force_drift = find_drift(contact_delays(without_gaps(prepared), prepared.path()));
+  if (!result.force_drift) result.force_drift = prior.force_drift;
+  if (!result.force_drift) return;
+  const std::span<const double> measured = prepared.series.t_force;
+  prepared.t_force_without_drift.assign(measured.begin(), measured.end());
+  for (double& t : prepared.t_force_without_drift) t -= result.force_drift->delay(t);
+  prepared.series.t_force = prepared.t_force_without_drift;
+  segment(options, prepared);
+}
+
 /// Estimates the force's offset and, where it is significant, applies it.
 void put_force_on_clock(const std::vector<BodySurface>& surfaces, const WindowPrior& prior,
                         const InputOptions& options, Prepared& prepared, WindowFindings& result) {
   TimeOffset found;
   if (!prepared.tip.t.empty()) {
+    undo_force_drift(prior, options, prepared, result);
     found = find_force_offset(surfaces, prior.tool_to_force.is_known, options, prepared, result);
   }
   const std::optional<double> impact = shortest_impact(prepared.found);
   if (impact && std::abs(found.offset) > *impact) found.is_known = false;
-  result.tool_to_force =
-      prior.tool_to_force.is_known ? more_certain(prior.tool_to_force, found) : found;
+  // What is left of a delay that drifts is not that of another window.
+  const bool is_same = prior.tool_to_force.is_known && !result.force_drift;
+  result.tool_to_force = is_same ? more_certain(prior.tool_to_force, found) : found;
   result.is_force_offset_applied =
       is_significant(result.tool_to_force, options.min_force_offset, options);
   if (!result.is_force_offset_applied) return;
   shift_force(result.tool_to_force.offset, options, prepared);
+}
+
+/// The filter whose delay is that by the contacts, where it is more certain than `by_noise`: what
+/// they leave of the delay is within the std by noise.
+std::optional<ForceFilter> filter_by_contacts(const ForceFilter& by_noise,
+                                              const WindowFindings& found) {
+  const TimeOffset& left = found.tool_to_force;
+  if (found.force_drift || !left.is_known || left.std > by_noise.std) return std::nullopt;
+  if (std::abs(left.offset) < left.std) return std::nullopt;
+  const double delay = found.force_filter->delay + left.offset;
+  if (std::abs(delay - by_noise.delay) > kMaxFilterStds * by_noise.std) return std::nullopt;
+  return filter_with_delay(*found.force_filter, delay, left.std);
+}
+
+void refine_force_filter(const InputSeries& measured, const std::vector<BodySurface>& surfaces,
+                         const WindowPrior& prior, const InputOptions& options, Prepared& prepared,
+                         WindowFindings& result) {
+  if (!result.force_filter) return;
+  const ForceFilter by_noise = *result.force_filter;
+  for (int i = 0; i < kFilterRefinements; ++i) {
+    const std::optional<ForceFilter> better = filter_by_contacts(by_noise, result);
+    if (!better) return;
+    result.force_filter = better;
+    undo_force_filter(measured, options, prepared, *better);
+    put_force_on_clock(surfaces, prior, options, prepared, result);
+  }
 }
 
 std::vector<UnusableInterval> unusable_intervals(const Prepared& prepared,
@@ -186,6 +256,13 @@ std::vector<UnusableInterval> unusable_intervals(const Prepared& prepared,
   for (const SaturatedInterval& interval : result.saturated) {
     bad.push_back({interval.begin, interval.end, "force sensor saturated"});
   }
+  if (!result.force_drift || prepared.series.t_force.empty()) return bad;
+  const double known = kMaxDelayStd / result.force_drift->rate_std;
+  const double first = prepared.series.t_force.front(), last = prepared.series.t_force.back();
+  const std::string reason = "the force's clock drifts, and its delay is not known there";
+  bad.push_back({first, result.force_drift->at - known, reason});
+  bad.push_back({result.force_drift->at + known, last, reason});
+  std::erase_if(bad, [](const UnusableInterval& at) { return at.begin >= at.end; });
   return bad;
 }
 
@@ -277,7 +354,9 @@ WindowFindings analyse_window(const InputSeries& measured, const std::vector<Bod
   prepared.tip = clean_tip_path(measured.t_tool, measured.p_base_tip, options);
   take_free_force_off(surfaces, prepared, result);
   segment(options, prepared);
+  find_and_undo_force_filter(measured, prior, options, prepared, result);
   put_force_on_clock(surfaces, prior, options, prepared, result);
+  refine_force_filter(measured, surfaces, prior, options, prepared, result);
   result.saturated = find_saturation(prepared.series.t_force, measured.force_base);
   describe_signals(prepared, result);
   std::optional<BodyPoses> poses;

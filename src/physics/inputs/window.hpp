@@ -8,7 +8,9 @@
 #include "pcavr/physics/inputs/input_findings.hpp"
 #include "pcavr/physics/inputs/tip_path.hpp"
 
+#include "physics/inputs/clock_offsets.hpp"
 #include "physics/inputs/faults.hpp"
+#include "physics/inputs/force_filter.hpp"
 #include "physics/inputs/placement.hpp"
 #include "physics/inputs/touch_closure.hpp"
 
@@ -19,6 +21,8 @@ struct WindowPrior {
   TimeOffset tool_to_force = {};
   TimeOffset tool_to_camera = {};
   bool has_contacts = false;
+  std::optional<ForceFilter> force_filter = {};
+  std::optional<ClockDrift> force_drift = {};
 };
 
 /// The findings of one window of a stream.
@@ -26,6 +30,8 @@ struct WindowFindings {
   TimeOffset tool_to_force = {};   ///< the more certain one of the prior and this window's
   TimeOffset tool_to_camera = {};  ///< the same
   bool is_force_offset_applied = false, is_camera_offset_applied = false;
+  std::optional<ForceFilter> force_filter = {};  ///< that was undone
+  std::optional<ClockDrift> force_drift = {};    ///< without which `tool_to_force` is stated
   std::size_t tool_outliers = 0, force_spikes = 0;
   double first_outlier = 0.0;  ///< [s]
   std::vector<double> jumps = {};

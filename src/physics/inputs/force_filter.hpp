@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pcavr/physics/identification/segmentation.hpp"
+
+namespace pcavr {
+
+/// A low pass that the force has been through before it was recorded. A sample before it is
+///     (y_k - sum a_i y_(k-i)) / (1 - sum a_i).
+struct ForceFilter {
+  std::vector<double> coefficients = {};  ///< a_1, a_2, ...
+  double delay = 0.0;                     ///< [s] of slow changes
+  double std = 0.0;                       ///< [s] of the delay
+  double interval = 0.0;                  ///< [s] between the samples
+};
+
+/// The low pass by the noise of the force without contact: the sensor's own is white, so that one
+/// that is correlated from sample to sample, and white again behind the inverse of an
+/// autoregression, shows the filter [Yule-Walker]. Slow drift is no filter. Empty where there is
+/// none, and where the noise does not show it: too few samples, repeated or rounded ones,
+/// vibrations.
+[[nodiscard]] std::optional<ForceFilter> find_force_filter(std::span<const double> t,
+                                                           std::span<const Eigen::Vector3d> force,
+                                                           const Segmentation& found);
+
+/// The same of another delay [s]: of second order nearly that; empty for higher orders.
+[[nodiscard]] std::optional<ForceFilter> filter_with_delay(const ForceFilter& filter, double delay,
+                                                           double std);
+
+/// The force before the filter; after a gap in `t` [s] as recorded until the filter's memory is
+/// full.
+[[nodiscard]] std::vector<Eigen::Vector3d> without_filter(const ForceFilter& filter,
+                                                          std::span<const double> t,
+                                                          std::span<const Eigen::Vector3d> force);
+
+}  // namespace pcavr

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The pcavr authors
+// SPDX-License-Identifier: Apache-2.0
+#include "physics/inputs/force_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "pcavr/base/core/random.hpp"
+
+namespace pcavr {
+namespace {
+
+constexpr double kRate = 500.0;  // [1/s]
+constexpr double kNoise = 0.1;   // [N]
+
+struct Force {
+  std::vector<double> t;
+  std::vector<Eigen::Vector3d> force;
+};
+
+/// 12 s of white noise, with a press of 1 s from t = 5 s on.
+Force noisy_press(std::uint64_t seed) {
+  Random random(seed);
+  Force measured;
+  for (int i = 0; i < 12 * static_cast<int>(kRate); ++i) {
+    const double t = i / kRate;
+    Eigen::Vector3d force;
+    for (int axis = 0; axis < 3; ++axis) force[axis] = kNoise * random.normal();
+    if (t > 5.0 && t < 6.0) force.z() -= 20.0 * std::pow(std::sin(std::numbers::pi * t), 2);
+    measured.t.push_back(t);
+    measured.force.push_back(force);
+  }
+  return measured;
+}
+
+Segmentation press_of(const Force& measured) {
+  Segmentation found;
+  found.contacts.emplace_back();
+  found.contacts.front().begin = 5.0, found.contacts.front().end = 6.0;
+  found.bias_base.assign(measured.t.size(), Eigen::Vector3d::Zero());
+  return found;
+}
+
+/// Behind `order` low passes of first order, one after the other [Hz].
+std::vector<Eigen::Vector3d> low_passed(std::vector<Eigen::Vector3d> force, double cutoff,
+                                        int order) {
+  const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * cutoff / kRate);
+  for (int k = 0; k < order; ++k) {
+    Eigen::Vector3d state = force.front();
+    for (Eigen::Vector3d& value : force) value = state += share * (value - state);
+  }
+  return force;
+}
+
+double rms_difference(const std::vector<Eigen::Vector3d>& a,
+                      const std::vector<Eigen::Vector3d>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+std::optional<ForceFilter> filter_of_noise(const Force& measured) {
+  return find_force_filter(measured.t, measured.force, press_of(measured));
+}
+
+TEST(ForceFilter, IsFoundByTheNoiseWithoutContact) {
+  for (const double cutoff : {8.0, 20.0, 60.0}) {
+    const Force sent = noisy_press(3);
+    const std::vector<Eigen::Vector3d> seen = low_passed(sent.force, cutoff, 1);
+    const auto filter = filter_of_noise({sent.t, seen});
+    ASSERT_TRUE(filter) << cutoff;
+    const double share = std::exp(-2.0 * std::numbers::pi * cutoff / kRate);
+    const double delay = share / (1.0 - share) / kRate;
+    EXPECT_NEAR(filter->delay, delay, 0.12 * delay) << cutoff;
+    // What is left is a tenth of what the filter changes, and noise.
+    EXPECT_LT(rms_difference(without_filter(*filter, sent.t, seen), sent.force),
+              0.15 * rms_difference(seen, sent.force));
+  }
+}
+
+TEST(ForceFilter, OfSecondOrderIsFound) {
+  for (const double cutoff : {20.0, 60.0}) {
+    const Force sent = noisy_press(4);
+    const std::vector<Eigen::Vector3d> seen = low_passed(sent.force, cutoff, 2);
+    const auto filter = filter_of_noise({sent.t, seen});
+    ASSERT_TRUE(filter) << cutoff;
+    EXPECT_LT(rms_difference(without_filter(*filter, sent.t, seen), sent.force),
+              0.3 * rms_difference(seen, sent.force));
+  }
+}
+
+TEST(ForceFilter, IsNoneOfWhiteNoise) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U}) {
+    EXPECT_FALSE(filter_of_noise(noisy_press(seed)));
+  }
+}
+
+TEST(ForceFilter, IsNoneOfNoiseThatDrifts) {
+  Force measured = noisy_press(6);
+  Random random(7);
+  double drift = 0.0;
+  for (Eigen::Vector3d& force : measured.force) {
+    drift += 0.05 * kNoise * random.normal();
+    force.x() += drift;
+  }
+  EXPECT_FALSE(filter_of_noise(measured));
+}
+
+TEST(ForceFilter, IsNoneOfAVibration) {
+  Force measured = noisy_press(8);
+  for (std::size_t i = 0; i < measured.t.size(); ++i) {
+    measured.force[i].y() += 0.2 * std::sin(2.0 * std::numbers::pi * 47.0 * measured.t[i]);
+  }
+  EXPECT_FALSE(filter_of_noise(measured));
+}
+
+TEST(ForceFilter, IsNotKnownOfRepeatedSamplesOrWithoutNoise) {
+  Force repeated = noisy_press(9);
+  for (std::size_t i = 0; i < repeated.force.size(); ++i) {
+    repeated.force[i] = repeated.force[i / 5 * 5];
+  }
+  EXPECT_FALSE(filter_of_noise(repeated));
+  Force silent = noisy_press(9);
+  for (Eigen::Vector3d& force : silent.force) force.setZero();
+  EXPECT_FALSE(filter_of_noise(silent));
+}
+
+TEST(ForceFilter, IsGivenAnotherDelay) {
+  const auto first = filter_with_delay({{0.5}, 0.002, 0.001, 0.002}, 0.006, 0.0004);
+  ASSERT_TRUE(first);
+  EXPECT_DOUBLE_EQ(first->coefficients.front(), 0.75);
+  EXPECT_EQ(first->delay, 0.006);
+  // Two of first order with 0.8, which delay by 4 samples each.
+  const auto second = filter_with_delay({{1.6, -0.64}, 0.016, 0.001, 0.002}, 0.018, 0.0004);
+  ASSERT_TRUE(second);
+  EXPECT_NEAR(second->delay, 0.018, 3e-4);
+  const double pole = 0.5 * second->coefficients[0];
+  EXPECT_NEAR(second->coefficients[1], -pole * pole, 1e-9);
+  EXPECT_FALSE(filter_with_delay({{0.5, 0.1, 0.1}, 0.002, 0.001, 0.002}, 0.006, 0.0004));
+}
+
+TEST(ForceFilter, IsNotUndoneAcrossAGap) {
+  const ForceFilter filter{{0.5}, 0.002, 0.0, 0.002};
+  const std::vector<double> t{0.0, 0.1, 0.2, 5.0, 5.1, 5.2};
+  const std::vector<Eigen::Vector3d> seen(t.size(), Eigen::Vector3d::UnitX());
+  std::vector<Eigen::Vector3d> steps = seen;
+  for (std::size_t i = 3; i < steps.size(); ++i) steps[i] *= 10.0;
+  for (const Eigen::Vector3d& force : without_filter(filter, t, steps)) {
+    EXPECT_TRUE(force.x() == 1.0 || force.x() == 10.0) << force.x();
+  }
+}
+
+}  // namespace
+}  // namespace pcavr
