@@ -13,10 +13,9 @@ namespace pcavr {
 namespace {
 
 /// Delays of contacts 1.5 s apart, with noise of their std, that grow by `rate` [s/s].
-std::vector<ContactDelay> delays_of(std::size_t count, double std, double rate,
-                                    std::uint64_t seed) {
+std::vector<PressDelay> delays_of(std::size_t count, double std, double rate, std::uint64_t seed) {
   Random random(seed);
-  std::vector<ContactDelay> delays;
+  std::vector<PressDelay> delays;
   for (std::size_t i = 0; i < count; ++i) {
     const double t = 2.0 + 1.5 * static_cast<double>(i);
     delays.push_back({t, 0.012 + rate * t + std * random.normal(), std, 0.0});
@@ -41,7 +40,7 @@ TEST(ClockDrift, IsNoneOfAConstantDelay) {
 }
 
 TEST(ClockDrift, IsFoundBesideAContactThatShowsAnotherDelay) {
-  std::vector<ContactDelay> delays = delays_of(7, 0.001, 0.003, 2);
+  std::vector<PressDelay> delays = delays_of(7, 0.001, 0.003, 2);
   delays[3].delay = -0.4;
   const auto drift = find_drift(delays);
   ASSERT_TRUE(drift);
@@ -49,16 +48,16 @@ TEST(ClockDrift, IsFoundBesideAContactThatShowsAnotherDelay) {
 }
 
 TEST(ClockDrift, IsNoStepOfTheClock) {
-  std::vector<ContactDelay> delays = delays_of(8, 0.001, 0.0, 3);
+  std::vector<PressDelay> delays = delays_of(8, 0.001, 0.0, 3);
   for (std::size_t i = 4; i < delays.size(); ++i) delays[i].delay += 0.1;
   EXPECT_FALSE(find_drift(delays));
 }
 
 TEST(ClockDrift, IsNotKnownWhereBodiesMayDifferByAsMuch) {
-  std::vector<ContactDelay> delays = delays_of(7, 0.001, 0.003, 5);
-  for (ContactDelay& delay : delays) delay.bias = 0.02;
+  std::vector<PressDelay> delays = delays_of(7, 0.001, 0.003, 5);
+  for (PressDelay& delay : delays) delay.bias = 0.02;
   EXPECT_FALSE(find_drift(delays));
-  for (ContactDelay& delay : delays) delay.bias = 0.01;
+  for (PressDelay& delay : delays) delay.bias = 0.01;
   EXPECT_TRUE(find_drift(delays));
 }
 

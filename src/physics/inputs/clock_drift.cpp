@@ -20,29 +20,29 @@ constexpr double kMinRateStds = 4.0;
 constexpr double kMinBiases = 2.0;  // by which the delay must change: bodies may differ by one
 constexpr int kDriftRefits = 3;
 
-double stds_from(const ClockDrift& line, const ContactDelay& of) {
+double stds_from(const ClockDrift& line, const PressDelay& of) {
   return std::abs(of.delay - line.delay(of.t)) / of.std;
 }
 
-double robust_squares(const ClockDrift& line, std::span<const ContactDelay> delays) {
+double robust_squares(const ClockDrift& line, std::span<const PressDelay> delays) {
   double sum = 0.0;
-  for (const ContactDelay& delay : delays) {
+  for (const PressDelay& delay : delays) {
     sum += std::pow(std::min(stds_from(line, delay), kOutlierStds), 2);
   }
   return sum;
 }
 
-void keep_better(const ClockDrift& line, std::span<const ContactDelay> delays, double& squares,
+void keep_better(const ClockDrift& line, std::span<const PressDelay> delays, double& squares,
                  ClockDrift& best) {
   const double found = robust_squares(line, delays);
   if (found < squares) squares = found, best = line;
 }
 
 /// By least squares, of the delays near `line`. The stds are those of the scatter, if it is larger.
-ClockDrift refit(const ClockDrift& line, std::span<const ContactDelay> delays) {
+ClockDrift refit(const ClockDrift& line, std::span<const PressDelay> delays) {
   double weights = 0.0, mean_t = 0.0, mean = 0.0, count = 0.0;
-  std::vector<ContactDelay> near;
-  for (const ContactDelay& delay : delays) {
+  std::vector<PressDelay> near;
+  for (const PressDelay& delay : delays) {
     if (stds_from(line, delay) > kOutlierStds) continue;
     near.push_back(delay);
     const double weight = 1.0 / (delay.std * delay.std);
@@ -50,7 +50,7 @@ ClockDrift refit(const ClockDrift& line, std::span<const ContactDelay> delays) {
   }
   mean_t /= weights, mean /= weights;
   double squares = 0.0, products = 0.0;
-  for (const ContactDelay& delay : near) {
+  for (const PressDelay& delay : near) {
     const double weight = 1.0 / (delay.std * delay.std);
     squares += weight * (delay.t - mean_t) * (delay.t - mean_t);
     products += weight * (delay.t - mean_t) * (delay.delay - mean);
@@ -64,12 +64,12 @@ ClockDrift refit(const ClockDrift& line, std::span<const ContactDelay> delays) {
 
 }  // namespace
 
-std::optional<ClockDrift> find_drift(std::span<const ContactDelay> delays) {
+std::optional<ClockDrift> find_drift(std::span<const PressDelay> delays) {
   if (delays.size() < kMinDelays) return std::nullopt;
   ClockDrift constant, line;
   double constant_squares = std::numeric_limits<double>::infinity(), squares = constant_squares;
   for (std::size_t i = 0; i < delays.size(); ++i) {
-    const ContactDelay& first = delays[i];
+    const PressDelay& first = delays[i];
     keep_better({first.t, first.delay, 0.0, 0.0}, delays, constant_squares, constant);
     for (std::size_t k = i + 1; k < delays.size(); ++k) {
       const double rate = (delays[k].delay - first.delay) / (delays[k].t - first.t);
@@ -80,7 +80,7 @@ std::optional<ClockDrift> find_drift(std::span<const ContactDelay> delays) {
   if (!std::isfinite(squares)) return std::nullopt;
   for (int i = 0; i < kDriftRefits; ++i) line = refit(line, delays);
   const auto on_line = static_cast<double>(std::ranges::count_if(
-      delays, [&](const ContactDelay& delay) { return stds_from(line, delay) < kOutlierStds; }));
+      delays, [&](const PressDelay& delay) { return stds_from(line, delay) < kOutlierStds; }));
   const double needed =
       std::max(static_cast<double>(kMinDelays), kMinExplained * static_cast<double>(delays.size()));
   const bool is_decisive = constant_squares - robust_squares(line, delays) > kDecisiveDrift &&

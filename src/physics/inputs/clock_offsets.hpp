@@ -31,15 +31,14 @@ namespace pcavr {
                                       const PathView& tip);
 
 /// The force's delay by one contact alone, as force_offset finds it.
-struct ContactDelay {
+struct PressDelay {
   double t = 0.0;      ///< [s] of its samples, by the force's stamps
   double delay = 0.0;  ///< [s]
   double std = 0.0;    ///< [s]
   double bias = 0.0;   ///< [s] that contacts with one body may share
 };
 /// Of all presses that show it; of the pushes, where there are too few presses.
-[[nodiscard]] std::vector<ContactDelay> contact_delays(const Segmentation& found,
-                                                       const PathView& tip);
+[[nodiscard]] std::vector<PressDelay> press_delays(const Segmentation& found, const PathView& tip);
 
 /// A delay that grows or shrinks with time, as that of a clock that is fast or slow.
 struct ClockDrift {
@@ -51,7 +50,7 @@ struct ClockDrift {
   [[nodiscard]] double delay(double t) const { return offset + rate * (t - at); }
 };
 /// The line through most of the delays; empty where a constant explains them as well.
-[[nodiscard]] std::optional<ClockDrift> find_drift(std::span<const ContactDelay> delays);
+[[nodiscard]] std::optional<ClockDrift> find_drift(std::span<const PressDelay> delays);
 
 /// The same offset by cross-correlation of the tip's penetration of the bodies with the force into
 /// them: to some 15 ms, where the contact law does not give it.

@@ -17,7 +17,7 @@ namespace {
 constexpr double kMaxTriedDelay = 0.6;  ///< [s] that is searched
 constexpr double kMinChangeStds = 4.0;  ///< of a step, which is the best of several instants
 constexpr double kMinChange = 0.010;    ///< [s] over the record: less is the contacts' own
-constexpr double kMaxDrift = 1e-3;      ///< clocks without a common reference differ by 1e-4
+constexpr double kMaxClockRate = 1e-3;  ///< clocks without a common reference differ by 1e-4
 constexpr std::size_t kMinForDrift = 4;
 
 /// A weighted line through delays, or two levels; what either leaves, in variances.
@@ -109,7 +109,7 @@ DelayChange find_delay_change(std::span<const ContactDelay> delays) {
   }
   const double span = delays.back().t - delays.front().t;
   const DelayFit drift = delays.size() < kMinForDrift ? DelayFit() : fit_line(delays);
-  const bool is_drift = drift.std > 0.0 && std::abs(drift.change) < kMaxDrift &&
+  const bool is_drift = drift.std > 0.0 && std::abs(drift.change) < kMaxClockRate &&
                         is_significant_change(drift.change * span, drift.std * span);
   DelayChange change{.min_step = std::max(kMinChange, kMinChangeStds * best.std)};
   const bool is_step = is_significant_change(best.size, best.std);

@@ -220,11 +220,11 @@ double std_between(const std::vector<StationaryContact>& contacts, const PathVie
 }
 
 /// The delay of the force in one contact; empty where its force does not show it.
-std::optional<ContactDelay> delay_of(const Contact& contact, const PathView& tip) {
+std::optional<PressDelay> delay_of(const Contact& contact, const PathView& tip) {
   const std::vector<StationaryContact> one{stationary_samples(contact)};
   const bool is_press = contact.kind == ContactKind::press;
   double min_squares = 1.0 - kMinCorrelation * kMinCorrelation;
-  std::optional<ContactDelay> found;
+  std::optional<PressDelay> found;
   double exponent = 1.0;
   for (const double n : kExponents) {
     for (double delay = -kDriftRange; delay <= kDriftRange; delay += kGridStep) {
@@ -233,8 +233,8 @@ std::optional<ContactDelay> delay_of(const Contact& contact, const PathView& tip
       if (!(at.count > 0.0) || !(squares < min_squares)) continue;
       min_squares = squares;
       exponent = n;
-      found = ContactDelay{0.5 * (one[0].t.front() + one[0].t.back()), delay, 0.0,
-                           is_press ? kPressBias : kReleaseBias};
+      found = PressDelay{0.5 * (one[0].t.front() + one[0].t.back()), delay, 0.0,
+                         is_press ? kPressBias : kReleaseBias};
     }
   }
   if (!found || std::abs(found->delay) > kDriftRange - 2.0 * kGridStep) return std::nullopt;
@@ -250,8 +250,8 @@ std::optional<ContactDelay> delay_of(const Contact& contact, const PathView& tip
 
 }  // namespace
 
-std::vector<ContactDelay> contact_delays(const Segmentation& found, const PathView& tip) {
-  std::vector<ContactDelay> presses, releases;
+std::vector<PressDelay> press_delays(const Segmentation& found, const PathView& tip) {
+  std::vector<PressDelay> presses, releases;
   for (const Contact& contact : found.contacts) {
     if (contact.t.empty() || contact.impact) continue;
     const auto delay = delay_of(contact, tip);

@@ -195,7 +195,7 @@ TimeOffset find_force_offset(const std::vector<BodySurface>& surfaces, bool is_k
 /// Takes off a delay that changes with time: this window's, or that of the one before.
 void undo_force_drift(const WindowPrior& prior, const InputOptions& options, Prepared& prepared,
                       WindowFindings& result) {
-  result.force_drift = find_drift(contact_delays(without_gaps(prepared), prepared.path()));
+  result.force_drift = find_drift(press_delays(without_gaps(prepared), prepared.path()));
   if (!result.force_drift) result.force_drift = prior.force_drift;
   if (!result.force_drift) return;
   const std::span<const double> measured = prepared.series.t_force;

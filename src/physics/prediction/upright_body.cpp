@@ -113,7 +113,7 @@ UprightBody::UprightBody(const WorldBody& body, double gravity, double max_conta
       centre_of_mass_object_(body.model.centre_of_mass_object),
       surface_(body.model.mesh_object, to_body_axes(T_base_object_start_, centre_of_mass_object_)),
       heading_(heading_of(T_base_object_start_)),
-      gyration_radius_(gyration_radius(body.model, T_base_object_start_)),
+      gyration_radius_(pcavr::gyration_radius(body.model, T_base_object_start_)),
       gravity_(gravity),
       max_contact_force_(max_contact_force),
       lowest_(surface_.bounds().min().z()) {
