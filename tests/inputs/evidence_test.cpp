@@ -18,11 +18,11 @@
 namespace pcavr {
 namespace {
 
-constexpr double kRadius = 0.01;     // [m] of the tip
-constexpr double kTipHeight = 0.02;  // [m] over the body's middle, which is 25 mm over the support
-constexpr double kMass = 2.0;        // [kg]
-constexpr double kForce = 16.0;      // [N] of a friction coefficient of 0.82
-constexpr double kDuration = 1.0;    // [s]
+constexpr double kSlidingTip = 0.01;  // [m] of the tip
+constexpr double kTipHeight = 0.02;   // [m] over the body's middle, which is 25 mm over the support
+constexpr double kMass = 2.0;         // [kg]
+constexpr double kForce = 16.0;       // [N] of a friction coefficient of 0.82
+constexpr double kSlideTime = 1.0;    // [s]
 
 /// A block that slides along the force's +y at its centre of pressure, which lies ahead of the
 /// centre of mass, and turns by `rate` [rad/s].
@@ -47,21 +47,21 @@ std::vector<ContactEvidence> evidence_of(const std::vector<double>& rates,
     contact.kind = ContactKind::slide;
     contact.object = 0;
     contact.begin = 10.0 * static_cast<double>(k);
-    contact.end = contact.begin + kDuration;
+    contact.end = contact.begin + kSlideTime;
     contact.peak_force = kForce;
     contact.normal_object = -Eigen::Vector3d::UnitY();
     const double corner = rates[k] < 0.0 ? -0.045 : 0.045;
-    for (double t = 0.0; t < kDuration; t += 0.005) {
+    for (double t = 0.0; t < kSlideTime; t += 0.005) {
       const Pose T = pose_at_time(t, rates[k]);
       tracked.push_back({contact.begin + t, T, 1e-4, 1e-3});
       t_tool.push_back(contact.begin + t);
-      p_base_tip.push_back(T * Eigen::Vector3d(corner, -0.05 - kRadius, kTipHeight));
+      p_base_tip.push_back(T * Eigen::Vector3d(corner, -0.05 - kSlidingTip, kTipHeight));
       contact.t.push_back(contact.begin + t);
       contact.force_base.push_back(kForce * Eigen::Vector3d::UnitY());
     }
   }
   InputSeries series{.bodies = {{"block", &model, Pose(), mass, tracked}},
-                     .tool_radius = kRadius,
+                     .tool_radius = kSlidingTip,
                      .t_tool = t_tool,
                      .p_base_tip = p_base_tip};
   std::vector<BodySurface> surfaces;

@@ -16,8 +16,8 @@
 namespace pcavr {
 namespace {
 
-constexpr double kRate = 500.0;  // [1/s]
-constexpr double kNoise = 0.1;   // [N]
+constexpr double kForceRate = 500.0;  // [1/s]
+constexpr double kNoise = 0.1;        // [N]
 
 struct Force {
   std::vector<double> t;
@@ -28,8 +28,8 @@ struct Force {
 Force noisy_press(std::uint64_t seed) {
   Random random(seed);
   Force measured;
-  for (int i = 0; i < 12 * static_cast<int>(kRate); ++i) {
-    const double t = i / kRate;
+  for (int i = 0; i < 12 * static_cast<int>(kForceRate); ++i) {
+    const double t = i / kForceRate;
     Eigen::Vector3d force;
     for (int axis = 0; axis < 3; ++axis) force[axis] = kNoise * random.normal();
     if (t > 5.0 && t < 6.0) force.z() -= 20.0 * std::pow(std::sin(std::numbers::pi * t), 2);
@@ -50,7 +50,7 @@ Segmentation press_of(const Force& measured) {
 /// Behind `order` low passes of first order, one after the other [Hz].
 std::vector<Eigen::Vector3d> low_passed(std::vector<Eigen::Vector3d> force, double cutoff,
                                         int order) {
-  const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * cutoff / kRate);
+  const double share = 1.0 - std::exp(-2.0 * std::numbers::pi * cutoff / kForceRate);
   for (int k = 0; k < order; ++k) {
     Eigen::Vector3d state = force.front();
     for (Eigen::Vector3d& value : force) value = state += share * (value - state);
@@ -75,8 +75,8 @@ TEST(ForceFilter, IsFoundByTheNoiseWithoutContact) {
     const std::vector<Eigen::Vector3d> seen = low_passed(sent.force, cutoff, 1);
     const auto filter = filter_of_noise({sent.t, seen});
     ASSERT_TRUE(filter) << cutoff;
-    const double share = std::exp(-2.0 * std::numbers::pi * cutoff / kRate);
-    const double delay = share / (1.0 - share) / kRate;
+    const double share = std::exp(-2.0 * std::numbers::pi * cutoff / kForceRate);
+    const double delay = share / (1.0 - share) / kForceRate;
     EXPECT_NEAR(filter->delay, delay, 0.12 * delay) << cutoff;
     // What is left is a tenth of what the filter changes, and noise.
     EXPECT_LT(rms_difference(without_filter(*filter, sent.t, seen), sent.force),

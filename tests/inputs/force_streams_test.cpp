@@ -68,12 +68,12 @@ void expect_same_presses(const Examined& found, const Examined& sound, double ma
   }
 }
 
-constexpr double kDuration = 26.0;  // [s] presses and pushes
+constexpr double kStreamsTime = 26.0;  // [s] presses and pushes
 
 IdentificationInput presses() { return identified_case(ToolTask::press, 2, 12.0).input; }
 
 TEST(ForceStreams, ALowPassIsUndoneAndNoted) {
-  const IdentificationInput sound = simulated_input(kDuration);
+  const IdentificationInput sound = simulated_input(kStreamsTime);
   const Examined expected = examined(sound);
   EXPECT_FALSE(has_line(expected.findings.notes, "low-pass"));
   for (const double cutoff : {8.0, 25.0}) {
