@@ -39,12 +39,18 @@ Error no_stamps(const PoseList& list) {
 std::string step_note(const ComparedClocks& found) {
   const ClockStep& step = *found.clock.step;
   return fmt::format(
-      "the clocks step against each other by {:.1f} +- {:.1f} ms at t = {} s of {}: the clock of "
-      "{} "
-      "was set back then, or that of {} ahead",
+      "the clocks step against each other by {:.1f} +- {:.1f} ms at t = {} s of {}: "
+      "the clock of {} was set back then, or that of {} ahead",
       1e3 * std::abs(step.size), 1e3 * step.std, format_stamp(Stamp::from_seconds(step.at), 2),
       found.b.name, step.size > 0.0 ? found.b.name : found.a.name,
       step.size > 0.0 ? found.a.name : found.b.name);
+}
+
+std::string drift_note(const ComparedClocks& found) {
+  return fmt::format(
+      "no two clocks drift by {:.2g} %: one was set, or the stamps of {} or {} are counted rows of "
+      "another rate; don't use this offset",
+      1e2 * std::abs(*found.clock.drift), found.a.name, found.b.name);
 }
 
 Expected<ComparedClocks> compare(const PoseList& a, const PoseList& b,
@@ -60,6 +66,9 @@ Expected<ComparedClocks> compare(const PoseList& a, const PoseList& b,
   }
   found.clock = estimate_clock_offset(found.a, found.b, options);
   if (found.clock.step) found.notes.push_back(step_note(found));
+  if (std::abs(found.clock.drift.value_or(0.0)) > kMaxClockDrift) {
+    found.notes.push_back(drift_note(found));
+  }
   return found;
 }
 

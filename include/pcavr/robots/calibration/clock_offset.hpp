@@ -11,6 +11,9 @@
 
 namespace pcavr {
 
+/// Clocks differ by 1e-4, and rates that are taken for others by 1e-3: a larger drift is none.
+inline constexpr double kMaxClockDrift = 2e-3;
+
 /// An instant from which on the offset of two clocks is another one: one of them was set.
 struct ClockStep {
   double at = 0.0;    ///< [s] of b's stamps
