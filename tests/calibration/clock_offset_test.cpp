@@ -3,6 +3,8 @@
 #include "pcavr/robots/calibration/clock_offset.hpp"
 
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -160,6 +162,18 @@ TEST(ClockStep, StatesAStdThatHolds) {
   EXPECT_LT(largest, 5.0);
 }
 
+TEST(CleanStream, LeavesOutStretchesOfHeldSamples) {
+  std::vector<TimedPose> rows = SharedMotion(13).seen_by_a(20.0, 50.0, 1e-4, Random(1));
+  for (std::size_t i = 300; i < 420; ++i) rows[i].pose = rows[i - i % 6].pose;
+  const PoseStream stream = clean_stream("a", rows);
+  EXPECT_EQ(stream.repeated, 100U);
+  EXPECT_EQ(stream.wild, 0U);
+  ASSERT_EQ(stream.notes.size(), 1U);
+  EXPECT_NE(stream.notes[0].find("100 rows repeat the one before in 20 stretches"),
+            std::string::npos)
+      << stream.notes[0];
+}
+
 TEST(CleanStream, NamesRowsOutOfOrderRepeatedAndWildOnes) {
   const SharedMotion motion(8);
   std::vector<TimedPose> rows = motion.seen_by_a(10.0, 50.0, 1e-4, Random(1));
@@ -226,6 +240,27 @@ TEST(RealStreams, ShowShiftsThatWerePutInAndNoneBetweenTheirHalves) {
     if (!first.is_observable || !second.is_observable) continue;
     EXPECT_LT(std::abs(first.offset - second.offset), 3.0 * std::hypot(first.std, second.std))
         << streams.b;
+  }
+}
+
+TEST(RealStreams, ShowAClockThatWasSet) {
+  PCAVR_NEEDS_SHARED_DATA("real/pose_streams");
+  for (const RealStreams& streams : kStreams) {
+    // With a std of 61 ms a step of 120 ms may be chance.
+    if (std::string_view(streams.b).starts_with("3_falcon")) continue;
+    const PoseStream a = clean_stream("a", rows_of(shared_data("real/pose_streams") / streams.a));
+    const std::vector<TimedPose> b =
+        clean_stream("b", rows_of(shared_data("real/pose_streams") / streams.b)).poses.poses();
+    const double begin = b.front().stamp.seconds(), span = b.back().stamp.seconds() - begin;
+    for (const double share : {0.35, 0.5, 0.65}) {
+      for (const double size : {0.12, -0.12}) {
+        const ClockOffset found =
+            estimate_clock_offset(a, clean_stream("b", with_step(b, begin + share * span, size)));
+        ASSERT_TRUE(found.step) << streams.b << ' ' << share << ' ' << size;
+        EXPECT_NEAR(found.step->size, size, 4.0 * found.step->std) << streams.b << ' ' << share;
+        EXPECT_NEAR(found.step->at, begin + share * span, 1.0) << streams.b << ' ' << share;
+      }
+    }
   }
 }
 

@@ -181,7 +181,8 @@ TEST_F(Doctor, NamesStretchesOfHeldSamples) {
                         0.1 + 0.0005 * k + 1e-5 * ((k * 37) % 11 - 5));
   }
   write("tool.csv", tool);
-  expect_disagreement({"tool.csv: ", " rows repeat the one before in ", "held samples"});
+  expect_disagreement(
+      {"tool.csv: ", "45 rows repeat the one before in 15 stretches", "held samples"});
 }
 
 TEST_F(Doctor, NamesAForceAtRestAndTheToolWhoseWeightItMayBe) {

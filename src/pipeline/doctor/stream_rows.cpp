@@ -15,9 +15,9 @@
 #include "pcavr/pipeline/replay.hpp"
 #include "pcavr/recordings/recording/stamp_units.hpp"
 #include "pcavr/recordings/recording/stream_clocks.hpp"
+#include "pcavr/recordings/recording/stream_faults.hpp"
 
 #include "diagnosis_rows.hpp"
-#include "pipeline/checks/stream_faults.hpp"
 
 namespace pcavr {
 namespace {
@@ -143,7 +143,7 @@ void add_held(const MeasuredStream& stream, std::vector<DiagnosisRow>& rows) {
       stream.name,
       fmt::format("{} rows repeat the one before in {} stretches, the longest of {:.1f} ms at "
                   "t = {:.3f} s",
-                  held.rows, held.stretches, 1e3 * held.longest, held.t_longest),
+                  held.repeated.size(), held.stretches, 1e3 * held.longest, held.t_longest),
       "held samples: the source came late, and its last value was written again; leave these "
       "rows out"));
 }

@@ -11,6 +11,7 @@
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/recordings/recording/held_samples.hpp"
+#include "pcavr/recordings/recording/stream_faults.hpp"
 
 namespace pcavr {
 namespace {
@@ -87,6 +88,27 @@ void sort_rows(std::vector<TimedPose>& rows, PoseStream& stream) {
   }
 }
 
+/// Leaves out the rows of single stretches in which values repeat.
+void leave_out_stretches(std::vector<TimedPose>& rows, PoseStream& stream) {
+  if (rows.empty()) return;
+  const HeldStretches held =
+      find_held_stretches(measured_poses(stream.name, rows, rows.front().stamp));
+  if (held.stretches == 0) return;
+  std::vector<TimedPose> kept;
+  auto repeated = held.repeated.begin();
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const bool is_repeated = repeated != held.repeated.end() && *repeated == row;
+    if (is_repeated) ++repeated;
+    if (!is_repeated) kept.push_back(rows[row]);
+  }
+  rows = std::move(kept);
+  stream.repeated += held.repeated.size();
+  stream.notes.push_back(
+      fmt::format("{}: {} rows repeat the one before in {} stretches, the longest of {:.1f} ms: "
+                  "held samples, left out",
+                  stream.name, held.repeated.size(), held.stretches, 1e3 * held.longest));
+}
+
 }  // namespace
 
 double PoseStream::interval() const {
@@ -107,6 +129,7 @@ PoseStream clean_stream(std::string name, std::vector<TimedPose> rows) {
     stream.repeated += before - sorted.size();
   }
   std::vector<TimedPose> poses = sorted.poses();
+  leave_out_stretches(poses, stream);
   for (int pass = 0; pass < kWildPasses; ++pass) {
     const std::size_t removed = remove_wild(poses);
     stream.wild += removed;

@@ -22,7 +22,7 @@ struct MeasuredStream {
   std::vector<Values> values = {};
 };
 
-/// Two points of the frame that moves, so that its turn counts, too.
+/// Two points of the frame that moves, so that its turn counts, too; times from `start` on.
 [[nodiscard]] MeasuredStream measured_poses(std::string name, const std::vector<TimedPose>& poses,
                                             Stamp start);
 
@@ -49,8 +49,9 @@ struct OddInterval {
 /// Rows that repeat the one before while the stream moves, which then goes on where it would be
 /// without them.
 struct HeldStretches {
-  std::size_t stretches = 0, rows = 0;
-  double longest = 0.0, t_longest = 0.0;  ///< [s]
+  std::size_t stretches = 0;
+  std::vector<std::size_t> repeated = {};  ///< rows
+  double longest = 0.0, t_longest = 0.0;   ///< [s]
 };
 
 [[nodiscard]] HeldStretches find_held_stretches(const MeasuredStream& stream);

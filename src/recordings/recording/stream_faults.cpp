@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The pcavr authors
 // SPDX-License-Identifier: Apache-2.0
-#include "stream_faults.hpp"
+#include "pcavr/recordings/recording/stream_faults.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,22 +14,29 @@ namespace {
 
 using Values = MeasuredStream::Values;
 
-constexpr double kLever = 0.1;           ///< [m] of the points of a frame, by which its turn counts
-constexpr std::size_t kMinRows = 60;     ///< fewer show no usual interval
-constexpr std::size_t kMaxOdd = 4;       ///< intervals: more are jitter
-constexpr double kMinOdd = 5e-3;         ///< [s] from the usual interval
-constexpr double kMinOddShare = 0.3;     ///< [usual intervals]
-constexpr double kMinOddScatters = 5.0;  ///< of the other intervals' distance from the usual one
-constexpr double kSide = 0.08;           ///< [s] of motion that is fitted on either side
+constexpr double kLever = 0.1;  ///< [m] of the points of a frame, by which its turn counts
+constexpr std::size_t kMinStreamRows = 60;  ///< fewer show no usual interval
+constexpr std::size_t kMaxOdd = 4;          ///< intervals: more are jitter
+constexpr double kMinOdd = 5e-3;            ///< [s] from the usual interval
+constexpr double kMinOddShare = 0.3;        ///< [usual intervals]
+constexpr double kMinOddScatters = 5.0;     ///< of the other intervals' distance from the usual one
+constexpr double kSide = 0.08;              ///< [s] of motion that is fitted on either side
 constexpr std::size_t kMinSide = 4, kMaxSide = 25;  ///< [rows]
 constexpr std::size_t kMaxCompared = 400;           ///< places that show how well a motion goes on
 constexpr double kErrorShare = 0.68;  ///< of these places, whose error counts as a std
 constexpr double kMinStds = 4.0;      ///< that rule out a cause
 constexpr double kMaxStds = 6.0;      ///< with which a cause explains the motion
-constexpr double kMinCatchUp = 0.75;  ///< of the motion that a held stretch has left out
+constexpr double kMaxCatchUp = 2.0;   ///< of the motion that a held stretch has left out: a jump
 constexpr std::size_t kMinHeld = 3;   ///< [rows] together: fewer are chance
-constexpr std::size_t kAround = 10;   ///< [rows] before and after, which show the motion
-constexpr double kMaxResting = 0.5;   ///< of all rows: more repeat, and the stream is coarse
+constexpr std::size_t kAround = 3;    ///< changes before and after, which show the motion
+constexpr std::size_t kMaxHeld = 10;  ///< [rows] of noise: more may be a rest
+/// Small changes that the one after a held stretch exceeds: a slow motion at a coarse resolution
+/// repeats its values, too, and goes on by one step of it.
+constexpr double kMinSteps = 1.5;
+constexpr double kSmallShare = 0.25, kLargeShare = 0.9;  ///< of the changes are smaller
+constexpr double kMinMotion =
+    0.1;  ///< of a large change: less is a rest, whose changes say nothing
+constexpr double kMaxResting = 0.5;  ///< of all rows: more repeat, and the stream is coarse
 /// Of a change from that before, over the change: 1.7 of white noise, 0 of a motion.
 constexpr double kMinNoiseBend = 1.2;
 constexpr double kMinDistinct = 0.5;  ///< of the changes: fewer are steps of a resolution
@@ -43,7 +50,7 @@ double quantile_of(std::vector<double> values, double share) {
 }
 
 /// Place and rate at row 0 of the rows that begin at `first`, by a straight line.
-struct Line {
+struct FittedLine {
   Values place = Values::Zero(), rate = Values::Zero();  ///< rate [1/s]
 };
 
@@ -64,8 +71,8 @@ class Motion {
     Values jump = Values::Zero(), rate = Values::Zero();
   };
   [[nodiscard]] Passed between(std::size_t row, std::size_t rows_on) const {
-    const Line before = line(row + 1 - side_, static_cast<double>(side_ - 1));
-    const Line after = line(row + rows_on, 0.0);
+    const FittedLine before = line(row + 1 - side_, static_cast<double>(side_ - 1));
+    const FittedLine after = line(row + rows_on, 0.0);
     Passed passed{.jump = after.place - before.place, .rate = 0.5 * (before.rate + after.rate)};
     passed.speed = passed.rate.norm();
     if (passed.speed > 0.0)
@@ -88,9 +95,9 @@ class Motion {
 
  private:
   /// Of side_ rows from `first` on; its place is at row first + `at`.
-  [[nodiscard]] Line line(std::size_t first, double at) const {
+  [[nodiscard]] FittedLine line(std::size_t first, double at) const {
     const double middle = 0.5 * static_cast<double>(side_ - 1);
-    Line fit;
+    FittedLine fit;
     double squares = 0.0;
     for (std::size_t i = 0; i < side_; ++i) {
       const double k = static_cast<double>(i) - middle;
@@ -131,32 +138,59 @@ void judge(const MeasuredStream& stream, std::size_t row, OddInterval& odd) {
 }
 
 /// How far the values change from a row to the next.
-double change(const MeasuredStream& stream, std::size_t row) {
+double change_after(const MeasuredStream& stream, std::size_t row) {
   return (stream.values[row + 1] - stream.values[row]).norm();
 }
 
-/// Median of the changes about the rows from `first` to `last` that are no repetitions.
-double usual_change(const MeasuredStream& stream, std::size_t first, std::size_t last) {
+/// Rows with one value, and how far the values change after them.
+struct ValueRun {
+  std::size_t begin = 0, rows = 0;
+  double change = 0.0;
+
+  [[nodiscard]] double change_per_row() const { return change / static_cast<double>(rows); }
+};
+
+/// Without the last one, after which nothing changes.
+std::vector<ValueRun> runs_of(const MeasuredStream& stream) {
+  std::vector<ValueRun> runs;
+  std::size_t begin = 0;
+  for (std::size_t row = 0; row + 1 < stream.values.size(); ++row) {
+    const double change = change_after(stream, row);
+    if (change == 0.0) continue;
+    runs.push_back({begin, row + 1 - begin, change});
+    begin = row + 1;
+  }
+  return runs;
+}
+
+/// Median of the changes per row of the runs before and after one.
+double usual_change(const std::vector<ValueRun>& runs, std::size_t at) {
   std::vector<double> changes;
-  const std::size_t end = std::min(last + kAround, stream.values.size() - 1);
-  for (std::size_t row = first - std::min(first, kAround); row < end; ++row) {
-    const bool is_around = row + 1 < first || row > last;
-    if (is_around && change(stream, row) > 0.0) changes.push_back(change(stream, row));
+  const std::size_t end = std::min(at + kAround + 1, runs.size());
+  for (std::size_t k = at - std::min(at, kAround); k < end; ++k) {
+    if (k != at) changes.push_back(runs[k].change_per_row());
   }
   return median(std::move(changes));
 }
 
+/// Whether the value changes at once as far as the motion went in all of the run's rows, rather
+/// than in one row: nearer to it as a ratio.
+bool has_caught_up(const ValueRun& run, double usual) {
+  const auto rows = static_cast<double>(run.rows);
+  return run.change > std::sqrt(rows) * usual && run.change < kMaxCatchUp * rows * usual;
+}
+
 /// Whether most rows repeat the one before: by a coarse resolution, or at rest.
-bool is_coarse(const MeasuredStream& stream) {
+bool is_mostly_resting(const MeasuredStream& stream) {
   std::size_t resting = 0;
   for (std::size_t row = 0; row + 1 < stream.values.size(); ++row) {
-    resting += change(stream, row) == 0.0 ? 1 : 0;
+    resting += change_after(stream, row) == 0.0 ? 1 : 0;
   }
   return static_cast<double>(resting) > kMaxResting * static_cast<double>(stream.values.size());
 }
 
-/// Whether the values have a noise that is finer than its size, as a sensor's has: then no row
-/// repeats another by chance, at rest neither.
+/// Whether the values have a noise that is finer than its size, as a sensor's has, and most of
+/// their changes are: then no row repeats another by chance, at rest neither.
 bool is_continuous_noise(const MeasuredStream& stream) {
   std::vector<double> changes, bends;
   for (std::size_t row = 1; row + 1 < stream.values.size(); ++row) {
@@ -166,12 +200,13 @@ bool is_continuous_noise(const MeasuredStream& stream) {
     changes.push_back(after.norm());
     bends.push_back((after - before).norm());
   }
-  if (changes.size() < kMinRows) return false;
+  if (changes.size() < kMinStreamRows) return false;
   const double ratio = median(bends) / median(changes);
   const std::size_t all = changes.size();
   std::sort(changes.begin(), changes.end());
   const auto distinct = std::unique(changes.begin(), changes.end()) - changes.begin();
   return ratio > kMinNoiseBend &&
+         median(changes) > kMinMotion * quantile_of(changes, kLargeShare) &&
          static_cast<double>(distinct) > kMinDistinct * static_cast<double>(all);
 }
 
@@ -191,7 +226,7 @@ MeasuredStream measured_poses(std::string name, const std::vector<TimedPose>& po
 
 std::vector<OddInterval> find_odd_intervals(const MeasuredStream& stream) {
   std::vector<OddInterval> found;
-  if (stream.t.size() < kMinRows) return found;
+  if (stream.t.size() < kMinStreamRows) return found;
   std::vector<double> intervals;
   for (std::size_t i = 1; i < stream.t.size(); ++i) {
     intervals.push_back(stream.t[i] - stream.t[i - 1]);
@@ -213,24 +248,26 @@ std::vector<OddInterval> find_odd_intervals(const MeasuredStream& stream) {
 
 HeldStretches find_held_stretches(const MeasuredStream& stream) {
   HeldStretches found;
-  if (stream.values.size() < kMinRows || is_coarse(stream)) return found;
+  if (stream.values.size() < kMinStreamRows || is_mostly_resting(stream)) return found;
   const bool is_noisy = is_continuous_noise(stream);
-  for (std::size_t row = 0; row + 1 < stream.values.size(); ++row) {
-    std::size_t end = row;
-    while (end + 1 < stream.values.size() && change(stream, end) == 0.0) ++end;
-    const std::size_t held = end - row;
-    if (held > 0 && row > 0 && end + 1 < stream.values.size()) {
-      const double left_out = static_cast<double>(held + 1) * usual_change(stream, row, end);
-      if (is_noisy || (left_out > 0.0 && change(stream, end) > kMinCatchUp * left_out)) {
-        ++found.stretches;
-        found.rows += held;
-        const double length = stream.t[end] - stream.t[row];
-        if (length > found.longest) found.longest = length, found.t_longest = stream.t[row];
-      }
-    }
-    row = std::max(row, end);
+  const std::vector<ValueRun> runs = runs_of(stream);
+  std::vector<double> changes;
+  for (const ValueRun& run : runs) changes.push_back(run.change);
+  const double min_step = kMinSteps * quantile_of(changes, kSmallShare);
+  const double min_motion = kMinMotion * quantile_of(changes, kLargeShare);
+  for (std::size_t k = 1; k < runs.size(); ++k) {
+    const ValueRun& run = runs[k];
+    if (run.rows == 1 || run.change < min_motion) continue;
+    const bool catches_up = run.change > min_step && has_caught_up(run, usual_change(runs, k));
+    const bool has_no_noise = is_noisy && run.rows <= kMaxHeld;
+    if (!catches_up && !has_no_noise) continue;
+    ++found.stretches;
+    const std::size_t last = run.begin + run.rows - 1;
+    for (std::size_t row = run.begin + 1; row <= last; ++row) found.repeated.push_back(row);
+    const double length = stream.t[last] - stream.t[run.begin];
+    if (length > found.longest) found.longest = length, found.t_longest = stream.t[run.begin];
   }
-  return found.rows < kMinHeld ? HeldStretches() : found;
+  return found.repeated.size() < kMinHeld ? HeldStretches() : found;
 }
 
 }  // namespace pcavr
