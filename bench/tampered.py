@@ -23,7 +23,8 @@ a drift by more than four of its stds, a step of the size, or held rows. It has 
 it says such a thing of the recording as it was.
 
 What the data can't show is counted apart, by the std that the command states of the recording as it
-was: a frame of less than three of them; a drift that makes less than four of them over the record.
+was: a frame of less than three of them; a drift that makes less than four of them over the record; a
+step, which is the difference of two offsets of half the record each, of less than six of its.
 50 ppm are 3 ms in a minute: contacts show it of ten minutes, the drawn streams last for 3 to 8.
 A step in a rest is no such case: the stamps show it. Needs only python3.
 """
@@ -49,6 +50,7 @@ PPM = 5e-5
 SAID = {"frame": r"(later|earlier) than", "held": r"each value stands|repeat the one before",
         "drift": r"drifts against", "step": r"clock .*was set|is not after the previous"}
 MIN_STDS = 4.0  # of a drift that counts as found
+MIN_STEP_STDS = 6.0  # of a step: it is the best of many instants
 TASKS = ("push", "probe", "turn", "press")
 HEADER = "t,x,y,z,qx,qy,qz,qw"
 
@@ -256,6 +258,8 @@ def is_observable(kind, stream, size, sound):
         return size > 3.0 * stated_std(kind, stream, sound)
     if kind == "drift":
         return PPM > MIN_STDS * stated_std(kind, stream, sound)
+    if kind == "step" and "offset" in sound:
+        return abs(size) > MIN_STEP_STDS * 2.0 * sound["offset_std"]
     return "refused" not in sound
 
 

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "pcavr/physics/inputs/contact_clocks.hpp"
 #include "pcavr/pipeline/identify.hpp"
 #include "pcavr/teleoperation/teleop/run_teleop.hpp"
 
@@ -282,6 +284,25 @@ TEST(TrackingOffset, IsThatOfTheClocksWhereTheTipSlidesAlongATurningObject) {
   const TimeOffset late = identified(input).inputs.tool_to_camera;
   EXPECT_NEAR(late.offset, 0.1, 2.0 * late.std);
   EXPECT_LT(late.std, 0.010);
+}
+
+TEST(TrackingOffset, OfOneBodyIsNotThatOfTheOthers) {
+  IdentificationInput input = identified_case(ToolTask::push, 7, 40.0).input;
+  ASSERT_GE(input.objects.size(), 2U);
+  constexpr double kLate = 1.0 / 30.0;
+  for (TrackedPose& pose : input.objects[1].tracked) pose.t += kLate;
+  const InputSeries series = series_view(input);
+  std::vector<Contact> contacts;
+  (void)examine_inputs(series, InputOptions(),
+                       [&](Contact&& contact) { contacts.push_back(std::move(contact)); });
+  const ContactDelays found = contact_delays(series, contacts, InputOptions());
+  ASSERT_EQ(found.tracks.size(), 2U);
+  for (const TrackDelays& track : found.tracks) {
+    ASSERT_TRUE(track.offset.is_known);
+    EXPECT_NEAR(track.offset.offset, track.body == 1 ? kLate : 0.0, 3.0 * track.offset.std);
+    EXPECT_LT(track.offset.std, 0.010);
+    EXPECT_FALSE(find_delay_change(track.contacts).step);
+  }
 }
 
 /// Every `step`th sample of tool and force.

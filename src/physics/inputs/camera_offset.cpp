@@ -320,9 +320,9 @@ Eigen::Vector3d mean_position(std::span<const TrackedPose> tracked, const Eigen:
 
 }  // namespace
 
-TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurface>& surfaces,
-                         const PathView& tip, std::span<const Contact> contacts,
-                         double slide_half_width) {
+TrackingOffset camera_offset(const InputSeries& series, const std::vector<BodySurface>& surfaces,
+                             const PathView& tip, std::span<const Contact> contacts,
+                             double slide_half_width) {
   std::vector<const Contact*> pushes;
   double end_std = 0.0;
   for (const Contact& contact : contacts) {
@@ -332,7 +332,7 @@ TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurfac
     pushes.push_back(&contact);
     end_std = std::max(end_std, slide_end_std(contact, slide_half_width));
   }
-  TimeOffset result;
+  TrackingOffset result;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Sums sums;
     for (const Contact* push : pushes) {
@@ -362,6 +362,7 @@ TimeOffset camera_offset(const InputSeries& series, const std::vector<BodySurfac
     shifted.add(*push, tip, tracked);
   }
   result.is_known = distance(result.offset) <= distance(0.0) && !is_rather_shifted(late, shifted);
+  result.is_ambiguous = !result.is_known;
   return result;
 }
 

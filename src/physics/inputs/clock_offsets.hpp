@@ -57,14 +57,17 @@ struct ClockDrift {
 [[nodiscard]] TimeOffset penetration_offset(const InputSeries& series, const PathView& tip,
                                             const BodyPoses& poses);
 
+struct TrackingOffset : TimeOffset {
+  bool is_ambiguous = false;  ///< not known, as poses that are off explain as much
+};
 /// Delay of the tracked poses against the tool, from slides: there the pushed face moves with the
 /// tip, along its normal. Off the centre of mass, only faces that are flat as far as the tip slides
 /// count. Not known where the tip would be farther from the pushed faces than without it.
 /// `slide_half_width` [s]: see SegmentationOptions.
-[[nodiscard]] TimeOffset camera_offset(const InputSeries& series,
-                                       const std::vector<BodySurface>& surfaces,
-                                       const PathView& tip, std::span<const Contact> contacts,
-                                       double slide_half_width);
+[[nodiscard]] TrackingOffset camera_offset(const InputSeries& series,
+                                           const std::vector<BodySurface>& surfaces,
+                                           const PathView& tip, std::span<const Contact> contacts,
+                                           double slide_half_width);
 
 /// The same offset without a force, by cross-correlation of a body's longest motion with the tip's.
 [[nodiscard]] TimeOffset motion_offset(const InputBody& body, const BodySurface& surface,

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "pcavr/physics/identification/segmentation.hpp"
 
@@ -89,6 +91,24 @@ std::optional<ContactDelay> force_delay(const Contact& contact, double noise,
   return ContactDelay{middle_of(contact), touches.offset, touches.std};
 }
 
+TrackDelays track_delays(std::size_t body, const InputSeries& series,
+                         const std::vector<BodySurface>& surfaces, const PathView& tip,
+                         std::span<const Contact> contacts, const InputOptions& options) {
+  std::vector<Contact> with_body;
+  std::ranges::copy_if(contacts, std::back_inserter(with_body),
+                       [body](const Contact& contact) { return contact.object == body; });
+  const auto delay = [&](std::span<const Contact> of) {
+    return camera_offset(series, surfaces, tip, of, options.segmentation.slide_half_width);
+  };
+  const TrackingOffset by_all = delay(with_body);
+  TrackDelays track{.body = body, .offset = by_all, .may_be_shifted = by_all.is_ambiguous};
+  for (const Contact& contact : with_body) {
+    const TimeOffset late = delay(std::span(&contact, 1));
+    if (late.is_known) track.contacts.push_back({middle_of(contact), late.offset, late.std});
+  }
+  return track;
+}
+
 }  // namespace
 
 std::optional<DelayDrift> fit_delay_drift(std::span<const ContactDelay> delays) {
@@ -135,10 +155,9 @@ ContactDelays contact_delays(const InputSeries& series, std::span<const Contact>
     const auto one = force_delay(contact, found.noise, series, tip, poses);
     if (one) delays.force.push_back(*one);
   }
-  for (const Contact& contact : contacts) {
-    const TimeOffset late = camera_offset(series, surfaces, tip, std::span(&contact, 1),
-                                          options.segmentation.slide_half_width);
-    if (late.is_known) delays.tracking.push_back({middle_of(contact), late.offset, late.std});
+  for (std::size_t body = 0; body < series.bodies.size(); ++body) {
+    TrackDelays track = track_delays(body, series, surfaces, tip, contacts, options);
+    if (track.offset.std > 0.0) delays.tracks.push_back(std::move(track));
   }
   return delays;
 }

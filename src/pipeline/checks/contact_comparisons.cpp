@@ -41,6 +41,9 @@ constexpr double kMinSlide = 5e-3;
 /// [rad] The friction at the tip and a lever about the centre of mass turn the force as far; beyond
 /// it, a force that is mounted wrongly and a tip that slides along the face look alike.
 constexpr double kMaxSlideAngle = 0.35;
+/// [s] Less than a frame of most cameras, and what a contact's compression looks like.
+constexpr double kMinTrackDelay = 0.010;
+constexpr double kMinTrackStds = 3.0;
 
 /// The contacts of a recording, and what the series show about themselves.
 struct SeenContacts {
@@ -192,11 +195,39 @@ void compare_clocks(const SeenContacts& seen, std::vector<InputComparison>& comp
                 comparisons, findings);
 }
 
+/// Adds a body's tracking that has another delay than that of all, which `identify` takes off.
+void compare_track(const std::string& name, const TrackDelays& track, double of_all,
+                   std::vector<ConsistencyFinding>& findings) {
+  const TimeOffset& own = track.offset;
+  const double late = own.offset - of_all;
+  const bool is_certain = own.is_known || track.may_be_shifted;
+  if (!is_certain || std::abs(late) < std::max(kMinTrackDelay, kMinTrackStds * own.std)) return;
+  const std::string figure =
+      fmt::format("{:.0f} +- {:.0f} ms", 1e3 * std::abs(own.offset), 1e3 * own.std);
+  const char* which = own.offset > 0.0 ? "later" : "earlier";
+  findings.push_back(
+      own.is_known
+          ? ConsistencyFinding{.file = name,
+                               .message = fmt::format(
+                                   "its stamps are {} {} than those of tool.csv; {:.0f} ms are "
+                                   "taken off the tracking of all objects",
+                                   figure, which, 1e3 * of_all),
+                               .hint = "synchronise the clocks; each stream of poses may have its "
+                                       "own"}
+          : ConsistencyFinding{.file = name,
+                               .message = fmt::format(
+                                   "the face moves {} {} than the tip that pushes it, or is off as "
+                                   "long as it slides: nothing is taken off",
+                                   figure, which),
+                               .hint = "synchronise the clocks; check mesh, tool's tip and tracked "
+                                       "frame"});
+}
+
 /// A clock that was set, or drifts, by the delays of single contacts.
-void compare_delays(const char* what, const char* file, std::span<const ContactDelay> delays,
-                    std::vector<InputComparison>& comparisons,
+void compare_delays(const std::string& what, const std::string& file,
+                    std::span<const ContactDelay> delays, std::vector<InputComparison>& comparisons,
                     std::vector<ConsistencyFinding>& findings) {
-  const std::string over_time = std::string(what) + " over time";
+  const std::string over_time = what + " over time";
   if (delays.size() < 2) {
     comparisons.push_back(failed_comparison(
         over_time, fmt::format("{} contact shows a delay: a step or a drift would not show",
@@ -234,7 +265,13 @@ void compare_clocks_over_time(const SeenContacts& seen, const InputSeries& serie
                               std::vector<ConsistencyFinding>& findings) {
   const ContactDelays delays = contact_delays(series, seen.contacts, InputOptions());
   compare_delays(kForceClock, "wrench.csv", delays.force, comparisons, findings);
-  compare_delays(kTrackingClock, "tracked", delays.tracking, comparisons, findings);
+  if (delays.tracks.empty()) compare_delays(kTrackingClock, "tracked", {}, comparisons, findings);
+  for (const TrackDelays& track : delays.tracks) {
+    const std::string name = "tracking of " + seen.input.objects[track.body].name;
+    compare_track(name, track, seen.found.camera_shift(), findings);
+    compare_delays("clock of the " + name + " against tool.csv", name, track.contacts, comparisons,
+                   findings);
+  }
 }
 
 /// Only pushes that excite an object's mass show the scale: `identify` compares it then.

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "pcavr/physics/identification/contact.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 #include "pcavr/physics/inputs/input_options.hpp"
 #include "pcavr/physics/inputs/input_series.hpp"
 
@@ -41,9 +43,18 @@ struct DelayChange {
 [[nodiscard]] std::optional<DelayDrift> fit_delay_drift(std::span<const ContactDelay> delays);
 [[nodiscard]] DelayChange find_delay_change(std::span<const ContactDelay> delays);
 
-/// Delays of force and tracking, contact by contact.
+/// Delay of one body's tracking, which may have a clock of its own.
+struct TrackDelays {
+  std::size_t body = 0;
+  TimeOffset offset = {};       ///< by all contacts with the body
+  bool may_be_shifted = false;  ///< the offset is not known: poses that are off explain as much
+  std::vector<ContactDelay> contacts = {};
+};
+
+/// Delays of the force, contact by contact, and of the tracking of each body that was pushed.
 struct ContactDelays {
-  std::vector<ContactDelay> force = {}, tracking = {};
+  std::vector<ContactDelay> force = {};
+  std::vector<TrackDelays> tracks = {};
 };
 /// `contacts`: those of examine_inputs, with their objects.
 [[nodiscard]] ContactDelays contact_delays(const InputSeries& series,
