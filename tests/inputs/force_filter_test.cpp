@@ -65,8 +65,18 @@ double rms_difference(const std::vector<Eigen::Vector3d>& a,
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
+/// [N] Of the press, from before it to after it.
+double largest_difference(const std::vector<Eigen::Vector3d>& a,
+                          const std::vector<Eigen::Vector3d>& b) {
+  double largest = 0.0;
+  for (std::size_t i = 2400; i < 3100; ++i) {
+    largest = std::max(largest, std::abs(a[i].z() - b[i].z()));
+  }
+  return largest;
+}
+
 std::optional<ForceFilter> filter_of_noise(const Force& measured) {
-  return find_force_filter(measured.t, measured.force, press_of(measured));
+  return find_force_filter(measured.t, measured.force, press_of(measured)).filter;
 }
 
 TEST(ForceFilter, IsFoundByTheNoiseWithoutContact) {
@@ -93,6 +103,90 @@ TEST(ForceFilter, OfSecondOrderIsFound) {
     EXPECT_LT(rms_difference(without_filter(*filter, sent.t, seen), sent.force),
               0.3 * rms_difference(seen, sent.force));
   }
+}
+
+/// The mean of the newest samples.
+std::vector<Eigen::Vector3d> averaged(const std::vector<Eigen::Vector3d>& force,
+                                      std::size_t samples) {
+  std::vector<Eigen::Vector3d> means;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const std::size_t count = std::min(samples, i + 1);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t k = i + 1 - count; k <= i; ++k) sum += force[k];
+    means.emplace_back(sum / static_cast<double>(count));
+  }
+  return means;
+}
+
+TEST(ForceFilter, OfAMovingAverageIsFound) {
+  for (const std::size_t samples : {3U, 10U, 25U, 60U}) {
+    const Force sent = noisy_press(10);
+    const std::vector<Eigen::Vector3d> seen = averaged(sent.force, samples);
+    const auto filter = filter_of_noise({sent.t, seen});
+    ASSERT_TRUE(filter) << samples;
+    EXPECT_EQ(filter->average, samples);
+    EXPECT_DOUBLE_EQ(filter->delay, 0.5 * (static_cast<double>(samples) - 1.0) * filter->interval);
+    EXPECT_FALSE(filter_with_delay(*filter, 0.02, 0.001));
+    EXPECT_LT(largest_difference(without_filter(*filter, sent.t, seen), sent.force), 6.0 * kNoise)
+        << samples;
+  }
+}
+
+/// A Butterworth filter of an even order by the bilinear transform, a section of two poles each
+/// [Hz].
+std::vector<Eigen::Vector3d> butterworth_filtered(std::vector<Eigen::Vector3d> force, double cutoff,
+                                                  int order) {
+  const double w = std::tan(std::numbers::pi * cutoff / kForceRate);
+  for (int section = 0; section < order / 2; ++section) {
+    const double r = std::sin(std::numbers::pi * (2.0 * section + 1.0) / (2.0 * order));
+    const double s = w * w + 2.0 * w * r + 1.0;
+    Eigen::Vector3d w1 = Eigen::Vector3d::Zero(), w2 = w1;
+    for (Eigen::Vector3d& value : force) {
+      const Eigen::Vector3d w0 =
+          2.0 * (1.0 - w * w) / s * w1 - (w * w - 2.0 * w * r + 1.0) / s * w2 + value;
+      value = w * w / s * (w0 + 2.0 * w1 + w2);
+      w2 = w1, w1 = w0;
+    }
+  }
+  return force;
+}
+
+TEST(ForceFilter, OfButterworthIsFound) {
+  for (const int order : {2, 4}) {
+    for (const double cutoff : {15.0, 40.0, 90.0}) {
+      const Force sent = noisy_press(11);
+      const std::vector<Eigen::Vector3d> seen = butterworth_filtered(sent.force, cutoff, order);
+      const auto filter = filter_of_noise({sent.t, seen});
+      ASSERT_TRUE(filter && filter->butterworth) << order << ' ' << cutoff;
+      EXPECT_EQ(filter->butterworth->order, static_cast<std::size_t>(order));
+      EXPECT_NEAR(filter->butterworth->cutoff * kForceRate, cutoff, 0.1 * cutoff);
+      EXPECT_LT(largest_difference(without_filter(*filter, sent.t, seen), sent.force), 6.0 * kNoise)
+          << order << ' ' << cutoff;
+      const auto slower = filter_with_delay(*filter, 1.2 * filter->delay, 0.001);
+      ASSERT_TRUE(slower);
+      EXPECT_NEAR(slower->delay, 1.2 * filter->delay, 1e-3 * filter->delay);
+    }
+  }
+}
+
+TEST(ForceFilter, StatesAStdOfAButterworthsDelayThatHolds) {
+  int within = 0;
+  constexpr int kRuns = 60;
+  double largest = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    Random random(static_cast<std::uint64_t>(run));
+    const double cutoff = random.uniform(10.0, 60.0);
+    const Force sent = noisy_press(static_cast<std::uint64_t>(100 + run));
+    const auto filter = filter_of_noise({sent.t, butterworth_filtered(sent.force, cutoff, 2)});
+    ASSERT_TRUE(filter && filter->butterworth) << run;
+    const double delay = Butterworth{2, cutoff / kForceRate}.delay() * filter->interval;
+    const double error = std::abs(filter->delay - delay) / filter->std;
+    within += error < 1.0 ? 1 : 0;
+    largest = std::max(largest, error);
+  }
+  std::printf("  within one std: %d of %d, largest error %.2f std\n", within, kRuns, largest);
+  EXPECT_GE(within, 0.58 * kRuns);
+  EXPECT_LT(largest, 4.0);
 }
 
 TEST(ForceFilter, IsNoneOfWhiteNoise) {

@@ -3,6 +3,7 @@
 """Recordings of pushes and presses whose rig, files or clocks are wrong: each function changes a private copy of
 a sound recording by a random amount, small ones too, and returns what is wrong. Nothing here is unreadable:
 what is wrong shows, if at all, where the data contradict each other."""
+import collections
 import dataclasses
 import math
 
@@ -349,6 +350,39 @@ def low_pass(rng, recording, base):
     return Wrong(f"force behind a low pass of {cutoff:.1f} Hz", CLOCK + ("filter",))
 
 
+def moving_average(rng, recording, base):
+    """The mean of the newest samples of the force."""
+    table, count = wrench(recording), rng.randint(3, 60)
+    newest = collections.deque(maxlen=count)
+
+    def averaged(row):
+        newest.append(row[1:])
+        return [row[0], *(sum(column) / len(newest) for column in zip(*newest))]
+
+    table.change(averaged)
+    return Wrong(f"force as the mean of {count} samples", CLOCK + ("filter", "average"))
+
+
+def butterworth(rng, recording, base):
+    """A filter of second order, as filter designs for sampled signals have it, of the force."""
+    table, cutoff = wrench(recording), log_uniform(rng, 8.0, 80.0)
+    k = math.tan(math.pi * min(cutoff * table.interval, 0.4))
+    scale = 1.0 + math.sqrt(2.0) * k + k * k
+    first, second = 2.0 * (k * k - 1.0) / scale, (1.0 - math.sqrt(2.0) * k + k * k) / scale
+    start = list(table.rows[0][1:])
+    states = [[start, start], [start, start]]  # inputs, outputs: newest first
+
+    def filtered(row):
+        (x1, x2), (y1, y2) = states
+        found = [k * k / scale * (x + 2.0 * a + b) - first * c - second * d
+                 for x, a, b, c, d in zip(row[1:], x1, x2, y1, y2)]
+        states[:] = [[row[1:], x1], [found, y1]]
+        return [row[0], *found]
+
+    table.change(filtered)
+    return Wrong(f"force behind a Butterworth filter of {cutoff:.1f} Hz", CLOCK + ("filter",))
+
+
 def noise(rng, recording, base):
     name, table = rng.choice(list(streams(recording).items()))
     size = log_uniform(rng, 0.1, 2.0) if name == "force" else log_uniform(rng, 5e-5, 2e-3)
@@ -400,5 +434,6 @@ def stamp_unit(rng, recording, base):
 
 LOGS = {"lag": (5, lag), "clock drift": (2, clock_drift), "gap": (2, gap), "held samples": (2, held_samples),
         "fewer rows": (2, fewer_rows), "jitter": (2, jitter), "bursts": (2, bursts), "low pass": (2, low_pass),
+        "moving average": (1, moving_average), "butterworth": (1, butterworth),
         "noise": (2, noise), "saturation": (1, saturation), "dropouts": (1, dropouts), "frozen": (1, frozen),
         "stamp unit": (1, stamp_unit)}

@@ -48,6 +48,7 @@ void AccumulatedFindings::add(const WindowFindings& window) {
   counts_.is_force_offset_applied = window.is_force_offset_applied;
   counts_.is_camera_offset_applied = window.is_camera_offset_applied;
   force_filter_ = window.force_filter;
+  has_unknown_filter_ = window.has_unknown_filter && !force_filter_;
   force_drift_ = window.force_drift;
   if (counts_.tool_outliers == 0) first_outlier_ = window.first_outlier;
   if (counts_.tool_jumps == 0 && !window.jumps.empty()) first_jump_ = window.jumps.front();
@@ -119,9 +120,17 @@ std::vector<std::string> AccumulatedFindings::notes() const {
   }
   if (force_filter_) {
     notes.push_back(fmt::format(
-        "the force went through a low-pass filter, as its noise without contact shows, and is "
-        "{:.1f} +- {:.1f} ms late by it: the filter is undone here, but not in the file",
-        1e3 * force_filter_->delay, 1e3 * force_filter_->std));
+        "the force went through {}, as its noise without contact shows, and is {:.1f} +- {:.1f} ms "
+        "late by it: the filter is undone here, but not in the file",
+        kind_of(*force_filter_), 1e3 * force_filter_->delay, 1e3 * force_filter_->std));
+  }
+  if (has_unknown_filter_) {
+    notes.push_back(
+        "the force's noise without contact is correlated from sample to sample, as behind a "
+        "filter, "
+        "but of no kind that is known here: what it delays and smooths is not taken off; record "
+        "the "
+        "force unfiltered");
   }
   if (counts_.saturations > 0) {
     notes.push_back(fmt::format(

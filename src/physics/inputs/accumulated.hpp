@@ -32,6 +32,7 @@ class AccumulatedFindings {
   double first_outlier_ = 0.0, first_jump_ = 0.0;  ///< [s]
   double free_force_ = 0.0;                        ///< [N] maximum
   std::optional<ForceFilter> force_filter_ = {};   ///< of the newest window
+  bool has_unknown_filter_ = false;                ///< the same
   std::optional<ClockDrift> force_drift_ = {};     ///< the same
   std::vector<ContactEvidence> evidence_;
   UnitTouches touches_;

@@ -12,128 +12,44 @@
 #include <utility>
 
 #include <Eigen/Dense>
+#include <fmt/format.h>
 
 #include "pcavr/base/core/median.hpp"
 
+#include "physics/inputs/free_noise.hpp"
 #include "physics/inputs/stream_gaps.hpp"
 
 namespace pcavr {
 namespace {
 
-constexpr double kAroundContact = 0.3;    // [s] not free: a contact's slow rise, a filter's decay
-constexpr std::size_t kMinRun = 50;       // samples without contact in a row
-constexpr std::size_t kMinSamples = 250;  // of an axis: correlations within 0.06
-constexpr std::size_t kLags = 8;          // [samples] in which noise is white, or not
-constexpr std::size_t kMaxOrder = 3;      // of a sensor's low pass
-constexpr double kMaxRepeated = 0.3;      // share of equal neighbours: rounded, or held
-constexpr double kMaxCorrelation = 0.1;   // of noise that counts as white
-constexpr double kWhiteStds = 4.0;        // of a correlation, where there are few samples
-constexpr double kMinDelay = 0.25;        // [sample intervals] less is near the noise's own
+constexpr std::size_t kLags = 8;        // [samples] in which noise is white, or not
+constexpr std::size_t kMaxOrder = 3;    // of a sensor's low pass
+constexpr double kMinNeighbours = 0.5;  // of neighbours, behind a filter
+constexpr double kMaxExcess = 0.1;      // of a correlation over one that falls by degrees
+constexpr double kMinDelay = 0.25;      // [sample intervals] less is near the noise's own
 /// A low pass passes nothing much larger than what is slow; a vibration does.
 constexpr double kMaxGain = 1.5;
-constexpr double kSpikeStds = 4.0;  // beyond which an innovation is a spike
-constexpr int kSpikePasses = 3;     // to find them, as they add to the first fit
-
-/// [N] Uninterrupted series of one axis without contact.
-using FreeRuns = std::vector<std::vector<double>>;
-
-/// By axis.
-std::array<FreeRuns, 3> free_runs(std::span<const double> t, const Segmentation& found,
-                                  std::span<const Eigen::Vector3d> force) {
-  std::array<FreeRuns, 3> runs;
-  const double max_step = 2.5 * mean_interval(t);  // more is a row that is missing
-  std::vector<Eigen::Vector3d> run;
-  const auto end_run = [&] {
-    for (std::size_t axis = 0; axis < 3 && run.size() >= kMinRun; ++axis) {
-      runs[axis].push_back(axis_of(run, static_cast<int>(axis)));
-    }
-    run.clear();
-  };
-  auto next = found.contacts.begin();
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    while (next != found.contacts.end() && t[i] > next->end + kAroundContact) ++next;
-    const bool is_free = next == found.contacts.end() || t[i] < next->begin - kAroundContact;
-    if (!is_free || (i > 0 && t[i] - t[i - 1] > max_step)) end_run();
-    if (is_free) run.push_back(force[i] - found.bias_base[i]);
-  }
-  end_run();
-  return runs;
-}
-
-double samples_of(const FreeRuns& runs) {
-  double samples = 0.0;
-  for (const std::vector<double>& run : runs) samples += static_cast<double>(run.size());
-  return samples;
-}
-
-/// Whether values of the axis are noise: many, and not rounded or held.
-bool is_noisy(const FreeRuns& runs) {
-  double equal = 0.0;
-  for (const std::vector<double>& run : runs) {
-    for (std::size_t i = 1; i < run.size(); ++i) equal += run[i] == run[i - 1] ? 1.0 : 0.0;
-  }
-  const double samples = samples_of(runs);
-  return samples >= static_cast<double>(kMinSamples) && equal < kMaxRepeated * samples;
-}
+/// Of a delay's std over that of a low pass of first order, by simulated noise.
+constexpr double kButterworthStd = 0.5;
+constexpr double kMaxGivenCutoff =
+    0.4;                         ///< [1/samples] of a Butterworth low pass with a given delay
+constexpr int kCutoffSteps = 4;  ///< as its delay is nearly the inverse of its cutoff
+constexpr int kSpikePasses = 3;  // to find them, as they add to the first fit
 
 double sum_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// What an autoregression does not predict: from the order's sample of each run on.
-FreeRuns innovations(const FreeRuns& runs, const std::vector<double>& coefficients) {
-  FreeRuns result;
-  for (const std::vector<double>& run : runs) {
-    std::vector<double>& left = result.emplace_back();
-    for (std::size_t i = coefficients.size(); i < run.size(); ++i) {
-      double value = run[i];
-      for (std::size_t k = 0; k < coefficients.size(); ++k) {
-        value -= coefficients[k] * run[i - 1 - k];
-      }
-      left.push_back(value);
-    }
-  }
-  return result;
-}
-
-/// [N] Robust.
-double std_of(const FreeRuns& runs) {
-  std::vector<double> sizes;
-  for (const std::vector<double>& run : runs) {
-    for (const double value : run) sizes.push_back(std::abs(value));
-  }
-  return kStdOverMad * median(std::move(sizes));
-}
-
-/// At lags 1, 2, ... [samples], without spikes.
-std::vector<double> correlations_of(const FreeRuns& runs) {
-  const double limit = kSpikeStds * std_of(runs);
-  std::vector<double> correlations;
-  double variance = 0.0;
-  for (std::size_t lag = 0; lag <= kLags; ++lag) {
-    double sum = 0.0, count = 0.0;
-    for (const std::vector<double>& run : runs) {
-      for (std::size_t i = lag; i < run.size(); ++i) {
-        if (std::abs(run[i]) > limit || std::abs(run[i - lag]) > limit) continue;
-        sum += run[i] * run[i - lag], count += 1.0;
-      }
-    }
-    if (lag == 0) variance = sum / std::max(count, 1.0);
-    if (lag > 0 && variance > 0.0) correlations.push_back(sum / std::max(count, 1.0) / variance);
-  }
-  return correlations;
-}
-
 bool is_white(const FreeRuns& runs) {
-  const double limit = std::max(kMaxCorrelation, kWhiteStds / std::sqrt(samples_of(runs)));
-  return std::ranges::all_of(correlations_of(runs),
-                             [limit](double value) { return std::abs(value) < limit; });
+  return std::ranges::all_of(
+      correlations_of(runs, kLags),
+      [limit = correlation_limit(runs)](double value) { return std::abs(value) < limit; });
 }
 
 /// Noise that is partly white, partly slow, falls at once; behind a low pass it falls by degrees.
 bool falls_by_degrees(const std::vector<double>& correlations) {
   return correlations.size() > 1 &&
-         correlations[1] < correlations[0] * correlations[0] + kMaxCorrelation;
+         correlations[1] < correlations[0] * correlations[0] + kMaxExcess;
 }
 
 /// The autoregression of all axes by least squares, without spikes; each axis weighs by its noise.
@@ -181,6 +97,15 @@ bool is_low_pass(const ForceFilter& filter, double interval) {
   return max_gain < kMaxGain && gain < 1.0;
 }
 
+/// [s] As of the first order that delays as much: its coefficient a has (1 - a^2) / n [Mann & Wald
+/// 1943], and the delay is a / (1 - a).
+double delay_std(const std::vector<FreeRuns>& axes, double delay, double interval) {
+  double samples = 0.0;
+  for (const FreeRuns& runs : axes) samples += samples_of(runs);
+  const double a = delay / (delay + interval);
+  return interval * std::sqrt((1.0 - a * a) / samples) / ((1.0 - a) * (1.0 - a));
+}
+
 std::optional<ForceFilter> filter_of(const std::vector<FreeRuns>& axes, std::size_t order,
                                      double interval) {
   ForceFilter filter{autoregression(axes, order), 0.0, 0.0, interval};
@@ -190,31 +115,15 @@ std::optional<ForceFilter> filter_of(const std::vector<FreeRuns>& axes, std::siz
     filter.delay += static_cast<double>(i + 1) * filter.coefficients[i] / gain * interval;
   }
   if (!is_low_pass(filter, interval)) return std::nullopt;
-  // As of the first order that delays as much: its coefficient a has (1 - a^2) / n [Mann & Wald
-  // 1943], and the delay is a / (1 - a).
-  double samples = 0.0;
-  for (const FreeRuns& runs : axes) samples += samples_of(runs);
-  const double a = filter.delay / (filter.delay + interval);
-  filter.std = interval * std::sqrt((1.0 - a * a) / samples) / ((1.0 - a) * (1.0 - a));
+  filter.std = delay_std(axes, filter.delay, interval);
   return filter;
 }
 
-}  // namespace
-
-std::optional<ForceFilter> find_force_filter(std::span<const double> t,
-                                             std::span<const Eigen::Vector3d> force,
-                                             const Segmentation& found) {
-  if (t.size() < kMinSamples || found.bias_base.size() != t.size()) return std::nullopt;
-  std::vector<FreeRuns> noisy;
-  for (FreeRuns& runs : free_runs(t, found, force)) {
-    if (!is_noisy(runs)) continue;
-    if (is_white(runs) || !falls_by_degrees(correlations_of(runs))) return std::nullopt;
-    noisy.push_back(std::move(runs));
-  }
-  for (std::size_t order = 1; !noisy.empty() && order <= kMaxOrder; ++order) {
-    const std::optional<ForceFilter> filter = filter_of(noisy, order, mean_interval(t));
+std::optional<ForceFilter> find_recursion(const std::vector<FreeRuns>& axes, double interval) {
+  for (std::size_t order = 1; order <= kMaxOrder; ++order) {
+    std::optional<ForceFilter> filter = filter_of(axes, order, interval);
     if (!filter) continue;
-    const bool explains = std::ranges::all_of(noisy, [&](const FreeRuns& runs) {
+    const bool explains = std::ranges::all_of(axes, [&](const FreeRuns& runs) {
       return is_white(innovations(runs, filter->coefficients));
     });
     if (explains) return filter;
@@ -222,9 +131,83 @@ std::optional<ForceFilter> find_force_filter(std::span<const double> t,
   return std::nullopt;
 }
 
+ForceFilter average_of(std::size_t samples, double interval) {
+  return {.delay = 0.5 * static_cast<double>(samples - 1) * interval,
+          .interval = interval,
+          .average = samples};
+}
+
+ForceFilter filter_of(const Butterworth& butterworth, double interval) {
+  return {
+      .delay = butterworth.delay() * interval, .interval = interval, .butterworth = butterworth};
+}
+
+/// By the first kind that leaves white noise.
+std::optional<ForceFilter> explain(const std::vector<FreeRuns>& axes, double interval) {
+  if (const auto average = find_moving_average(axes)) return average_of(*average, interval);
+  if (auto recursion = find_recursion(axes, interval)) return recursion;
+  const std::optional<Butterworth> butterworth = find_butterworth(axes);
+  if (!butterworth) return std::nullopt;
+  ForceFilter filter = filter_of(*butterworth, interval);
+  if (!(filter.delay > kMinDelay * interval)) return std::nullopt;
+  filter.std = kButterworthStd * delay_std(axes, filter.delay, interval);
+  return filter;
+}
+
+/// The one of another cutoff that has this delay [s].
+ForceFilter with_delay(ForceFilter filter, double delay) {
+  for (int i = 0; i < kCutoffSteps; ++i) {
+    Butterworth slower = *filter.butterworth;
+    slower.cutoff = std::min(slower.cutoff * filter.delay / delay, kMaxGivenCutoff);
+    filter = filter_of(slower, filter.interval);
+  }
+  return filter;
+}
+
+/// The force before a filter, of uninterrupted samples.
+std::vector<Eigen::Vector3d> before(const ForceFilter& filter,
+                                    std::span<const Eigen::Vector3d> force) {
+  if (filter.average > 0) return before_average(filter.average, filter.interval, force);
+  if (filter.butterworth) return before_butterworth(*filter.butterworth, force);
+  std::vector<Eigen::Vector3d> result(force.begin(), force.end());
+  const std::size_t order = filter.coefficients.size();
+  const double scale = 1.0 / (1.0 - sum_of(filter.coefficients));
+  for (std::size_t i = order; i < force.size(); ++i) {
+    Eigen::Vector3d value = force[i];
+    for (std::size_t k = 0; k < order; ++k) value -= filter.coefficients[k] * force[i - 1 - k];
+    result[i] = scale * value;
+  }
+  return result;
+}
+
+}  // namespace
+
+FilterFinding find_force_filter(std::span<const double> t, std::span<const Eigen::Vector3d> force,
+                                const Segmentation& found) {
+  if (found.bias_base.size() != t.size()) return {};
+  std::vector<FreeRuns> noisy;
+  bool is_correlated = true;
+  for (FreeRuns& runs : free_runs(t, found, force)) {
+    if (!is_noisy(runs)) continue;
+    const std::vector<double> correlations = correlations_of(runs, kLags);
+    if (is_white(runs) || !falls_by_degrees(correlations)) return {};
+    is_correlated = is_correlated && correlations.front() > kMinNeighbours;
+    noisy.push_back(std::move(runs));
+  }
+  if (noisy.empty()) return {};
+  std::optional<ForceFilter> filter = explain(noisy, mean_interval(t));
+  const bool is_unknown = !filter && is_correlated;
+  return {std::move(filter), is_unknown};
+}
+
 std::optional<ForceFilter> filter_with_delay(const ForceFilter& filter, double delay, double std) {
   const std::size_t order = filter.coefficients.size();
-  if (order > 2 || !(delay > 0.0)) return std::nullopt;
+  if (order > 2 || filter.average > 0 || !(delay > 0.0)) return std::nullopt;
+  if (filter.butterworth) {
+    ForceFilter delayed = with_delay(filter, delay);
+    delayed.std = std;
+    return delayed;
+  }
   if (order == 1) {
     return ForceFilter{{delay / (delay + filter.interval)}, delay, std, filter.interval};
   }
@@ -244,19 +227,26 @@ std::optional<ForceFilter> filter_with_delay(const ForceFilter& filter, double d
 
 std::vector<Eigen::Vector3d> without_filter(const ForceFilter& filter, std::span<const double> t,
                                             std::span<const Eigen::Vector3d> force) {
-  std::vector<Eigen::Vector3d> before(force.begin(), force.end());
-  const std::size_t order = filter.coefficients.size();
-  const double scale = 1.0 / (1.0 - sum_of(filter.coefficients));
+  std::vector<Eigen::Vector3d> result;
   const std::vector<StreamGap> gaps = stream_gaps(t);
   auto gap = gaps.begin();
-  for (std::size_t i = order; i < force.size(); ++i) {
-    while (gap != gaps.end() && gap->end <= t[i - order]) ++gap;
-    if (gap != gaps.end() && gap->end <= t[i]) continue;
-    Eigen::Vector3d value = force[i];
-    for (std::size_t k = 0; k < order; ++k) value -= filter.coefficients[k] * force[i - 1 - k];
-    before[i] = scale * value;
+  std::size_t first = 0;
+  for (std::size_t i = 1; i <= force.size(); ++i) {
+    while (i < force.size() && gap != gaps.end() && gap->end <= t[i - 1]) ++gap;
+    const bool is_end = i == force.size() || (gap != gaps.end() && gap->end <= t[i]);
+    if (!is_end) continue;
+    const std::vector<Eigen::Vector3d> part = before(filter, force.subspan(first, i - first));
+    result.insert(result.end(), part.begin(), part.end());
+    first = i;
   }
-  return before;
+  return result;
+}
+
+std::string kind_of(const ForceFilter& filter) {
+  if (filter.average > 0) return fmt::format("a moving average of {} samples", filter.average);
+  if (!filter.butterworth) return "a low-pass filter";
+  return fmt::format("a Butterworth low-pass filter of order {} at {:.3g} Hz",
+                     filter.butterworth->order, filter.butterworth->cutoff / filter.interval);
 }
 
 }  // namespace pcavr

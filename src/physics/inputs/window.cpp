@@ -85,7 +85,9 @@ void find_and_undo_force_filter(const InputSeries& measured, const WindowPrior& 
                                 WindowFindings& result) {
   const InputSeries& series = prepared.series;
   if (series.t_force.size() < 2) return;
-  result.force_filter = find_force_filter(series.t_force, series.force_base, prepared.found);
+  FilterFinding finding = find_force_filter(series.t_force, series.force_base, prepared.found);
+  result.has_unknown_filter = finding.is_of_unknown_kind;
+  result.force_filter = std::move(finding.filter);
   if (!result.force_filter) result.force_filter = prior.force_filter;
   if (result.force_filter) undo_force_filter(measured, options, prepared, *result.force_filter);
 }

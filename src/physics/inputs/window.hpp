@@ -31,7 +31,8 @@ struct WindowFindings {
   TimeOffset tool_to_camera = {};  ///< the same
   bool is_force_offset_applied = false, is_camera_offset_applied = false;
   std::optional<ForceFilter> force_filter = {};  ///< that was undone
-  std::optional<ClockDrift> force_drift = {};    ///< without which `tool_to_force` is stated
+  bool has_unknown_filter = false;
+  std::optional<ClockDrift> force_drift = {};  ///< without which `tool_to_force` is stated
   std::size_t tool_outliers = 0, force_spikes = 0;
   double first_outlier = 0.0;  ///< [s]
   std::vector<double> jumps = {};
