@@ -103,10 +103,27 @@ TEST(Consistency, WarnsBelowAFactorOfOneAndAHalf) {
   EXPECT_NEAR(findings[0].factor, 1.2, 0.02);
 }
 
-TEST(Consistency, NeedsThreeFrames) {
+TEST(Consistency, NeedsThreeFramesOfAnObjectsTag) {
   ConsistencyCase made = a_consistency_case();
-  made.manifest.markers[0].size *= 0.5;
+  made.manifest.markers[1].size *= 0.5;
   std::erase_if(made.tags, [](const TagMeasurement& tag) { return tag.frame > 1; });
+  EXPECT_TRUE(findings_of(made).empty());
+}
+
+TEST(Consistency, ComparesBaseTagsInAsFewFramesAsThereAre) {
+  ConsistencyCase made = a_consistency_case();
+  made.manifest.markers[0].size *= 2.0;
+  std::erase_if(made.tags,
+                [](const TagMeasurement& tag) { return tag.frame > 1 && tag.marker == 0; });
+  const auto findings = findings_of(made);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].place, "markers[0].size");
+  EXPECT_EQ(findings[0].severity, FindingSeverity::contradiction);
+  // One of the two frames shows the size that is stated: the other may be misread.
+  TagMeasurement& first = *std::find_if(made.tags.begin(), made.tags.end(),
+                                        [](const TagMeasurement& tag) { return tag.marker == 0; });
+  const Eigen::Vector3d centre = first.centre_camera();
+  for (Eigen::Vector3d& corner : first.corners_camera) corner += corner - centre;
   EXPECT_TRUE(findings_of(made).empty());
 }
 

@@ -213,6 +213,22 @@ void describe_depth_scale(const Manifest& manifest, const std::vector<ScaleRatio
                     ": " + finding.message;
 }
 
+/// The whole scene depends on the base tags: where few frames measure any, these have to do.
+std::size_t frames_with_base(const Manifest& manifest, const std::vector<TagMeasurement>& tags) {
+  std::set<std::size_t> frames;
+  for (const TagMeasurement& tag : tags) {
+    if (manifest.markers[tag.marker].role == MarkerRole::base) frames.insert(tag.frame);
+  }
+  return frames.size();
+}
+
+/// Of few lengths the one that contradicts the stated one least: another may be a misread tag's.
+double nearest(const std::vector<double>& lengths, double stated) {
+  return *std::min_element(lengths.begin(), lengths.end(), [stated](double a, double b) {
+    return std::abs(std::log(a / stated)) < std::abs(std::log(b / stated));
+  });
+}
+
 }  // namespace
 
 std::vector<ScaleRatio> tag_ratios(const Manifest& manifest,
@@ -230,14 +246,18 @@ std::vector<ScaleRatio> tag_ratios(const Manifest& manifest,
     }
   }
   std::vector<ScaleRatio> ratios;
+  const std::size_t min_base_frames = std::min(min_frames, frames_with_base(manifest, tags));
   for (const auto& [marker, lengths] : sizes) {
-    if (lengths.size() < min_frames) continue;
-    ratios.push_back({.kind = ScaleRatio::Kind::tag_size,
-                      .first = marker,
-                      .stated = manifest.markers[marker].size,
-                      .by_depth = median(lengths),
-                      .tolerance = std::log(options.warning_factor),
-                      .frames = lengths.size()});
+    const MarkerEntry& entry = manifest.markers[marker];
+    const std::size_t needed = entry.role == MarkerRole::base ? min_base_frames : min_frames;
+    if (lengths.size() < needed) continue;
+    ratios.push_back(
+        {.kind = ScaleRatio::Kind::tag_size,
+         .first = marker,
+         .stated = entry.size,
+         .by_depth = lengths.size() < min_frames ? nearest(lengths, entry.size) : median(lengths),
+         .tolerance = std::log(options.warning_factor),
+         .frames = lengths.size()});
   }
   for (const auto& [pair, lengths] : distances) {
     const double stated = (manifest.markers[pair.first].T_parent_marker.translation() -
