@@ -37,12 +37,14 @@ ClockOffset ClockFit::fit(const ClockOffset& start) {
             .drift = start.drift,
             .middle = 0.5 * (samples_.t.front() + samples_.t.back()),
             .step = start.step};
+  const double half_span = 0.5 * (samples_.t.back() - samples_.t.front());
   for (int i = 0; i < kMaxClockSteps; ++i) {
     if (!look_up()) return clock_;
     const Eigen::VectorXd step = solve();
     apply(step);
-    const double change =
-        std::max(std::abs(step[0]), clock_.step ? std::abs(step[step_column()]) : 0.0);
+    double change = std::abs(step[0]);
+    if (clock_.drift) change = std::max(change, half_span * std::abs(step[drift_column()]));
+    if (clock_.step) change = std::max(change, std::abs(step[step_column()]));
     if (change < kConverged) break;
   }
   if (!look_up()) return clock_;
@@ -155,14 +157,14 @@ void ClockFit::state_std() {
   const Eigen::MatrixXd of_score = score_variance(length);
   const Eigen::MatrixXd covariance = inverse * of_score * inverse;
   const auto std_of = [&](Eigen::Index i) { return std::sqrt(std::max(covariance(i, i), 0.0)); };
+  // Drift and step are shown by a few windows: by the noise of the whole record, if that is more.
+  const double noise = of_score(0, 0) / normal_(0, 0);
+  const auto std_by_few = [&](Eigen::Index i) {
+    return std::max(std_of(i), std::sqrt(noise * std::max(inverse(i, i), 0.0)));
+  };
   clock_.std = std_of(0);
-  if (clock_.drift) clock_.drift_std = std_of(drift_column());
-  if (clock_.step) {
-    // A side of the step may be shorter than a window: by the noise of the whole record.
-    const double noise = of_score(0, 0) / normal_(0, 0);
-    const double of_all = std::sqrt(noise * inverse(step_column(), step_column()));
-    clock_.step->std = std::max(std_of(step_column()), of_all);
-  }
+  if (clock_.drift) clock_.drift_std = std_by_few(drift_column());
+  if (clock_.step) clock_.step->std = std_by_few(step_column());
   clock_.is_observable = clock_.explained > kMinExplained && clock_.std > 0.0 &&
                          clock_.std < kMaxStd && span >= kMinParts * length;
 }
