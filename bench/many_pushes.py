@@ -5,12 +5,13 @@
 
     bench/many_pushes.py --pcavr build/bench/apps/pcavr/pcavr [--count 300] [--jobs 2] [--work out/many-pushes]
 
-Simulates the pushes, and times `run --jobs 1` and `run --jobs N` against the same commands one by one for some of
-them: the ratios of processor time, and of the time that passed, a recording each (of N jobs: times N, where the
-machine has as many cores). Prints how many tasks took within 1.5 times of their estimates, scaled by their median,
+Simulates the pushes, and times `run --jobs 1` and `run --jobs N` against the same commands for some of them, one by
+one in as many shells at once: processors that share a core are slower together. The ratios are those of processor
+time, and of the time that passed, a recording each. Prints how many tasks took within 1.5 times of their estimates, scaled by their median,
 and the bytes that a task writes, for the model of docs/scale.md. Needs only python3.
 """
 import argparse
+import concurrent.futures
 import json
 import pathlib
 import resource
@@ -22,19 +23,29 @@ import time
 
 from command import run
 
-SAMPLES = 5  # recordings by single commands
+SAMPLES = 10  # recordings by single commands
 MAX_FACTOR = 1.5
 MAX_RATIO = 1.1  # of the time of a recording in a plan to that of single commands
+
+
+def run_quietly(words):
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RuntimeError(f"{words}: {done.stderr}")
+
+
+def spent_since(before, start, shells=1):
+    """Seconds that passed, times the shells, and of the processors."""
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return (shells * (time.monotonic() - start),
+            after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
 
 
 def timed(*words):
     """Seconds that passed, and of the processors, of a command with its children."""
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
-    passed, after = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode != 0:
-        sys.exit(f"{words}: {done.stderr}")
-    return passed, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    run_quietly(words)
+    return spent_since(before, start)
 
 
 def simulate(pcavr, folder, count):
@@ -45,18 +56,29 @@ def simulate(pcavr, folder, count):
                 "-o", recording, "--force")
 
 
-def single_commands(pcavr, recording, folder):
-    """Sums of the passed and the processors' time of the four commands, on one thread each."""
-    shutil.rmtree(folder, ignore_errors=True)
+def commands_of(pcavr, recording, folder):
+    """The four commands, on one thread each."""
     threads = ("--threads", 1)
-    times = [timed(pcavr, "build", recording, "-o", folder / "scene", *threads),
-             timed(pcavr, "identify", "friction", recording, "--scene", folder / "scene", "-o",
-                   folder / "parameters.yaml", *threads),
-             timed(pcavr, "replay", recording, "--scene", folder / "scene", "--parameters",
-                   folder / "parameters.yaml", "-o", folder / "run", *threads),
-             timed(pcavr, "evaluate", folder / "run", "--truth", recording / "truth", "-o", folder / "report",
-                   *threads)]
-    return [sum(column) for column in zip(*times)]
+    return [(pcavr, "build", recording, "-o", folder / "scene", *threads),
+            (pcavr, "identify", "friction", recording, "--scene", folder / "scene", "-o",
+             folder / "parameters.yaml", *threads),
+            (pcavr, "replay", recording, "--scene", folder / "scene", "--parameters",
+             folder / "parameters.yaml", "-o", folder / "run", *threads),
+            (pcavr, "evaluate", folder / "run", "--truth", recording / "truth", "-o", folder / "report", *threads)]
+
+
+def single_commands(pcavr, recordings, folder, shells):
+    """The passed time of a shell, and the processors' time, a recording: its commands one by one."""
+    shutil.rmtree(folder, ignore_errors=True)
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+
+    def one(recording):
+        for words in commands_of(pcavr, recording, folder / recording.name):
+            run_quietly(words)
+
+    with concurrent.futures.ThreadPoolExecutor(shells) as pool:
+        list(pool.map(one, recordings))
+    return [total / len(recordings) for total in spent_since(before, start, shells)]
 
 
 def records_of(plan):
@@ -99,14 +121,13 @@ def main():
     simulate(arguments.pcavr, lab, arguments.count)
     recordings = sorted(lab.iterdir())[:arguments.count]
     chosen = recordings[::max(1, len(recordings) // SAMPLES)]
-    singles = [single_commands(arguments.pcavr, recording, arguments.work / "single") for recording in chosen]
-    single = [statistics.mean(column) for column in zip(*singles)]
-    print(f"single commands: {single[0]:.2f} s a recording, {single[1]:.2f} s of a processor")
     made = run(arguments.pcavr, "plan", *recordings, "--chain", "build,identify,replay,evaluate", "-o", plan, "--force")
     for jobs in sorted({1, arguments.jobs}):
         shutil.rmtree(plan.with_suffix(""), ignore_errors=True)
         passed, processor = timed(arguments.pcavr, "run", plan, "--jobs", jobs, "--threads", 1)
-        print(f"--jobs {jobs}: {made['tasks']} tasks in {passed:.1f} s; a recording against single commands: "
+        single = single_commands(arguments.pcavr, chosen, arguments.work / "single", jobs)
+        print(f"{jobs} shells with single commands: {single[0]:.2f} s a recording, {single[1]:.2f} s of a processor\n"
+              f"--jobs {jobs}: {made['tasks']} tasks in {passed:.1f} s; a recording against single commands: "
               f"{jobs * passed / len(recordings) / single[0]:.3f} of the time, "
               f"{processor / len(recordings) / single[1]:.3f} of the processor's (target: at most {MAX_RATIO})",
               flush=True)
