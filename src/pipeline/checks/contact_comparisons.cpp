@@ -13,6 +13,7 @@
 
 #include "pcavr/base/core/median.hpp"
 #include "pcavr/physics/identification/path_view.hpp"
+#include "pcavr/physics/identification/signals.hpp"
 #include "pcavr/physics/inputs/contact_clocks.hpp"
 #include "pcavr/physics/inputs/force_scale.hpp"
 #include "pcavr/physics/inputs/input_monitor.hpp"
@@ -44,6 +45,7 @@ constexpr double kMaxSlideAngle = 0.35;
 /// [s] Less than a frame of most cameras, and what a contact's compression looks like.
 constexpr double kMinTrackDelay = 0.010;
 constexpr double kMinTrackStds = 3.0;
+constexpr double kMinRowShare = 0.25;  ///< of the longer interval between two rows
 
 /// The contacts of a recording, and what the series show about themselves.
 struct SeenContacts {
@@ -161,9 +163,17 @@ void compare_directions(const SeenContacts& seen, std::vector<InputComparison>& 
                                                    "centre, or the force is turned"));
 }
 
-/// Adds a clock's offset, which is a warning where it is significant.
+/// [s] An offset below is one of the rows' phases: no clock is better known than its rows.
+double min_row_offset(const SeenContacts& seen) {
+  return kMinRowShare *
+         std::max(mean_interval(seen.input.t_tool), mean_interval(seen.input.t_force));
+}
+
+/// Adds a clock's offset, which is a warning where it is significant and more than `min_offset`
+/// [s].
 void compare_clock(const char* what, const char* file, const TimeOffset& offset, bool is_applied,
-                   const std::string& unknown, std::vector<InputComparison>& comparisons,
+                   double min_offset, const std::string& unknown,
+                   std::vector<InputComparison>& comparisons,
                    std::vector<ConsistencyFinding>& findings) {
   if (!offset.is_known) {
     comparisons.push_back(failed_comparison(what, "the offset is not observable: " + unknown));
@@ -171,8 +181,8 @@ void compare_clock(const char* what, const char* file, const TimeOffset& offset,
   }
   const std::string figure =
       fmt::format("{:.1f} +- {:.1f} ms", 1e3 * offset.offset, 1e3 * offset.std);
-  if (!is_applied) {
-    comparisons.push_back(comparison_of(what, figure));
+  if (!is_applied || std::abs(offset.offset) < min_offset) {
+    comparisons.push_back(comparison_of(what, figure + (is_applied ? ", taken off" : "")));
     return;
   }
   findings.push_back({.file = file,
@@ -185,12 +195,12 @@ void compare_clock(const char* what, const char* file, const TimeOffset& offset,
 void compare_clocks(const SeenContacts& seen, std::vector<InputComparison>& comparisons,
                     std::vector<ConsistencyFinding>& findings) {
   compare_clock(kForceClock, "wrench.csv", seen.found.tool_to_force,
-                seen.found.is_force_offset_applied, "no press, release or loading shows it",
-                comparisons, findings);
+                seen.found.is_force_offset_applied, min_row_offset(seen),
+                "no press, release or loading shows it", comparisons, findings);
   const bool is_tracked = std::any_of(seen.input.objects.begin(), seen.input.objects.end(),
                                       [](const auto& object) { return !object.tracked.empty(); });
   compare_clock(kTrackingClock, "tracked", seen.found.tool_to_camera,
-                seen.found.is_camera_offset_applied,
+                seen.found.is_camera_offset_applied, 0.0,
                 is_tracked ? "no slide of a tracked object shows it" : "there are no tracked poses",
                 comparisons, findings);
 }
