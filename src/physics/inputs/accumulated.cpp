@@ -127,10 +127,8 @@ std::vector<std::string> AccumulatedFindings::notes() const {
   if (has_unknown_filter_) {
     notes.push_back(
         "the force's noise without contact is correlated from sample to sample, as behind a "
-        "filter, "
-        "but of no kind that is known here: what it delays and smooths is not taken off; record "
-        "the "
-        "force unfiltered");
+        "filter, but of no kind that is known here: what it delays and smooths is not taken off; "
+        "record the force unfiltered");
   }
   if (counts_.saturations > 0) {
     notes.push_back(fmt::format(

@@ -57,6 +57,7 @@ struct ClockDrift {
 [[nodiscard]] TimeOffset penetration_offset(const InputSeries& series, const PathView& tip,
                                             const BodyPoses& poses);
 
+/// What slides show of the tracking's clock.
 struct TrackingOffset : TimeOffset {
   bool is_ambiguous = false;  ///< not known, as poses that are off explain as much
 };

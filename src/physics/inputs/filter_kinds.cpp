@@ -113,8 +113,11 @@ Butterworth fit_cutoff(std::size_t order, const std::vector<Products>& axes) {
   const double share = 1.0 / std::numbers::phi;
   for (int i = 0; i < kCutoffRefinements; ++i) {
     const double a = high - share * (high - low), b = low + share * (high - low);
-    (misfit(at(a), axes) < misfit(at(b), axes) ? high : low) =
-        misfit(at(a), axes) < misfit(at(b), axes) ? b : a;
+    if (misfit(at(a), axes) < misfit(at(b), axes)) {
+      high = b;
+    } else {
+      low = a;
+    }
   }
   return at(0.5 * (low + high));
 }
@@ -242,16 +245,23 @@ std::vector<Eigen::Vector3d> before_average(std::size_t samples, double interval
   return result;
 }
 
-std::vector<Eigen::Vector3d> before_butterworth(const Butterworth& filter,
-                                                std::span<const Eigen::Vector3d> values) {
-  const std::vector<double> a = filter.coefficients();
-  const double scale = 1.0 / (1.0 - std::accumulate(a.begin(), a.end(), 0.0));
+std::vector<Eigen::Vector3d> before_recursion(const std::vector<double>& coefficients,
+                                              std::span<const Eigen::Vector3d> values) {
+  const double scale = 1.0 / (1.0 - std::accumulate(coefficients.begin(), coefficients.end(), 0.0));
   std::vector<Eigen::Vector3d> result(values.begin(), values.end());
-  for (std::size_t i = a.size(); i < values.size(); ++i) {
+  for (std::size_t i = coefficients.size(); i < values.size(); ++i) {
     Eigen::Vector3d value = values[i];
-    for (std::size_t k = 0; k < a.size(); ++k) value -= a[k] * values[i - 1 - k];
+    for (std::size_t k = 0; k < coefficients.size(); ++k) {
+      value -= coefficients[k] * values[i - 1 - k];
+    }
     result[i] = scale * value;
   }
+  return result;
+}
+
+std::vector<Eigen::Vector3d> before_butterworth(const Butterworth& filter,
+                                                std::span<const Eigen::Vector3d> values) {
+  std::vector<Eigen::Vector3d> result = before_recursion(filter.coefficients(), values);
   for (std::size_t zero = 0; zero < filter.order; ++zero) {
     for (std::size_t i = 1; i < result.size(); ++i) {
       result[i] = (1.0 + kZero) * result[i] - kZero * result[i - 1];

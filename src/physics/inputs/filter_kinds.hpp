@@ -38,6 +38,8 @@ struct Butterworth {
 /// window: that is only known from how it changes, and is forgotten within a second.
 [[nodiscard]] std::vector<Eigen::Vector3d> before_average(std::size_t samples, double interval,
                                                           std::span<const Eigen::Vector3d> values);
+[[nodiscard]] std::vector<Eigen::Vector3d> before_recursion(
+    const std::vector<double>& coefficients, std::span<const Eigen::Vector3d> values);
 /// Near half the sampling rate, where the zeros have left nothing, it is not amplified.
 [[nodiscard]] std::vector<Eigen::Vector3d> before_butterworth(
     const Butterworth& filter, std::span<const Eigen::Vector3d> values);

@@ -3,7 +3,6 @@
 #include "physics/inputs/force_filter.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <cstddef>
@@ -24,7 +23,7 @@ namespace {
 
 constexpr std::size_t kLags = 8;        // [samples] in which noise is white, or not
 constexpr std::size_t kMaxOrder = 3;    // of a sensor's low pass
-constexpr double kMinNeighbours = 0.5;  // of neighbours, behind a filter
+constexpr double kMinNeighbours = 0.5;  // correlation of neighbours behind a filter
 constexpr double kMaxExcess = 0.1;      // of a correlation over one that falls by degrees
 constexpr double kMinDelay = 0.25;      // [sample intervals] less is near the noise's own
 /// A low pass passes nothing much larger than what is slow; a vibration does.
@@ -169,15 +168,7 @@ std::vector<Eigen::Vector3d> before(const ForceFilter& filter,
                                     std::span<const Eigen::Vector3d> force) {
   if (filter.average > 0) return before_average(filter.average, filter.interval, force);
   if (filter.butterworth) return before_butterworth(*filter.butterworth, force);
-  std::vector<Eigen::Vector3d> result(force.begin(), force.end());
-  const std::size_t order = filter.coefficients.size();
-  const double scale = 1.0 / (1.0 - sum_of(filter.coefficients));
-  for (std::size_t i = order; i < force.size(); ++i) {
-    Eigen::Vector3d value = force[i];
-    for (std::size_t k = 0; k < order; ++k) value -= filter.coefficients[k] * force[i - 1 - k];
-    result[i] = scale * value;
-  }
-  return result;
+  return before_recursion(filter.coefficients, force);
 }
 
 }  // namespace

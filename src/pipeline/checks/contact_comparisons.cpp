@@ -227,7 +227,7 @@ void compare_track(const std::string& name, const TrackDelays& track, double of_
           : ConsistencyFinding{.file = name,
                                .message = fmt::format(
                                    "the face moves {} {} than the tip that pushes it, or is off as "
-                                   "long as it slides: nothing is taken off",
+                                   "long as it slides: its motion does not show which",
                                    figure, which),
                                .hint = "synchronise the clocks; check mesh, tool's tip and tracked "
                                        "frame"});
